@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 36] = shipped![
+const SHIPPED: [Shipped; 38] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -39,6 +39,7 @@ const SHIPPED: [Shipped; 36] = shipped![
     "slide-hold-slide.toml",
     "healing.toml",
     "spectrum.toml",
+    "fit.toml",
     "stick-slip-ageing.toml",
     "ofc.toml",
     "front-chain.toml",
@@ -49,6 +50,7 @@ const SHIPPED: [Shipped; 36] = shipped![
     "renormalised-cells.toml",
     "first_loading.csv",
     "front-chain.csv",
+    "measured-pull.csv",
 ];
 
 /// The text of the example `name`, with or without `.toml`.

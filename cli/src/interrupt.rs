@@ -95,13 +95,8 @@ impl Interrupts {
         work()
     }
 
-    /// From now on the run has checkpoints, and must check for interruptions.
-    pub fn keep_checkpoints(&self) {
-        *self.0.stage() = Stage::Keeping;
-    }
-
-    /// From now on the run itself reports why it was interrupted, unless this has been reported already: the process
-    /// then ends here.
+    /// From now on the run itself checks for interruptions, writes its checkpoint if it has any, and reports why it was
+    /// interrupted. If this has been reported already, the process ends here.
     pub fn take_over(&self) {
         *self.0.stage() = Stage::Keeping;
     }

@@ -35,7 +35,14 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         renamed.iter().for_each(|file| say(&moved(file)));
     }
     checkpoints.map_or(Ok(()), Checkpoints::remove)?;
-    print_summary(&outcome.summary, &directory, arguments)
+    print_summary(&outcome.summary, &directory, arguments)?;
+    match outcome.summary.numbers.fit() {
+        Some(fit) if !fit.converged => Err(Failure::run(format!(
+            "the fit has not converged; its last values and its misfit are in {}",
+            directory.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Prints the summary in the requested form.
@@ -79,7 +86,7 @@ fn checkpoints(
     if every.is_none() && !resume && !wanted {
         return Ok(None);
     }
-    interrupts.keep_checkpoints();
+    interrupts.take_over();
     let option = if resume { "--resume" } else { "--checkpoint" };
     scenario.keeps_checkpoints(option).map_err(|error| Failure::Input(format!("error: {error}\n")))?;
     let directory = arguments.directory();

@@ -16,6 +16,7 @@ pub mod ensemble;
 mod error;
 pub mod exact;
 pub mod first_breaks;
+pub mod fit;
 pub mod history;
 pub mod law;
 pub mod life;

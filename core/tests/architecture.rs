@@ -18,6 +18,7 @@ const SHARED: [(&[&str], &str); 3] = [
             "Contacts",
             "Drive",
             "Ensemble",
+            "Fit",
             "Interface",
             "Law",
             "MasterEquation",

@@ -2,8 +2,10 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use asperity::contacts::{Contacts, Initial, Start};
-use asperity::law::SharedLaw;
+use asperity::law::{Renormalised, Root, SharedLaw};
 use asperity::master::{MasterEquation, Pull};
 use common::{equation, exponential, gamma, gaussian, lognormal, mixture, point, rectangular, weibull};
 
@@ -55,6 +57,56 @@ fn the_derivative_by_an_exponential_mean_has_a_closed_form() {
     }
 }
 
+/// F = X − Σ_n [x̄Φ(z_n) − (σ/√n) φ(z_n)] with z_n = (X − nx̄)/(√n σ) gives
+/// ∂F/∂x̄ = −Σ_n [Φ(z_n) − X φ(z_n)/(√n σ)] and ∂F/∂σ = Σ_n φ(z_n) [x̄z_n/σ + (1 + z_n²)/√n]. The
+/// distribution is cut at 0, where z is −10.
+#[test]
+fn the_derivatives_by_gaussian_parameters_have_closed_forms() {
+    use std::f64::consts::{PI, SQRT_2};
+    let (zero, std) = (point(0.0), 0.1);
+    let pull = equation(&gaussian(1.0, std), &zero, &zero, Start::Conditional).pull_with(5.0, 1e-12, &mut ());
+    let gradients = pull.unwrap().gradients(&["thresholds.mean", "thresholds.std"]).unwrap();
+    for k in 1..=100 {
+        let x = 0.0499 * f64::from(k);
+        let (mut by_mean, mut by_std) = (0.0, 0.0);
+        for n in 1..=20 {
+            let (n, root) = (f64::from(n), f64::from(n).sqrt());
+            let z = (x - n) / (root * std);
+            let density = (-0.5 * z * z).exp() / (2.0 * PI).sqrt();
+            by_mean -= 0.5 * libm::erfc(-z / SQRT_2) - x * density / (root * std);
+            by_std += density * (z / std + (1.0 + z * z) / root);
+        }
+        for (gradient, exact) in gradients.iter().zip([by_mean, by_std]) {
+            assert!((gradient.at(x) - exact).abs() < 1e-10, "{x}: {:e}", gradient.at(x) - exact);
+        }
+    }
+}
+
+/// Rectangular thresholds on [a, b] of the width w, with a > b/2: F = X up to a, X + (a² − X²)/2w up to b,
+/// X − (a + b)/2 up to 2a, and (X − 2a)²(X + a)/6w² less than that up to a + b.
+#[test]
+fn the_derivatives_by_rectangular_parameters_have_closed_forms() {
+    let (zero, a, b) = (point(0.0), 0.8, 1.2);
+    let pull = equation(&rectangular(a, b), &zero, &zero, Start::Conditional).pull_with(2.0, 1e-12, &mut ());
+    let gradients = pull.unwrap().gradients(&["thresholds.min", "thresholds.max"]).unwrap();
+    let width: f64 = b - a;
+    for k in 1..=79 {
+        let x = 0.025 * f64::from(k) + 0.0031;
+        let (square, third) = ((a * a - x * x) / (2.0 * width.powi(2)), (x - 2.0 * a).powi(2) * (x + a));
+        let steeper = third / (3.0 * width.powi(3));
+        let lower = (2.0 * (x - 2.0 * a) * 2.0 * (x + a) - (x - 2.0 * a).powi(2)) / (6.0 * width.powi(2));
+        let exact = match x {
+            ..0.8 => [0.0, 0.0],
+            0.8..1.2 => [a / width + square, -square],
+            1.2..1.6 => [-0.5, -0.5],
+            _ => [-0.5 + lower - steeper, -0.5 + steeper],
+        };
+        for (gradient, exact) in gradients.iter().zip(exact) {
+            assert!((gradient.at(x) - exact).abs() < 1e-10, "{x}: {:e}", gradient.at(x) - exact);
+        }
+    }
+}
+
 /// Every parameter of every distribution as thresholds, re-forming and initial stretches, against central
 /// differences of F of fourth order. F is accurate to 3e-12 and the steps are 3e-4 of a parameter: 1e-7 of the
 /// largest derivative.
@@ -73,9 +125,18 @@ fn derivatives_are_those_of_the_force() {
         exponential(1.0),
         mixed(gaussian(0.8, 0.1), rectangular(0.9, 1.3)),
         mixed(point(0.9), smooth.clone()),
+        Arc::new(Root::new(1.0, gaussian(1.0, 0.3)).unwrap()),
+        Arc::new(Renormalised::new(gaussian(1.0, 0.2), 0.1).unwrap()),
     ];
-    let starts =
-        [narrow.clone(), rectangular(0.05, 0.3), mixed(zero.clone(), narrow.clone()), gamma(0.15, 0.05)];
+    let starts = [
+        narrow.clone(),
+        rectangular(0.05, 0.3),
+        mixed(zero.clone(), narrow.clone()),
+        gamma(0.15, 0.05),
+        lognormal(0.15, 0.03),
+        weibull(3.0, 0.15),
+        exponential(0.02),
+    ];
     for law in &laws {
         agree(law, &zero, &zero, Start::Conditional, "thresholds");
         agree(law, &narrow, &starts[1], Start::Relaxed, "thresholds");
@@ -125,55 +186,59 @@ fn agree(thresholds: &SharedLaw, reforming: &SharedLaw, initial: &SharedLaw, sta
     }
 }
 
-/// F_s, F_k, X* and K_c against central differences of fourth order of themselves. F_k = (1 + σ²/x̄²)x̄/2 has a
-/// closed form, too. With steps of 1e-3 of a parameter, errors of
-/// 1e-12 become 1e-9 to 1e-8.
+/// F_s, F_k, X* and K_c of a pull.
+fn friction(equation: &MasterEquation, pull: &Pull) -> [f64; 4] {
+    [
+        pull.static_friction().unwrap().value,
+        equation.steady_state().kinetic_friction(),
+        equation.relaxation().unwrap().length(),
+        pull.critical_stiffness(),
+    ]
+}
+
+/// Holds the derivatives of friction by a parameter of this value against central differences of fourth order of F_s,
+/// F_k, X* and K_c themselves; `with` makes the contacts with another value. With steps of 1e-3 of the value, errors of
+/// 1e-12 become 1e-9 to 1e-8. K_c is a slope of F, with an error of 1e-9.
+fn friction_agrees(name: &str, value: f64, with: impl Fn(f64) -> MasterEquation) {
+    let pull = |equation: &MasterEquation| equation.pull_with(4.0, 1e-12, &mut ()).unwrap();
+    let step = 1e-3 * value;
+    let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| {
+        let equation = with(value + k * step);
+        friction(&equation, &pull(&equation))
+    });
+    let found = pull(&with(value)).friction_gradient(name).unwrap();
+    let found = [
+        found.static_friction.unwrap(),
+        found.kinetic_friction,
+        found.relaxation_length,
+        found.critical_stiffness,
+    ];
+    for (i, found) in found.into_iter().enumerate() {
+        let difference = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step);
+        let tolerance = if i == 3 { 1e-6 } else { 1e-8 };
+        let apart = (found - difference).abs();
+        assert!(apart < tolerance * difference.abs().max(1.0), "{name} {i}: {found} {difference}");
+    }
+}
+
+/// F_s, F_k, X* and K_c by the parameters of the thresholds. F_k = (1 + σ²/x̄²)x̄/2 has a closed form, too.
 #[test]
 fn derivatives_of_friction_are_those_of_its_values() {
     let zero = point(0.0);
     let narrow = gaussian(0.1, 0.02);
+    let law = gaussian(1.0, 0.12);
     for reforming in [&zero, &narrow] {
-        let law = gaussian(1.0, 0.12);
-        let pull = |law: &SharedLaw| {
-            equation(law, reforming, &zero, Start::Conditional).pull_with(4.0, 1e-12, &mut ()).unwrap()
-        };
-        let values = |pull: &Pull, law: &SharedLaw| {
-            let equation = equation(law, reforming, &zero, Start::Conditional);
-            [
-                pull.static_friction().unwrap().value,
-                equation.steady_state().kinetic_friction(),
-                equation.relaxation().unwrap().length(),
-                pull.critical_stiffness(),
-            ]
-        };
-        let base = pull(&law);
         for parameter in law.parameters() {
-            let found = base.friction_gradient(&format!("thresholds.{}", parameter.name)).unwrap();
-            let step = 1e-3 * parameter.value;
-            let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| {
-                let law = law.with_parameter(&parameter.name, parameter.value + k * step).unwrap();
-                values(&pull(&law), &law)
+            friction_agrees(&format!("thresholds.{}", parameter.name), parameter.value, |value| {
+                let law = law.with_parameter(&parameter.name, value).unwrap();
+                equation(&law, reforming, &zero, Start::Conditional)
             });
-            let found = [
-                found.static_friction.unwrap(),
-                found.kinetic_friction,
-                found.relaxation_length,
-                found.critical_stiffness,
-            ];
-            for (i, found) in found.into_iter().enumerate() {
-                let difference = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step);
-                // K_c is a slope of F, with an error of 1e-9.
-                let tolerance = if i == 3 { 1e-6 } else { 1e-8 };
-                let apart = (found - difference).abs();
-                assert!(apart < tolerance * difference.abs().max(1.0), "{} {i}", parameter.name);
-            }
-        }
-        if reforming.mean() == 0.0 {
-            let [mean, std] = ["mean", "std"]
-                .map(|name| base.friction_gradient(&format!("thresholds.{name}")).unwrap().kinetic_friction);
-            assert!((mean - 0.5 * (1.0 - 0.12 * 0.12)).abs() < 1e-12 && (std - 0.12).abs() < 1e-12);
         }
     }
+    let pull = equation(&law, &zero, &zero, Start::Conditional).pull_with(4.0, 1e-12, &mut ()).unwrap();
+    let [mean, std] = ["mean", "std"]
+        .map(|name| pull.friction_gradient(&format!("thresholds.{name}")).unwrap().kinetic_friction);
+    assert!((mean - 0.5 * (1.0 - 0.12 * 0.12)).abs() < 1e-12 && (std - 0.12).abs() < 1e-12);
 }
 
 /// At kinks of F: rectangular thresholds on [a, b] with a > b/2 give F_s = a and K_c = b/(b − a) − 1, since F' = 1 −
@@ -242,7 +307,7 @@ fn derivatives_of_contacts_in_time_are_those_of_the_force() {
             let step = 5e-4 * parameter.value.max(0.1);
             let at = |k: f64| {
                 let value = parameter.value + k * step;
-                equation.with_parameter(&parameter.name, value, &mut ()).unwrap().pull(3.0).unwrap()
+                equation.with_parameters(&[(&parameter.name, value)], &mut ()).unwrap().pull(3.0).unwrap()
             };
             let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(at);
             let positions = (1..=20).map(|k| 0.1437 * f64::from(k));
@@ -296,41 +361,13 @@ fn parameters_have_names() {
     assert!(names.iter().all(|name| error.contains(name)), "{error}");
 }
 
-/// A delay moves friction, too: F_s, F_k, X* and K_c against central differences of fourth order.
+/// A delay moves friction, too, and so does the velocity.
 #[test]
 fn friction_changes_with_the_delay() {
     let mut contacts = Contacts::new(gaussian(1.0, 0.15), gaussian(0.1, 0.03));
     contacts.rules.delay = 0.3;
     let equation = MasterEquation::at(contacts, &Initial::default(), 0.5).unwrap();
-    let pull = equation.pull_with(4.0, 1e-12, &mut ()).unwrap();
-    for name in ["delay", "velocity"] {
-        let value = if name == "delay" { 0.3 } else { 0.5 };
-        let values = |value: f64| {
-            let equation = equation.with_parameter(name, value, &mut ()).unwrap();
-            let pull = equation.pull_with(4.0, 1e-12, &mut ()).unwrap();
-            [
-                pull.static_friction().unwrap().value,
-                equation.steady_state().kinetic_friction(),
-                equation.relaxation().unwrap().length(),
-                pull.critical_stiffness(),
-            ]
-        };
-        let step = 1e-3 * value;
-        let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| values(value + k * step));
-        let found = pull.friction_gradient(name).unwrap();
-        let found = [
-            found.static_friction.unwrap(),
-            found.kinetic_friction,
-            found.relaxation_length,
-            found.critical_stiffness,
-        ];
-        for (i, found) in found.into_iter().enumerate() {
-            let difference = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step);
-            let tolerance = if i == 3 { 1e-6 } else { 1e-8 };
-            assert!(
-                (found - difference).abs() < tolerance * difference.abs().max(1.0),
-                "{name} {i}: {found} {difference}"
-            );
-        }
+    for (name, value) in [("delay", 0.3), ("velocity", 0.5)] {
+        friction_agrees(name, value, |value| equation.with_parameters(&[(name, value)], &mut ()).unwrap());
     }
 }

@@ -26,12 +26,19 @@ from xarray import Dataset
 from asperity._events import Event, Events
 from asperity._values import (
     Atoms,
+    Correlation,
     Course,
     Energy,
     Equilibria,
+    Estimate,
+    FrictionEstimates,
     InterfaceEnergy,
     Label,
+    MeasuredNoise,
+    Misfit,
     Potential,
+    Prediction,
+    Profile,
     Sizes,
     Stability,
     State,
@@ -56,6 +63,7 @@ __all__ = [
     "Description",
     "Ensemble",
     "EnsemblePull",
+    "Estimates",
     "ExactErlang",
     "ExactGaussian",
     "ExactIdentical",
@@ -67,6 +75,7 @@ __all__ = [
     "Gamma",
     "Gaussian",
     "Gradient",
+    "Healing",
     "Inertial",
     "Interface",
     "Lattice",
@@ -93,14 +102,18 @@ __all__ = [
     "Tabulated",
     "Temperature",
     "Transport",
+    "VelocityStep",
     "Weibull",
     "__version__",
     "_resolve",
     "_restore",
     "critical_coupling",
+    "fit",
     "kinetic_friction",
     "kinetic_friction_per_threshold",
     "open_result",
+    "read_healing",
+    "read_velocity_step",
     "run",
     "steady_variance",
     "steady_variance_per_threshold",
@@ -564,6 +577,115 @@ class EnsemblePull(Record):
         """The standard error of the force, shape (points,), from the variance between contacts; nan for one contact."""
 
 @final
+class Estimates:
+    """What a fit has found: values of the free numbers with their errors, and how well they describe the curve.
+
+    Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
+    """
+
+    def __repr__(self, /) -> str: ...
+    def _repr_html_(self, /) -> str: ...
+    @property
+    def contacts(self, /) -> Contacts:
+        """The contacts of the estimated numbers."""
+
+    @property
+    def converged(self, /) -> bool:
+        """Whether the search has converged; otherwise the estimates are its last values."""
+
+    @property
+    def correlations(self, /) -> list[Correlation]:
+        """The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation."""
+
+    @property
+    def covariance(self, /) -> _Array:
+        """The covariance of the estimates in the order of `params`, shape (n, n)."""
+
+    def friction(self, /) -> FrictionEstimates:
+        """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error."""
+
+    def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
+        """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
+        numbers, has risen by 3.84.
+
+        name: a name of `params`.
+        progress: as for MasterEquation.pull.
+        """
+
+    def log_likelihood(self, /, values: ArrayLike) -> tuple[float, _Array]:
+        """ln L at values of the free numbers, and its gradient, for samplers and other searches.
+
+        values: a list of n numbers in the order of `params`.
+
+        Returns ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
+        The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent errors
+        whose size is estimated, ln L is the highest for any size.
+        """
+
+    @property
+    def misfit(self, /) -> Misfit | None:
+        """How well the curve is described, a Misfit; None for a planned measurement."""
+
+    @property
+    def model(self, /) -> MasterEquation:
+        """The master equation of the estimated numbers."""
+
+    @property
+    def params(self, /) -> dict[str, Estimate]:
+        """The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate."""
+
+    def plot(self, /, axes: Sequence[Axes] | None = None, **style: Any) -> tuple[Axes, ...]:
+        """Plots the readings with the expected force and a band of two standard deviations of a reading to either side, and
+        below them the whitened residuals. Returns the axes. It needs matplotlib.
+
+        axes: two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of the
+        expected force. A planned measurement is plotted on the first of them only.
+        """
+
+    def predict(self, /, position: ArrayLike) -> Prediction:
+        """The readings that are expected at positions, as they are measured, with their scatter and their errors.
+
+        position: a list of positions in any order, within the range of the measured ones or beyond it.
+        """
+
+    def profile(
+        self, /, name: str, values: ArrayLike | None = None, *, progress: _Progress = None
+    ) -> Profile:
+        """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
+        its minimum.
+
+        name: a name of `params`.
+        values: a list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+        logarithm for numbers above 0.
+        progress: as for MasterEquation.pull.
+        """
+
+    @property
+    def pull(self, /) -> Pull:
+        """The pull of the estimated contacts, up to the last reading."""
+
+    @property
+    def reading(self, /) -> float:
+        """The standard deviation of the independent error of a reading, given or estimated, a force."""
+
+    @property
+    def readings(self, /) -> Record:
+        """The readings as the fit describes them, a Record of arrays of shape (n,).
+
+        `position` and `force` are the measured ones, after averaging; `slider_position` is X; `expected` is the expected
+        force and `std` the standard deviation of a reading about it; `residual` is the measured minus the expected
+        force, and `whitened` the whitened residuals, which are independent and of variance 1 if the description
+        holds. A planned measurement has no `force`, `residual` and `whitened`.
+        """
+
+    @property
+    def solutions(self, /) -> int:
+        """The number of solutions of the master equation that the search took."""
+
+    def summary(self, /) -> str:
+        """A table in plain English: values with errors and intervals, correlations, and how well the curve is described."""
+
+@final
 class ExactErlang(ClosedForm):
     """Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
     exponential distribution.
@@ -719,6 +841,56 @@ class Gradient:
     @property
     def parameter(self, /) -> str:
         """The parameter, such as `thresholds.mean`."""
+
+@final
+class Healing:
+    """Measured healing: its parameters, each an Estimate with its value, its standard error and its 95 % interval. Made by
+    read_healing.
+
+    Called with hold times it is the fitted static friction.
+    """
+
+    @overload
+    def __call__(self, /, hold: float) -> float: ...
+    @overload
+    def __call__(self, /, hold: ArrayLike) -> _Array: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def at_one(self, /) -> Estimate:
+        """The static friction after a hold of 1, a force."""
+
+    @property
+    def cutoff(self, /) -> Estimate | None:
+        """The cutoff time t_c; None if all holds are much longer. The interval ends at inf if the holds give no
+        upper limit.
+        """
+
+    @property
+    def fitted(self, /) -> _Array:
+        """The fitted static friction after them, shape (n,), a force."""
+
+    @property
+    def force(self, /) -> _Array:
+        """The static friction after them, shape (n,), a force."""
+
+    @property
+    def hold(self, /) -> _Array:
+        """The hold times, shape (n,), a time."""
+
+    @property
+    def per_decade(self, /) -> Estimate:
+        """The healing per factor of ten in hold time, β ln 10, a force."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots static friction against the logarithm of the hold time: measured values as dots, the fit as a
+        line. Returns the axes. It needs matplotlib.
+
+        ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+        """
+
+    @property
+    def residual(self, /) -> float:
+        """The root-mean-square residual of the fit, a force."""
 
 @final
 class Inertial(Description):
@@ -1738,6 +1910,84 @@ class Transport(Model):
         """
 
 @final
+class VelocityStep:
+    """A measured velocity step: its rate-and-state parameters, each an Estimate with its value, its standard error and its
+    95 % interval. Made by read_velocity_step.
+
+    Called with positions relative to the step it is the fitted force.
+    """
+
+    @overload
+    def __call__(self, /, position: float) -> float: ...
+    @overload
+    def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def a(self, /) -> Estimate:
+        """The direct effect a for the position of the peak, a force per ln(v/v_0)."""
+
+    @property
+    def a_minus_b(self, /) -> Estimate:
+        """a - b, the change of the steady force per ln(v/v_0). It does not depend on the position of the peak."""
+
+    @property
+    def b(self, /) -> Estimate:
+        """The evolution effect b for the position of the peak, a force per ln(v/v_0)."""
+
+    @property
+    def before(self, /) -> Estimate:
+        """The force F_0 before the step; its error is 0 if it was given."""
+
+    @property
+    def distance(self, /) -> Estimate:
+        """The characteristic slip distance D_c, a length; the interval ends at inf if the curve gives no upper limit."""
+
+    @property
+    def fitted(self, /) -> _Array:
+        """The fitted forces there, shape (n,)."""
+
+    @property
+    def force(self, /) -> _Array:
+        """The measured forces there, shape (n,)."""
+
+    @property
+    def noise(self, /) -> MeasuredNoise:
+        """The noise that the errors follow from, estimated from the residuals."""
+
+    @property
+    def peak(self, /) -> float:
+        """The position X_p relative to the step from which on the force relaxes, a length."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the measured force as dots and the fit as a line. Returns the axes. It needs matplotlib.
+
+        ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+        """
+
+    @property
+    def position(self, /) -> _Array:
+        """The positions that were fitted, relative to the step, shape (n,), a length."""
+
+    @property
+    def ratio(self, /) -> float:
+        """v/v_0."""
+
+    @property
+    def residual(self, /) -> float:
+        """The root-mean-square residual of the fit, a force."""
+
+    @property
+    def trend(self, /) -> Estimate | None:
+        """The slope of the force, a force per length; None without trend."""
+
+    @property
+    def whiteness(self, /) -> float | None:
+        """The probability that white noise has correlations as large as those of the whitened residuals
+        (Ljung-Box test); None if there are none. Where it is far below 0.01 the noise is not of this kind,
+        and the errors are not reliable.
+        """
+
+@final
 class Weibull(Law):
     """The Weibull distribution: survival exp(−(x/scale)^shape).
 
@@ -1757,6 +2007,58 @@ def critical_coupling(law: _AnyLaw) -> float:
     narrow distributions it is critical when K is the critical stiffness.
     """
 
+def fit(
+    contacts: Contacts,
+    position: ArrayLike,
+    force: ArrayLike | None,
+    *,
+    free: Sequence[str],
+    initial: _AnyLaw | None = None,
+    start: Literal["conditional", "relaxed"] = "conditional",
+    velocity: _Number | None = None,
+    noise: Literal["contacts", "white"] = "contacts",
+    reading: _Number | None = None,
+    drift: _Number | None = None,
+    compliance: _Number = 0.0,
+    offset: _Number = 0.0,
+    trend: _Number = 0.0,
+    origin: _Number = 0.0,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    average: SupportsIndex = 1,
+    progress: _Progress = None,
+) -> Estimates:
+    """Fits numbers of contacts, and of the machine, to a measured curve of force.
+
+    A reading of the force at the position y is F(X) + offset + trend y + an error, where y = origin + X + compliance
+    F(X) and F(X) is the force of the contacts on a pull. The most probable values are found by Fisher scoring, and
+    their errors follow from the expected information.
+
+    contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
+    position: positions y of the n readings, rising: of the slider, or of the drive if compliance is above 0.
+    force: the n measured forces; or None for a planned measurement, for which the result has the errors that the
+    free numbers would have, at their first values.
+    free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+    "count" and "stiffness", and "compliance", "offset", "trend" and "origin".
+    noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
+    number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
+    be free.
+    reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
+    drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
+    size and its length are then estimated. No drift if None.
+    compliance: displacement of the drive against the slider per force, of slider and machine together.
+    offset: the reading of the force where there is none.
+    trend: the change of that reading per length.
+    origin: the reading of the position at X = 0.
+    prior: for some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
+    logarithm for numbers above 0.
+    average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
+    4000 may remain.
+    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
+    converge is no error: see Estimates.converged.
+    """
+
 def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:
     """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds."""
 
@@ -1767,6 +2069,50 @@ def open_result(folder: str | PathLike[str]) -> Result:
     """Reads the folder that `asperity run` or Result.save wrote.
 
     Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
+    """
+
+def read_healing(hold: ArrayLike, force: ArrayLike) -> Healing:
+    """Reads healing from measured slide-hold-slide tests: F_s(t) = F_s(0) + β ln(1 + t/t_c), by least squares.
+
+    The scatter of the forces is taken as independent and of the same size for all holds, and is estimated from the
+    residuals. With few holds Student's distribution makes the intervals wider.
+
+    hold: hold times, a list of at least 4 numbers above 0.
+    force: the static friction after each: the highest force, or its difference from steady sliding.
+
+    Raises ValueError for invalid values, and for forces that grow in proportion to the hold time.
+    """
+
+def read_velocity_step(
+    position: ArrayLike,
+    force: ArrayLike,
+    ratio: _Number,
+    *,
+    before: _Number | None = None,
+    peak: _Number | None = None,
+    trend: bool = False,
+    noise: Literal["drift", "white"] = "drift",
+    average: SupportsIndex = 1,
+    progress: _Progress = None,
+) -> VelocityStep:
+    """Reads the rate-and-state parameters of a measured velocity step.
+
+    F(X) = F_0 + ln(v/v_0) [a - b (1 - exp(-(X - X_p)/D_c))] from X_p on, and F_0 before the step, by generalised least
+    squares. The covariance of the noise, white noise plus drift, is estimated from the residuals by restricted
+    likelihood, and the errors contain the uncertainty of the correlation length of the drift. The stiffness of the
+    machine is not modelled: a and b hold for the position X_p of the peak.
+
+    position: rising positions relative to the step, a length; those below 0 give F_0.
+    force: the forces there.
+    ratio: v/v_0, above 0 and not 1.
+    before: F_0, if it is known; the points before the step are then not used.
+    peak: X_p; by default the extremum of the force after the step, averaged over five points, or the step
+    itself if there is none. Points between the step and X_p are left out. trend: whether the force also has a
+    constant slope. noise: "drift" for white noise plus drift, "white" for white noise alone, whose errors are
+    too small where there is drift. average: the number of successive points that are averaged first, needed
+    where positions do not rise. progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Raises ValueError for invalid values, positions that do not rise, and too few points.
     """
 
 def run(

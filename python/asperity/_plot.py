@@ -1,6 +1,7 @@
 """Figures by matplotlib."""
 
 import math
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
-    from asperity._core import Pull, Record
+    from asperity._core import Estimates, Healing, Pull, Record, VelocityStep
 
 
 def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
@@ -47,6 +48,29 @@ def pull(
     return ax
 
 
+def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) -> "tuple[Axes, ...]":
+    """The expected force with a band of two standard deviations, the readings, and the whitened residuals."""
+    readings = fit.readings
+    measured = "force" in readings
+    axes = tuple(axes) if axes is not None else new_panels(2 if measured else 1)
+    position, expected, reach = readings["position"], readings["expected"], 2 * readings["std"]
+    above = axes[0]
+    line = curve(readings, above, {"position": "position", "expected": "force"}, **style)
+    above.fill_between(
+        position, expected - reach, expected + reach, color=line.get_color(), alpha=0.2, linewidth=0
+    )
+    if not measured:
+        return axes[:1]
+    above.plot(position, readings["force"], "k.", markersize=2)
+    below = axes[1]
+    below.axhspan(-2, 2, color=line.get_color(), alpha=0.2, linewidth=0)
+    below.plot(position, readings["whitened"], "k.", markersize=2)
+    above.set_xlabel("")
+    below.set_xlabel(axis("position", readings.labels["position"].units))
+    below.set_ylabel("whitened residual")
+    return axes
+
+
 def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
     """F(X), with its maximum as a dot, if it is known."""
     line = curve(record, ax, {"position": "X", "force": "F"}, **style)
@@ -73,12 +97,53 @@ def curve(record: "Record", ax: "Axes", names: dict[str, str], **style: Any) -> 
     return line
 
 
+def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The measured force around a velocity step, with the fit before the step and from the peak on."""
+    if ax is None:
+        ax = new_axes()
+    position, fitted = step.position, step.fitted
+    ax.plot(position, step.force, ".", markersize=3, color="0.6")
+    style = {"color": "tab:red", **style}
+    after = position >= 0.0
+    for part in (~after, after):
+        ax.plot(position[part], fitted[part], **style)
+    ax.set_xlabel("Displacement since the step")
+    ax.set_ylabel("F")
+    return ax
+
+
+def healing(healing: "Healing", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """Static friction against the logarithm of the hold time, with the fit at 200 hold times."""
+    if ax is None:
+        ax = new_axes()
+    ax.plot(healing.hold, healing.force, "o", color="0.4")
+    low, high = math.log10(min(healing.hold)), math.log10(max(healing.hold))
+    times = [10 ** (low + (high - low) * i / 199) for i in range(200)]
+    ax.plot(times, healing(times), **{"color": "tab:red", **style})
+    ax.set_xscale("log")
+    ax.set_xlabel("Hold time")
+    ax.set_ylabel("$F_s$")
+    return ax
+
+
 def new_axes() -> "Axes":
+    axes: Axes = pyplot().subplots()[1]
+    return axes
+
+
+def new_panels(count: int) -> "tuple[Axes, ...]":
+    """Axes below each other, the first three times as high as the others."""
+    heights = [3, *(1 for _ in range(count - 1))]
+    panels = pyplot().subplots(count, sharex=True, squeeze=False, height_ratios=heights)[1]
+    return tuple(panels[:, 0])
+
+
+def pyplot() -> ModuleType:
     try:
         import matplotlib.pyplot as plt
     except ImportError as error:
         raise ImportError("plot() needs matplotlib: pip install 'asperity[plot]'") from error
-    return plt.subplots()[1]
+    return plt
 
 
 def axis(name: str, units: str) -> str:

@@ -1,5 +1,6 @@
 """How descriptions and results are printed."""
 
+import math
 from collections.abc import Mapping
 from html import escape
 from typing import TYPE_CHECKING
@@ -8,7 +9,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from asperity._core import Record
+    from asperity._core import Healing, Record, VelocityStep
+    from asperity._values import Estimate
 
 MOST = 1000
 """Items of a list that are printed, as many as NumPy prints."""
@@ -87,6 +89,30 @@ def rows(record: "Record") -> dict[str, str]:
         shape = ", ".join(f"{dimension}: {length}" for dimension, length in sizes)
         rows[name] = f"({shape}) {label.long_name} [{label.units}]"
     return rows
+
+
+def velocity_step(step: "VelocityStep") -> str:
+    noise = step.noise
+    drift = (f", drift {one.std:.3g} over {one.length:.3g}" for one in noise.drift)
+    rows = {name: getattr(step, name) for name in ("a", "b", "a_minus_b", "distance", "before", "trend")}
+    shown = {name: estimate(value) for name, value in rows.items() if value is not None}
+    rest = {"peak": f"{step.peak:.6g}", "residual": f"{step.residual:.3g}"}
+    noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}"}
+    return listed("<asperity.VelocityStep>", {**shown, **rest, **noises})
+
+
+def healing(healing: "Healing") -> str:
+    rows = {name: getattr(healing, name) for name in ("per_decade", "cutoff", "at_one")}
+    shown = {name: estimate(value) for name, value in rows.items() if value is not None}
+    return listed("<asperity.Healing>", {**shown, "residual": f"{healing.residual:.3g}"})
+
+
+def estimate(found: "Estimate") -> str:
+    """Value and error, with two digits of the error, and the interval."""
+    decimals = max(0, 1 - math.floor(math.log10(found.error))) if found.error > 0 else 6
+    low, high = found.interval
+    value = f"{found.value:.{decimals}f} ± {found.error:.{decimals}f}"
+    return f"{value} (95 %: {low:.{decimals}f} to {high:.{decimals}f})"
 
 
 def number(value: object) -> str:

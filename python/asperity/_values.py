@@ -106,6 +106,39 @@ class InterfaceEnergy(NamedTuple):
     """Work and strengthening less all the others: 0 but for rounding and the accuracy of the forces."""
 
 
+class Estimate(NamedTuple):
+    """A number that was estimated from a measured curve."""
+
+    value: float
+    """Its most probable value."""
+    error: float
+    """Its standard error; 0 where it is at the end of its range."""
+    interval: tuple[float, float]
+    """Its 95 % interval, of a fit 1.96 standard errors to both sides of the value, or of its logarithm for
+    numbers above 0; it ends at inf if the curve gives no upper limit.
+    """
+    limit: float | None = None
+    """Where the curve only gives a limit: the value below which it is with 95 %; otherwise None."""
+
+
+class Drift(NamedTuple):
+    """An Ornstein-Uhlenbeck process: noise of covariance std² exp(-X/length) at the distance X."""
+
+    std: float
+    """Its standard deviation, a force."""
+    length: float
+    """Its correlation length, a length."""
+
+
+class MeasuredNoise(NamedTuple):
+    """The noise of a measured curve."""
+
+    white: float
+    """The standard deviation of its white part, a force."""
+    drift: list[Drift]
+    """The rest: none, one or two processes, those of short correlation lengths first."""
+
+
 class Stability(NamedTuple):
     """Linear stability of steady sliding at one velocity."""
 
@@ -167,3 +200,77 @@ class Potential(NamedTuple):
     """Positions X, shape (n,), a length."""
     energy: "NDArray[np.float64]"
     """The potential V(X_T, X): shape (n,), or (m, n) for a list of m drives."""
+
+
+class Correlation(NamedTuple):
+    """The correlation of the errors of two estimates."""
+
+    between: tuple[str, str]
+    """Their names."""
+    coefficient: float
+    """The coefficient, from -1 to 1."""
+
+
+class Misfit(NamedTuple):
+    """How well a fit describes a measured curve."""
+
+    chi_squared: float
+    """χ² = rᵀΣ⁻¹r of the residuals r, with Σ the covariance of their errors."""
+    degrees_of_freedom: int
+    """The number of readings less that of the free numbers of the expected curve."""
+    probability: float | None
+    """The probability of a larger χ²; None where the sizes of errors are estimated, so that χ² is no test."""
+    whiteness: float
+    """The probability of more autocorrelated whitened residuals, by the test of Ljung and Box."""
+    deviance: float
+    """-2 ln L, priors included."""
+    akaike: float
+    """Akaike's criterion: -2 ln L plus twice the number of free numbers, those of errors included."""
+    unlikely: bool
+    """Whether one of the probabilities is below 0.001: the curve is then not of the kind that was fitted, and
+    the errors of the estimates cannot be trusted.
+    """
+
+
+class WithError(NamedTuple):
+    """A value with its standard error."""
+
+    value: float
+    """The value."""
+    error: float
+    """Its standard error; nan where the value has no derivative."""
+
+
+class FrictionEstimates(NamedTuple):
+    """Friction of fitted contacts, with the errors of the estimates propagated to it."""
+
+    static_friction: WithError | None
+    """F_s, a force; None if it is not reached."""
+    kinetic_friction: WithError
+    """F_k, a force."""
+    relaxation_length: WithError
+    """X*, a length."""
+    critical_stiffness: WithError
+    """K_c, force per length."""
+
+
+class Prediction(NamedTuple):
+    """Readings expected of fitted contacts: arrays of shape (n,)."""
+
+    force: "NDArray[np.float64]"
+    """The expected force."""
+    std: "NDArray[np.float64]"
+    """The standard deviation of a reading about it: noise of contacts, independent error and drift."""
+    error: "NDArray[np.float64]"
+    """The standard error of the expected force, from the covariance of the estimates."""
+
+
+class Profile(NamedTuple):
+    """The profile of the likelihood of a number: arrays of shape (n,)."""
+
+    values: "NDArray[np.float64]"
+    """Values of the number."""
+    rise: "NDArray[np.float64]"
+    """By how much -2 ln L, lowest in all other free numbers, is above its minimum; 3.84 at the ends of the
+    interval of 95 %. inf where there is no curve.
+    """

@@ -54,20 +54,14 @@ impl MasterEquation {
         start: &str,
         tolerance: Option<f64>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let interface = interface(contacts, initial, start)?;
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("master_equation"))?;
-            let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
-            let equation = match velocity {
-                Some(velocity) => master::MasterEquation::at_with(contacts, &initial, velocity, monitor)?,
-                None => master::MasterEquation::new_with(contacts, &initial, monitor)?,
-            };
-            Ok(Self { equation, initial })
+            Self::build(&interface, velocity, monitor)
         };
         let equation = watched(None, py, build)?;
-        let plain = Plain::MasterEquation(Interface { contacts, initial, start }, Solved { own, velocity });
-        Ok(Model::new(plain).add_subclass(equation))
+        Ok(equation.described(interface, Solved { own, velocity }))
     }
 
     /// The velocity of the slider, or None.
@@ -125,6 +119,25 @@ impl MasterEquation {
 }
 
 impl MasterEquation {
+    /// The master equation of contacts, at a velocity if they are time-dependent.
+    pub fn build(
+        Interface { contacts, initial, start }: &Interface,
+        velocity: Option<f64>,
+        monitor: &mut dyn Monitor,
+    ) -> asperity::Result<Self> {
+        let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
+        let equation = match velocity {
+            Some(velocity) => master::MasterEquation::at_with(contacts, &initial, velocity, monitor)?,
+            None => master::MasterEquation::new_with(contacts, &initial, monitor)?,
+        };
+        Ok(Self { equation, initial })
+    }
+
+    /// The same as a model with its description.
+    pub fn described(self, interface: Interface, solved: Solved) -> PyClassInitializer<Self> {
+        Model::new(Plain::MasterEquation(interface, solved)).add_subclass(self)
+    }
+
     pub fn plain<'a>(equation: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
         &Self::solved(equation).own
     }

@@ -216,6 +216,22 @@ macro_rules! parametric_classes {
             }
         }
 
+        /// Sets a parameter of a description, by its name in the distribution that is built from it.
+        pub fn set_parameter(law: &mut scenario::Law, name: &str, to: f64) {
+            match law {
+                $(scenario::Law::$name { $($parameter),+ } => match name {
+                    $(stringify!($parameter) => *$parameter = to,)+
+                    _ => unreachable!("a parameter without a place"),
+                },)+
+                scenario::Law::Mixture(components) => set_of_component(components, name, to),
+                scenario::Law::Renormalised { coupling, .. } if name == "coupling" => *coupling = to,
+                scenario::Law::Renormalised { law, .. } => {
+                    set_parameter(law, name.trim_start_matches("law."), to);
+                }
+                _ => unreachable!("a distribution without parameters"),
+            }
+        }
+
         /// The arguments of its class that create a distribution.
         pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
             match law {
@@ -248,6 +264,16 @@ macro_rules! parametric_classes {
 }
 
 parametric_distributions!(parametric_classes);
+
+/// Sets a parameter of a component of a mixture, `1.mean`, or its weight, `1.weight`.
+fn set_of_component(components: &mut [Component], name: &str, to: f64) {
+    let (place, inner) = name.split_once('.').expect("the place of a component, and its parameter");
+    let component = &mut components[place.parse::<usize>().expect("the place of a component")];
+    match inner {
+        "weight" => component.weight = to,
+        _ => set_parameter(&mut component.law, inner, to),
+    }
+}
 
 classes! {
     /// A measured distribution: a density given at increasing stretches, or samples.

@@ -9,10 +9,12 @@ mod ensemble;
 mod equation;
 mod error;
 mod exact;
+mod fit;
 mod interface;
 mod law;
 mod model;
 mod pull;
+mod rate_state;
 mod record;
 mod result;
 mod rules;
@@ -48,6 +50,8 @@ mod _core {
         steady_variance_per_threshold,
     };
     #[pymodule_export]
+    use crate::fit::{Estimates, fit};
+    #[pymodule_export]
     use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]
     use crate::law::{
@@ -58,6 +62,8 @@ mod _core {
     use crate::model::Model;
     #[pymodule_export]
     use crate::pull::{FrictionGradient, Gradient, Pull};
+    #[pymodule_export]
+    use crate::rate_state::{Healing, VelocityStep, read_healing, read_velocity_step};
     #[pymodule_export]
     use crate::record::Record;
     #[pymodule_export]

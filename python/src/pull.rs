@@ -40,10 +40,18 @@ impl Pull {
         let solver = &equation.get().equation;
         let (pull, record) = watched(progress, py, |monitor| {
             let pull = solver.pull_with(distance, tolerance, monitor)?;
-            let mut record = record::Record::default();
-            task::record_pull(&pull, asked.positions(), None, &mut record, monitor)?;
+            let record = recorded(&pull, asked.positions(), monitor)?;
             Ok((pull, record))
         })?;
+        let record = Record::new(py, record, Units::default())?;
+        Py::new(py, record.add_subclass(Self { equation: equation.unbind(), pull }))
+    }
+
+    /// A pull that was computed, with the default number of positions.
+    pub fn computed(equation: Bound<'_, MasterEquation>, pull: master::Pull) -> PyResult<Py<Self>> {
+        let py = equation.py();
+        let asked = scenario::Pull { distance: pull.distance(), ..scenario::Pull::default() };
+        let record = watched(None, py, |monitor| recorded(&pull, asked.positions(), monitor))?;
         let record = Record::new(py, record, Units::default())?;
         Py::new(py, record.add_subclass(Self { equation: equation.unbind(), pull }))
     }
@@ -86,6 +94,17 @@ impl Pull {
         })?;
         Ok([convert::array(py, &[POSITIONS], at)?, convert::array(py, &[count, POSITIONS], paths.concat())?])
     }
+}
+
+/// Force and breaking rate at positions.
+fn recorded(
+    pull: &master::Pull,
+    positions: Vec<f64>,
+    monitor: &mut dyn Monitor,
+) -> asperity::Result<record::Record> {
+    let mut record = record::Record::default();
+    task::record_pull(pull, positions, None, &mut record, monitor)?;
+    Ok(record)
 }
 
 #[pymethods]

@@ -2,17 +2,20 @@
 
 use asperity::block::Curve;
 use asperity::energy::EnergyBalance;
+use asperity::fit;
 use asperity::law::Atom;
 use asperity::master::Stretches;
+use asperity::rate_state::{self, MeasuredValue};
 use asperity::record::{Quantity, Record};
 use asperity::task::LinearStability;
 use asperity::task::summary::SliderState;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::convert::{Import, array, row};
 use crate::typed::{
-    Atoms, BlockEnergy, Course, Equilibria, Events, InterfaceEnergy, Potential, Sizes, Stability, State,
+    Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FrictionEstimates,
+    InterfaceEnergy, MeasuredNoise, Misfit, Potential, Prediction, Profile, Sizes, Stability, State,
     StaticFriction, StretchDensity,
 };
 
@@ -27,9 +30,18 @@ static ROW: Import = Import::new("asperity._events", "row");
 static EQUILIBRIA: Import = Import::new("asperity._values", "Equilibria");
 static POTENTIAL: Import = Import::new("asperity._values", "Potential");
 static EVENTS: Import = Import::new("asperity._events", "Events");
+static ESTIMATE: Import = Import::new("asperity._values", "Estimate");
+static DRIFT: Import = Import::new("asperity._values", "Drift");
+static MEASURED_NOISE: Import = Import::new("asperity._values", "MeasuredNoise");
 static STABILITY: Import = Import::new("asperity._values", "Stability");
 static SIZES: Import = Import::new("asperity._values", "Sizes");
 static COURSE: Import = Import::new("asperity._values", "Course");
+static CORRELATION: Import = Import::new("asperity._values", "Correlation");
+static MISFIT: Import = Import::new("asperity._values", "Misfit");
+static WITH_ERROR: Import = Import::new("asperity._values", "WithError");
+static FRICTION_ESTIMATES: Import = Import::new("asperity._values", "FrictionEstimates");
+static PREDICTION: Import = Import::new("asperity._values", "Prediction");
+static PROFILE: Import = Import::new("asperity._values", "Profile");
 
 /// F_s with X_s.
 pub fn static_friction(py: Python<'_>, force: f64, position: f64) -> PyResult<StaticFriction<'_>> {
@@ -54,6 +66,22 @@ pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResul
     let shape = [found.len(), at.len()];
     let density = found.into_iter().flat_map(|one| one.density).collect();
     STRETCH_DENSITY.get(py)?.call1((row(py, at)?, array(py, &shape, density)?, masses)).map(StretchDensity)
+}
+
+/// A parameter of a measured curve.
+pub fn estimate(py: Python<'_>, found: MeasuredValue) -> PyResult<Estimate<'_>> {
+    let interval = (found.low, found.high.unwrap_or(f64::INFINITY));
+    ESTIMATE.get(py)?.call1((found.value, found.error, interval)).map(Estimate)
+}
+
+/// White noise and drift.
+pub fn measured_noise<'py>(
+    py: Python<'py>,
+    noise: &rate_state::MeasuredNoise,
+) -> PyResult<MeasuredNoise<'py>> {
+    let drift = noise.drift.iter().map(|process| DRIFT.get(py)?.call1((process.std, process.length)));
+    let drift = drift.collect::<PyResult<Vec<_>>>()?;
+    MEASURED_NOISE.get(py)?.call1((noise.white, drift)).map(MeasuredNoise)
 }
 
 /// Linear stability of steady sliding.
@@ -134,4 +162,57 @@ pub fn sizes<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 4]) -> PyResult<
 /// The time course of a slip, from columns.
 pub fn course<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 5]) -> PyResult<Course<'py>> {
     COURSE.get(py)?.call1(PyTuple::new(py, columns)?).map(Course)
+}
+
+/// Estimates by name.
+pub fn estimates<'py>(py: Python<'py>, found: &[fit::Estimate]) -> PyResult<Estimates<'py>> {
+    let estimates = PyDict::new(py);
+    for one in found {
+        let [low, high] = one.interval;
+        estimates
+            .set_item(&one.name, ESTIMATE.get(py)?.call1((one.value, one.error, (low, high), one.limit))?)?;
+    }
+    Ok(Estimates(estimates.into_any()))
+}
+
+/// Correlations between the errors of two estimates.
+pub fn correlations(py: Python<'_>, found: Vec<fit::Correlation>) -> PyResult<Correlations<'_>> {
+    let class = CORRELATION.get(py)?;
+    let one = |fit::Correlation { between: [first, second], coefficient }| {
+        class.call1(((first, second), coefficient))
+    };
+    let all = found.into_iter().map(one).collect::<PyResult<Vec<_>>>()?;
+    Ok(Correlations(PyList::new(py, all)?.into_any()))
+}
+
+/// How well a curve is described.
+pub fn misfit<'py>(py: Python<'py>, found: &fit::Misfit) -> PyResult<Misfit<'py>> {
+    let fit::Misfit { chi_squared, degrees_of_freedom, probability, whiteness, deviance, akaike } = *found;
+    let numbers =
+        (chi_squared, degrees_of_freedom, probability, whiteness, deviance, akaike, found.is_unlikely());
+    MISFIT.get(py)?.call1(numbers).map(Misfit)
+}
+
+/// Friction with standard errors.
+pub fn friction<'py>(py: Python<'py>, found: &fit::FrictionEstimates) -> PyResult<FrictionEstimates<'py>> {
+    let class = WITH_ERROR.get(py)?;
+    let with_error = |one: fit::WithError| class.call1((one.value, one.error));
+    let numbers = (
+        found.static_friction.map(with_error).transpose()?,
+        with_error(found.kinetic_friction)?,
+        with_error(found.relaxation_length)?,
+        with_error(found.critical_stiffness)?,
+    );
+    FRICTION_ESTIMATES.get(py)?.call1(numbers).map(FrictionEstimates)
+}
+
+/// Expected readings.
+pub fn prediction(py: Python<'_>, found: fit::Prediction) -> PyResult<Prediction<'_>> {
+    let fit::Prediction { forces, std, error } = found;
+    PREDICTION.get(py)?.call1((row(py, forces)?, row(py, std)?, row(py, error)?)).map(Prediction)
+}
+
+/// The profile of −2 ln L of a number.
+pub fn profile(py: Python<'_>, values: Vec<f64>, rise: Vec<f64>) -> PyResult<Profile<'_>> {
+    PROFILE.get(py)?.call1((row(py, values)?, row(py, rise)?)).map(Profile)
 }

@@ -25,6 +25,8 @@ LATTICE = asp.Lattice(ROUGH, [256, 256], asp.Rectangular(0.0, 0.5), neighbours=0
 LAW = asp.Gamma(1.0, 0.5)
 PULL = asp.MasterEquation(GAUSSIAN).pull(2.0)
 MANY = np.linspace(0.0, 2.0, 2 * 10**7)
+POSITION = np.linspace(0.02, 2.0, 100)
+FIT = asp.fit(ROUGH, POSITION, np.sin(POSITION), free=["count", "thresholds.mean"], noise="white")
 SOON = 0.2
 
 LONG: dict[str, Callable[[], object]] = {
@@ -52,6 +54,10 @@ LONG: dict[str, Callable[[], object]] = {
     "law of many": lambda: LAW.pdf(MANY),
     "force at many": lambda: PULL(MANY),
     "draws": lambda: LAW.rvs(2 * 10**8, seed=1),
+    "fit": lambda: asp.fit(
+        AGEING, POSITION, np.sin(POSITION), free=["ageing.diffusion"], velocity=0.1, noise="white"
+    ),
+    "profile": lambda: FIT.profile("count", np.linspace(0.9, 1.1, 10**4)),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 

@@ -22,7 +22,15 @@ DRIVES = [
     if (path.stem.startswith("stick-slip") and path.stem != "stick-slip-ageing")
     or path.stem in ("hysteresis", "imposed-force", "smooth-sliding")
 ]
-TABLES = ("force.csv", "trace.csv", "velocity_curve.csv", "hold_curve.csv", "spectrum.csv", "thresholds.csv")
+TABLES = (
+    "force.csv",
+    "trace.csv",
+    "velocity_curve.csv",
+    "hold_curve.csv",
+    "spectrum.csv",
+    "fit.csv",
+    "thresholds.csv",
+)
 
 
 def identical(one: asp.Result, other: asp.Result) -> None:

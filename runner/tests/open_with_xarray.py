@@ -20,6 +20,7 @@ TABLES = {
     "velocity_curve.csv": "velocity",
     "hold_curve.csv": "hold",
     "spectrum.csv": "wave_number",
+    "fit.csv": "reading_position",
     "thresholds.csv": "drive",
 }
 
@@ -34,6 +35,7 @@ HEADINGS = {
     "velocity_curve": ["`[velocity_curve]`"],
     "hold_curve": ["`[hold_curve]`"],
     "spectrum": ["`[spectrum]`"],
+    "fit": ["`[fit]`"],
     "renormalisation": ["`[renormalisation]`"],
 }
 

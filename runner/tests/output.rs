@@ -38,6 +38,7 @@ fn outcome(seed: u64) -> Outcome {
             seed: Some(u64::MAX - seed),
             disorder: None,
             numbers: Numbers::Pull(PullNumbers {
+                derivatives: Vec::new(),
                 friction: Friction {
                     static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
                     kinetic_friction: 0.50125,

@@ -259,6 +259,24 @@ fn covariances_that_do_not_exist_are_refused() {
     assert!(free.contains("contacts.delay"), "{free}");
 }
 
+/// Derivatives of friction by every parameter: those of F_k = N(1 + σ²)/2 in closed form, and F_s is proportional to
+/// the number of contacts. None unless they are asked for.
+#[test]
+fn a_pull_gives_the_derivatives_of_friction() {
+    let contacts = "contacts = { count = 1000.0, thresholds.gaussian = { mean = 1.0, std = 0.1 } }\n";
+    let outcome = run(&format!("{contacts}pull = {{ distance = 3.0, points = 31, derivatives = true }}"));
+    let numbers = &outcome.summary.numbers;
+    let names: Vec<&str> = numbers.derivatives().iter().map(|by| by.parameter.as_str()).collect();
+    assert_eq!(names, ["thresholds.mean", "thresholds.std", "count", "stiffness"]);
+    for (by, expected) in numbers.derivatives().iter().zip([495.0, 100.0, 0.505, 505.0]) {
+        near(by.kinetic_friction / expected, 1.0, 1e-9);
+    }
+    let StaticFriction::Reached { force, .. } = numbers.friction().unwrap().static_friction else { panic!() };
+    near(numbers.derivatives()[2].static_friction.unwrap() * 1000.0 / force, 1.0, 1e-12);
+    let without = run(&format!("{contacts}pull = {{ distance = 3.0, points = 31 }}"));
+    assert!(without.summary.numbers.derivatives().is_empty());
+}
+
 /// The noise of steady sliding: S(0) and the standard deviation in closed form, the stiffness of one contact from the
 /// tail, and the periodogram of an ensemble about the exact spectrum: its mean deviation in standard errors.
 #[test]

@@ -188,9 +188,9 @@ fn what_was_held_longer_heals_more() {
     let curve = outcome.summary.numbers.hold_curve().unwrap();
     // The last decade, at whose beginning contacts are a hundred times older than when they slid.
     let last = force[4] - force[3];
-    near(curve.healing_per_decade.unwrap().value, last, 0.05 * last);
+    near(curve.healing_per_decade.unwrap(), last, 0.05 * last);
     // They were about a mean threshold over the velocity old, and age in that time.
-    let cutoff = curve.healing_cutoff.unwrap().value;
+    let cutoff = curve.healing_cutoff.unwrap();
     assert!(cutoff > 3.0 && cutoff < 30.0, "{cutoff}");
     assert!(force[0] > curve.kinetic_friction);
     assert!(outcome.summary.warnings.is_empty());

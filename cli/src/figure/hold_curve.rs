@@ -45,20 +45,16 @@ fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<
     let unit = outcome.summary.units.label(Quantity::Force);
     let ends = [hold[0], hold[hold.len() - 1]];
     if let (Some(slope), Some(at_one)) = (read.healing_per_decade, read.at_one) {
-        let cutoff = read.healing_cutoff.map_or(0.0, |cutoff| cutoff.value);
-        let force = |t: f64| at_one + slope.value * ((t + cutoff) / (1.0 + cutoff)).log10();
+        let cutoff = read.healing_cutoff.unwrap_or(0.0);
+        let force = |t: f64| at_one + slope * ((t + cutoff) / (1.0 + cutoff)).log10();
         let time = |k: u32| ends[0] * (ends[1] / ends[0]).powf(f64::from(k) / f64::from(POINTS));
         let fitted = (0..=POINTS).map(time).map(|t| (t, force(t))).collect();
         plots.push(line(fitted, GREY, 1.4, Some(DASHES)));
         let time = outcome.summary.units.label(Quantity::Time);
-        let from = read
-            .healing_cutoff
-            .map(|cutoff| format!(", cutoff time {}", style::with_unit(cutoff.value, &time)));
-        let words = format!(
-            "healing {} per decade{}",
-            style::with_unit(slope.value, &unit),
-            from.unwrap_or_default()
-        );
+        let from =
+            read.healing_cutoff.map(|cutoff| format!(", cutoff time {}", style::with_unit(cutoff, &time)));
+        let words =
+            format!("healing {} per decade{}", style::with_unit(slope, &unit), from.unwrap_or_default());
         legend.push(style::line(words, GREY, Some(DASHES)));
     }
     plots.push(line(ends.map(|t| (t, read.kinetic_friction)).to_vec(), GREY, 1.4, Some(DOTS)));

@@ -8,6 +8,7 @@ mod distribution;
 mod equilibrium;
 mod evolution;
 mod field;
+mod fit;
 mod force;
 mod hold_curve;
 mod potential;
@@ -55,6 +56,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("thresholds", thresholds::scene(outcome)),
         ("spectrum", spectrum::scene(outcome)),
         ("correlation", spectrum::correlation(outcome)),
+        ("fit", fit::scene(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

@@ -1,7 +1,7 @@
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
 use asperity::task::summary::{
-    Catalogue, CurveLimits, Extended, Fitted, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers,
+    Catalogue, CurveLimits, Extended, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers,
     InterfaceNumbers, Numbers, Peak, ProtocolNumbers, ProtocolStep, PullNumbers, RateState, StaticFriction,
     Summary, VelocityCurveNumbers,
 };
@@ -55,7 +55,7 @@ fn outcome() -> Outcome {
         sample: Some(100.0),
         seed: Some(1),
         disorder: None,
-        numbers: Numbers::Pull(PullNumbers { friction: friction(), compare: None }),
+        numbers: Numbers::Pull(PullNumbers { friction: friction(), derivatives: Vec::new(), compare: None }),
         warnings: Vec::new(),
     };
     Outcome { scenario: String::new(), summary, record }
@@ -130,7 +130,7 @@ fn a_normal_load_adds_an_axis_of_friction_coefficients() {
     assert!(!svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
     let coefficients = FrictionCoefficients { normal_load: 2.0, at_rest: Some(0.4), kinetic: 0.25 };
     let friction = Friction { friction_coefficients: Some(coefficients), ..friction() };
-    outcome.summary.numbers = Numbers::Pull(PullNumbers { friction, compare: None });
+    outcome.summary.numbers = Numbers::Pull(PullNumbers { friction, derivatives: Vec::new(), compare: None });
     assert!(svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
 }
 
@@ -192,14 +192,14 @@ fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
 
 #[test]
 fn a_hold_curve_shows_healing_and_what_it_grows_from() {
-    let fitted = Fitted { value: 0.01, error: 1e-4 };
     let hold_curve = HealingCurve {
         velocity: 1.0,
         kinetic_friction: 0.5,
-        healing_per_decade: Some(fitted),
+        healing_per_decade: Some(0.01),
         healing_relative: Some(0.02),
-        healing_cutoff: Some(Fitted { value: 3.0, error: 0.1 }),
+        healing_cutoff: Some(3.0),
         at_one: Some(0.6),
+        residual_relative: Some(0.01),
     };
     let mut outcome = timed(HoldCurveNumbers { hold_curve });
     outcome.record.push("hold", "hold", Quantity::Time, &["hold"], vec![1.0, 10.0, 100.0]);
@@ -279,7 +279,6 @@ fn an_interface_has_a_catalogue_and_maps() {
 
 #[test]
 fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
-    let fitted = Fitted { value: 0.01, error: 1e-4 };
     let steps = vec![ProtocolStep {
         velocity: 2.0,
         position: 20.0,
@@ -291,14 +290,17 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
         rate_state: Some(RateState {
             velocity_before: 1.0,
             force_before: 0.5,
-            a: fitted,
-            b: fitted,
-            distance: Fitted { value: 3.0, error: 0.1 },
+            a: 0.01,
+            b: 0.01,
+            distance: 3.0,
             peak: 0.0,
             a_relative: 0.02,
             b_relative: 0.02,
             residual: 1e-4,
+            residual_relative: 0.01,
         }),
+        measured: None,
+        not_read: None,
     }];
     let mut outcome = timed(ProtocolNumbers { force_error: 1e-6, steps, compare: None });
     let time: Vec<f64> = (0..40).map(f64::from).collect();

@@ -1,6 +1,6 @@
 //! `velocity_step`: the force after each velocity step, with the fitted rate-and-state curve.
 
-use asperity::task::summary::{ProtocolStep, RateState};
+use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState};
 use asperity_runner::output::Outcome;
 use kuva::plot::LegendEntry;
 use kuva::render::figure::{Figure, FigureLegendPosition};
@@ -51,6 +51,9 @@ fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
     if outcome.record.get("compared_force").is_some() {
         entries.push(style::line("compared curve", GREEN, None));
     }
+    if outcome.summary.numbers.steps().iter().any(|step| step.measured.is_some()) {
+        entries.push(style::line("its fit", GREEN, Some(DASHES)));
+    }
     entries
 }
 
@@ -66,11 +69,15 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
     let compared = since(("compared_position", "compared_force")).unwrap_or_default();
     let fitted: Vec<Point> =
         computed.iter().filter(|p| p.0 >= read.peak).map(|p| (p.0, fit(step, read, p.0))).collect();
+    let size = (step.velocity / read.velocity_before).ln();
+    let compared_fit: Vec<Point> =
+        step.measured.iter().flat_map(|found| fit_of(found, size, &compared)).collect();
     let heights: Vec<f64> = [&computed, &compared].into_iter().flatten().map(|p| p.1).collect();
     let (low, high) = style::range([heights.as_slice()]);
     let air = 0.1 * (high - low);
     let plots = vec![
         line(compared, GREEN, 1.0, None),
+        line(compared_fit, GREEN, 1.6, Some(DASHES)),
         line(computed, BLUE, 2.0, None),
         line(fitted, RED, 1.6, Some(DASHES)),
     ];
@@ -89,7 +96,16 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
 
 /// The fitted force at a displacement from the peak.
 fn fit(step: &ProtocolStep, read: &RateState, displacement: f64) -> f64 {
-    let fallen = -(-(displacement - read.peak) / read.distance.value).exp_m1();
+    let fallen = -(-(displacement - read.peak) / read.distance).exp_m1();
     let size = (step.velocity / read.velocity_before).ln();
-    read.force_before + size * (read.a.value - read.b.value * fallen)
+    read.force_before + size * (read.a - read.b * fallen)
+}
+
+/// The fit of the compared curve at its points from the peak on.
+fn fit_of(found: &MeasuredRateState, size: f64, points: &[Point]) -> Vec<Point> {
+    let force = |x: f64| {
+        let fallen = -(-(x - found.peak) / found.distance.value).exp_m1();
+        found.force_before.value + size * (found.a.value - found.b.value * fallen)
+    };
+    points.iter().filter(|point| point.0 >= found.peak).map(|point| (point.0, force(point.0))).collect()
 }

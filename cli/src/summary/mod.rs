@@ -1,6 +1,8 @@
 //! Text of the summary of a run.
 
 mod catalogue;
+mod derivatives;
+mod fit;
 mod noise;
 mod renormalisation;
 mod timed;
@@ -22,6 +24,7 @@ pub fn readable(summary: &Summary) -> String {
         let both = format!("static {at_rest}, kinetic {} (load {load})", digits(coefficients.kinetic));
         lines.push(("friction coefficients", both));
     }
+    lines.extend(derivatives::lines(summary.numbers.derivatives()));
     if let Some(sliding) = summary.numbers.sliding() {
         lines.extend(slid(summary, sliding));
     }
@@ -51,6 +54,12 @@ pub fn readable(summary: &Summary) -> String {
     let mut text = if summary.title.is_empty() { String::new() } else { format!("{}\n\n", summary.title) };
     for (name, value) in lines {
         let _ = writeln!(text, "{name:<22} {value}");
+    }
+    let estimates = summary.numbers.fit().map_or_else(Vec::new, |found| fit::lines(summary, found));
+    // Keys of a scenario may be longer than the names of other lines.
+    let width = estimates.iter().fold(22, |widest, (name, _)| widest.max(name.chars().count()));
+    for (name, value) in estimates {
+        let _ = writeln!(text, "{name:<width$} {value}");
     }
     let ensemble = summary.numbers.sliding().and_then(|sliding| sliding.ensemble.as_deref());
     for (name, value) in ensemble.into_iter().flat_map(|sliding| slid(summary, sliding)) {

@@ -1,7 +1,10 @@
 //! Text of the summary for motion in time: steps, curves, and rate-and-state parameters.
 
+use asperity::rate_state::MeasuredValue;
 use asperity::record::Quantity;
-use asperity::task::summary::{CurveLimits, HealingCurve, ProtocolStep, RateState, Stability, Summary};
+use asperity::task::summary::{
+    CurveLimits, Fitted, HealingCurve, MeasuredRateState, ProtocolStep, RateState, Stability, Summary,
+};
 
 use super::{digits, fitted, with_unit};
 
@@ -18,6 +21,10 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     for step in summary.numbers.steps().iter().take(LISTED) {
         lines.push(("step", step_text(summary, step)));
         lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
+        lines.extend(step.measured.iter().flat_map(|read| measured(summary, read)));
+        lines.extend(
+            step.not_read.iter().map(|why| ("  compared curve", format!("not read as a step: {why}"))),
+        );
     }
     if summary.numbers.steps().len() > LISTED {
         lines.push(("", format!("and {} more steps", summary.numbers.steps().len() - LISTED)));
@@ -80,8 +87,43 @@ fn step_text(summary: &Summary, step: &ProtocolStep) -> String {
 }
 
 fn read_as(summary: &Summary, read: &RateState) -> String {
-    let (a, b) = (fitted(summary, read.a, Quantity::Force), fitted(summary, read.b, Quantity::Force));
-    format!("a = {a}, b = {b}, D_c = {}", fitted(summary, read.distance, Quantity::Length))
+    let (a, b) = (short(summary, read.a, Quantity::Force), short(summary, read.b, Quantity::Force));
+    let distance = short(summary, read.distance, Quantity::Length);
+    let residual = percent(read.residual_relative);
+    format!("a = {a}, b = {b}, D_c = {distance}, residual {residual} of the range of F")
+}
+
+/// A computed value with four digits: the curve does not follow the fitted equation more closely.
+fn short(summary: &Summary, number: f64, quantity: Quantity) -> String {
+    let rounded = format!("{number:.3e}").parse().unwrap_or(number);
+    with_unit(digits(rounded), number, &summary.units.label(quantity))
+}
+
+/// A fraction in percent, with two digits.
+fn percent(fraction: f64) -> String {
+    format!("{} %", digits(format!("{:.1e}", 100.0 * fraction).parse().unwrap_or(fraction)))
+}
+
+/// The parameters of the compared curve, with their errors and what is left.
+fn measured(summary: &Summary, read: &MeasuredRateState) -> [(&'static str, String); 2] {
+    let with_error = |found: MeasuredValue, quantity| {
+        fitted(summary, Fitted { value: found.value, error: found.error }, quantity)
+    };
+    let force = |found| with_error(found, Quantity::Force);
+    let distance = with_error(read.distance, Quantity::Length);
+    let low = short(summary, read.distance.low, Quantity::Length);
+    let high = read.distance.high.map_or("no limit".into(), |high| short(summary, high, Quantity::Length));
+    let residual = short(summary, read.residual, Quantity::Force);
+    [
+        ("  compared curve", format!("a = {}, b = {}, D_c = {distance}", force(read.a), force(read.b))),
+        (
+            "",
+            format!(
+                "a − b = {}, 95 % interval of D_c: {low} to {high}, rms residual {residual}",
+                force(read.a_minus_b)
+            ),
+        ),
+    ]
 }
 
 fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)> {
@@ -89,14 +131,17 @@ fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)
     let steady = value(summary, curve.kinetic_friction, Quantity::Force);
     let mut lines = vec![("kinetic friction", format!("F_k = {steady} at v = {velocity}"))];
     if let (Some(healing), Some(relative)) = (curve.healing_per_decade, curve.healing_relative) {
-        let text = fitted(summary, healing, Quantity::Force);
+        let text = short(summary, healing, Quantity::Force);
+        let residual = curve.residual_relative.map_or(String::new(), |residual| {
+            format!(", residual {} of the range of F_s", percent(residual))
+        });
         lines.push((
             "healing",
-            format!("{text} per factor of ten in hold time ({:.2} % of F_k)", 100.0 * relative),
+            format!("{text} per factor of ten in hold time ({:.2} % of F_k){residual}", 100.0 * relative),
         ));
     }
     if let Some(cutoff) = curve.healing_cutoff {
-        lines.push(("", format!("cutoff time {}", fitted(summary, cutoff, Quantity::Time))));
+        lines.push(("", format!("cutoff time {}", short(summary, cutoff, Quantity::Time))));
     }
     lines
 }

@@ -110,9 +110,9 @@ impl Combination {
         let thresholds = Table::from_iter([(family.to_owned(), law)]);
         let contacts = Table::from_iter([("thresholds".to_owned(), Value::Table(thresholds))]);
         let whole = Table::from_iter([("contacts".to_owned(), Value::Table(contacts))]);
-        let knows_time = energy > 0.0 || !ageing.1.is_empty();
+        let time_dependent = energy > 0.0 || !ageing.1.is_empty();
         // Keys come before tables, and those of tables that are not closed yet go with them.
-        let mut text = format!("{}\n", if knows_time { task.2 } else { task.1 });
+        let mut text = format!("{}\n", if time_dependent { task.2 } else { task.1 });
         if energy > 0.0 {
             text += &format!("contacts.temperature = {{ energy = {energy:e}, attempt_rate = 1.0 }}\n");
         }

@@ -85,6 +85,8 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
     let (task, in_time) = (walk.options.get(":alternative").map_or("", String::as_str), walk.in_time());
     let interface = walk.given("interface");
     match (path, option) {
+        // A fit needs readings that such contacts can have led to. Drawn ones are refused, or are of another kind.
+        (":alternative", "fit") => false,
         ("contacts:alternative", "areas") => !matches!(task, "renormalisation" | "spectrum"),
         ("contacts.thresholds", family) if matches!(task, "renormalisation" | "spectrum") => {
             is_continuous(family)

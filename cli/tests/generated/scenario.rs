@@ -96,7 +96,7 @@ impl Schema {
             ("/$defs/Drive/properties", "drive."),
         ];
         let optional = |option: &String| {
-            // No choice is noted of keys that a table must have; of a choice of variants it is the variant.
+            // No choice is noted of keys that a table must have; of a choice of variants, or of true and false, it is the choice.
             let other = [
                 "cells",
                 "connection",
@@ -104,6 +104,7 @@ impl Schema {
                 "turning_points",
                 "force_to",
                 "contacts",
+                "derivatives",
                 "edges",
                 "loading",
                 "slip",
@@ -228,6 +229,8 @@ impl<'a> Walk<'a> {
             "boolean" => Value::Boolean(self.choose(&here, &["false", "true"]) == "true"),
             "string" => Value::String("µm".into()),
             "array" => self.list(schema, path, key),
+            // A table with keys of its own, such as priors.
+            "object" => Value::Table(Table::new()),
             other => panic!("{here}: no value is known of type {other}"),
         }
     }
@@ -351,7 +354,7 @@ impl<'a> Walk<'a> {
             "points" => 30,
             "size" => 2000,
             "seed" => 1000,
-            "pieces" | "runs" => 6,
+            "pieces" | "runs" | "average" => 6,
             "cells" => 8,
             _ => panic!("{key}: how large this number is is not listed"),
         };

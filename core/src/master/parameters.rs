@@ -173,12 +173,31 @@ impl MasterEquation {
         found
     }
 
-    /// The same contacts with another value of one of [`Self::parameters`].
+    /// The same contacts with other values of some of [`Self::parameters`].
     ///
     /// # Errors
     /// An unknown parameter; those of [`Self::new`] and [`Self::at`]; stopped by the monitor.
-    pub fn with_parameter(&self, name: &str, value: f64, monitor: &mut dyn Monitor) -> Result<Self> {
-        self.description().with(self.named(name)?, value)?.equation(monitor)
+    pub fn with_parameters(&self, values: &[(&str, f64)], monitor: &mut dyn Monitor) -> Result<Self> {
+        let named = values.iter().map(|&(name, value)| Ok((self.named(name)?, value)));
+        let named = named.collect::<Result<Vec<_>>>()?;
+        let one_more = |all: Description, &(named, value): &(Named<'_>, f64)| all.with(named, value);
+        // The ends of a range that moves are replaced one after the other: the far one must come first.
+        let all = named.iter().try_fold(self.description(), one_more);
+        let all = all.or_else(|_| named.iter().rev().try_fold(self.description(), one_more));
+        all?.equation(monitor)
+    }
+
+    /// Whether a parameter is above 0 by its meaning.
+    ///
+    /// # Errors
+    /// An unknown parameter.
+    pub(crate) fn is_positive(&self, name: &str) -> Result<bool> {
+        Ok(match self.named(name)? {
+            Named::Number(_) => true,
+            Named::OfLaw(owner, inner) => {
+                self.description().law(owner).is_some_and(|law| law.with_parameter(inner, 0.0).is_err())
+            }
+        })
     }
 
     pub(super) fn description(&self) -> Description {

@@ -20,6 +20,8 @@ pub struct GaussLegendre {
     barycentric: Nodal,
     /// `transform[n][i]` = (n + ½) w_i P_n(t_i): from values at the points to Legendre coefficients.
     transform: [Nodal; NODES],
+    /// The same column by column: `columns[i][n]`.
+    columns: [Nodal; NODES],
 }
 
 /// The rule, computed once.
@@ -42,6 +44,7 @@ impl GaussLegendre {
             weights: [0.0; NODES],
             barycentric: [0.0; NODES],
             transform: [[0.0; NODES]; NODES],
+            columns: [[0.0; NODES]; NODES],
         };
         for i in 0..NODES {
             // Newton iteration from the Chebyshev-like estimate of the zero.
@@ -66,13 +69,24 @@ impl GaussLegendre {
             for n in 1..NODES {
                 rule.transform[n][i] = (n as f64 + 0.5) * w * legendre(n, t).0;
             }
+            rule.columns[i] = rule.transform.map(|row| row[i]);
         }
         rule
     }
 
     /// Legendre coefficients of the polynomial through `values` at the Gauss points.
+    #[inline(always)]
     pub fn coefficients(&self, values: &Nodal) -> Nodal {
-        self.transform.map(|row| dot(&row, values))
+        let (values, mut out) = (*values, [0.0; NODES]);
+        // The loop over n vectorises, since a column is contiguous.
+        for n in 0..NODES {
+            let mut sum = 0.0;
+            for i in 0..NODES {
+                sum += self.columns[i][n] * values[i];
+            }
+            out[n] = sum;
+        }
+        out
     }
 
     /// Values at `t` of the 16 cardinal (Lagrange) polynomials, by the barycentric formula.
@@ -129,16 +143,51 @@ pub fn series(coefficients: &Nodal, t: f64) -> f64 {
 }
 
 /// Values of a Legendre series at 16 points at once; the loop vectorises.
-#[inline]
-pub fn series_at(coefficients: &Nodal, t: &Nodal) -> Nodal {
-    let (mut next, mut last) = ([0.0; NODES], [0.0; NODES]);
-    for n in (1..NODES).rev() {
+#[inline(always)]
+pub fn series_at<const TERMS: usize>(coefficients: &[f64; TERMS], t: &Nodal) -> Nodal {
+    clenshaw::<TERMS, _>(t, |n| coefficients[n], |c, _| c)
+}
+
+/// The same where each point has one of two series: the second one from x = `edge` on.
+#[inline(always)]
+pub fn series_of_two([first, second]: [&Nodal; 2], t: &Nodal, x: &Nodal, edge: f64) -> Nodal {
+    let x = *x;
+    let of = |(first, second), i: usize| if x[i] >= edge { second } else { first };
+    clenshaw::<NODES, _>(t, |n| (first[n], second[n]), of)
+}
+
+/// Clenshaw's recurrence at 16 points at once. `of` takes the coefficients number n to that of a point.
+///
+/// Everything that the inner loop reads is a copy: only then does the compiler know that nothing it writes changes it,
+/// and vectorises the loop.
+#[inline(always)]
+fn clenshaw<const TERMS: usize, C: Copy>(
+    t: &Nodal,
+    coefficients: impl Fn(usize) -> C,
+    of: impl Fn(C, usize) -> f64,
+) -> Nodal {
+    let (t, mut next, mut last) = (*t, [0.0; NODES], [0.0; NODES]);
+    for n in (1..TERMS).rev() {
+        let ((up, down), here) = (CLENSHAW[n], coefficients(n));
         for i in 0..NODES {
-            let term = CLENSHAW[n].0 * t[i] * next[i] + (coefficients[n] - CLENSHAW[n].1 * last[i]);
-            (next[i], last[i]) = (term, next[i]);
+            let term = up * t[i] * next[i] + (of(here, i) - down * last[i]);
+            last[i] = next[i];
+            next[i] = term;
         }
     }
-    std::array::from_fn(|i| coefficients[0] + t[i] * next[i] - 0.5 * last[i])
+    let (constant, mut out) = (coefficients(0), [0.0; NODES]);
+    for i in 0..NODES {
+        out[i] = of(constant, i) + t[i] * next[i] - 0.5 * last[i];
+    }
+    out
+}
+
+/// `start` + `length` × the Gauss points.
+#[inline(always)]
+pub fn gauss_points(start: f64, length: f64) -> Nodal {
+    let mut points = RULE.nodes;
+    points.iter_mut().for_each(|t| *t = start + length * *t);
+    points
 }
 
 /// Adds weight × P_n(t) to `moments[n]`.
@@ -164,11 +213,11 @@ const RECURRENCE: [(f64, f64); NODES] = {
     factors
 };
 
-/// Factors (2n+1)/(n+1) and (n+1)/(n+2) of Clenshaw's recurrence.
-const CLENSHAW: [(f64, f64); NODES] = {
-    let mut factors = [(0.0, 0.0); NODES];
+/// Factors (2n+1)/(n+1) and (n+1)/(n+2) of Clenshaw's recurrence, for the integral of a series, too.
+const CLENSHAW: [(f64, f64); NODES + 1] = {
+    let mut factors = [(0.0, 0.0); NODES + 1];
     let mut n = 0;
-    while n < NODES {
+    while n <= NODES {
         let k = n as f64;
         factors[n] = ((2.0 * k + 1.0) / (k + 1.0), (k + 1.0) / (k + 2.0));
         n += 1;
@@ -204,6 +253,31 @@ pub fn primitive(coefficients: &Nodal) -> Nodal {
     std::array::from_fn(|n| below(n) - over(n))
 }
 
+/// Legendre coefficients of ∫₋₁^t of a series: ∫P_n = (P_{n+1} − P_{n−1})/(2n + 1), and 1 + t for n = 0.
+#[inline(always)]
+pub fn integral(coefficients: &Nodal) -> [f64; NODES + 1] {
+    let mut out = [0.0; NODES + 1];
+    for n in 0..NODES {
+        out[n + 1] = coefficients[n] * INTEGRAL[n];
+    }
+    for n in 1..NODES {
+        out[n - 1] -= coefficients[n] * INTEGRAL[n];
+    }
+    out[0] += coefficients[0];
+    out
+}
+
+/// The factors 1/(2n + 1) of the integral of P_n.
+const INTEGRAL: Nodal = {
+    let mut factors = [0.0; NODES];
+    let mut n = 0;
+    while n < NODES {
+        factors[n] = 1.0 / (2 * n + 1) as f64;
+        n += 1;
+    }
+    factors
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,6 +298,8 @@ mod tests {
             // exp is resolved to 1e-17 by degree 15; the rest is rounding of sums over 16 points, amplified n² by the derivative.
             assert!((series(&coefficients, t) - t.exp()).abs() < 1e-14);
             assert!((dot(&RULE.cardinals(t), &values) - t.exp()).abs() < 1e-14);
+            let together = series_at(&integral(&coefficients), &[t; NODES]);
+            assert!(together.iter().all(|value| (value - (t.exp() - (-1.0_f64).exp())).abs() < 1e-14));
             assert!((series(&derivative(&coefficients), t) - t.exp()).abs() < 1e-12);
             let integral = coefficients[0] + series(&primitive(&coefficients), t);
             assert!((integral - (t.exp() - (-1.0_f64).exp())).abs() < 1e-14);

@@ -3,9 +3,10 @@
 //! * Functions as Legendre series on cells: `legendre` (16-point Gauss rule), `piecewise`, `rearrange`, `fourier` (transforms), `breakpoints` (where they
 //!   are not smooth), `stencil` (Lagrange interpolation), `table` (a look-up table).
 //! * Equations: `volterra` (convolution equations of the second kind), `diffusion` (Fokker–Planck equation on an axis), `motion`
-//!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent).
+//!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent),
+//!   `nelder_mead` (minima in several variables).
 //! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
-//! * Statistics and sums: `powerlaw`, `cutoff`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
+//! * Statistics and sums: `least_squares`, `student` (quantiles), `powerlaw`, `cutoff`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
 //!   `accumulation` (the point at which an integral reaches a value), `dawson`, `wide` (AVX-512 loops).
 //!
 //! Only the fits of [`powerlaw`] and [`cutoff`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
@@ -21,12 +22,14 @@ pub mod diffusion;
 pub(crate) mod fourier;
 pub(crate) mod fractional;
 pub(crate) mod gauss;
+pub(crate) mod least_squares;
 #[doc(hidden)]
 pub mod legendre;
 pub(crate) mod line;
 pub(crate) mod linear;
 pub(crate) mod modes;
 pub(crate) mod motion;
+pub(crate) mod nelder_mead;
 pub(crate) mod periodogram;
 pub(crate) mod piecewise;
 pub mod powerlaw;
@@ -36,6 +39,7 @@ mod rearrange;
 pub mod roots;
 pub(crate) mod springs;
 pub(crate) mod stencil;
+pub(crate) mod student;
 pub(crate) mod table;
 pub(crate) mod tr_bdf2;
 pub(crate) mod volterra;

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at};
+use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at, series_of_two};
 
 /// A function that is a polynomial of degree 15 on each cell of [start, end] and 0 elsewhere.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -192,7 +192,30 @@ impl Piecewise {
     }
 
     /// Values at 16 points in rising or falling order; 0 outside the cells.
+    #[inline(always)]
     pub fn values(&self, x: &Nodal) -> Nodal {
+        let (low, high) = (x[0].min(x[NODES - 1]), x[0].max(x[NODES - 1]));
+        match (self.find(low), self.find(high)) {
+            (Some(first), Some(last)) if first == last => self.values_in(first, x),
+            (Some(first), Some(last)) if first + 1 == last => self.values_in_two(first, x),
+            _ => self.values_cell_by_cell(x),
+        }
+    }
+
+    /// Values at 16 points in a cell and the next one.
+    #[inline(always)]
+    fn values_in_two(&self, first: usize, x: &Nodal) -> Nodal {
+        let edge = self.boundaries[first + 1];
+        let [(low, low_half), (high, high_half)] = [self.cell(first), self.cell(first + 1)];
+        let mut t = *x;
+        for t in &mut t {
+            let (middle, half) = if *t >= edge { (high, high_half) } else { (low, low_half) };
+            *t = (*t - middle) / half;
+        }
+        series_of_two([&self.coefficients[first], &self.coefficients[first + 1]], &t, x, edge)
+    }
+
+    fn values_cell_by_cell(&self, x: &Nodal) -> Nodal {
         let (mut values, mut done) = ([0.0; NODES], 0);
         while done < NODES {
             let Some(cell) = self.find(x[done]) else {
@@ -208,9 +231,12 @@ impl Piecewise {
     }
 
     /// Values of the polynomial of a cell at 16 points.
+    #[inline(always)]
     pub fn values_in(&self, cell: usize, x: &Nodal) -> Nodal {
         let (middle, half) = self.cell(cell);
-        series_at(&self.coefficients[cell], &x.map(|x| (x - middle) / half))
+        let mut t = *x;
+        t.iter_mut().for_each(|t| *t = (*t - middle) / half);
+        series_at(&self.coefficients[cell], &t)
     }
 
     /// Value at x of the polynomial of a cell.

@@ -16,7 +16,7 @@ const TERMS: f64 = 1000.0;
 
 /// A fitted power law.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fit {
+pub struct PowerLawFit {
     /// Exponent τ of p(x) ∝ x^{−τ}.
     pub exponent: f64,
     /// Standard error of τ for independent data, 1/√(n Var ln x); too small for correlated data.
@@ -29,7 +29,7 @@ pub struct Fit {
 
 /// Fits integers, given as (number, count) by rising number. `None` if the window contains fewer than two
 /// different numbers. Sums over the distribution are right to 1e-7.
-pub fn fit_counts(counts: &[(u64, u64)], low: u64, high: u64) -> Option<Fit> {
+pub fn fit_counts(counts: &[(u64, u64)], low: u64, high: u64) -> Option<PowerLawFit> {
     let low = low.max(1);
     let inside = counts.iter().filter(|count| (low..=high).contains(&count.0));
     let inside: Vec<_> = inside.map(|&(number, times)| (number as f64, times)).collect();
@@ -38,7 +38,7 @@ pub fn fit_counts(counts: &[(u64, u64)], low: u64, high: u64) -> Option<Fit> {
 }
 
 /// Fits positive real numbers. `None` if the window contains fewer than two different numbers.
-pub fn fit_values(values: &[f64], low: f64, high: f64) -> Option<Fit> {
+pub fn fit_values(values: &[f64], low: f64, high: f64) -> Option<PowerLawFit> {
     let inside = values.iter().copied().filter(|&x| x > 0.0 && (low..=high).contains(&x));
     let mut inside: Vec<f64> = inside.collect();
     inside.sort_by(f64::total_cmp);
@@ -56,7 +56,7 @@ struct Window {
 }
 
 impl Window {
-    fn fit(&self, counts: &[(f64, u64)]) -> Option<Fit> {
+    fn fit(&self, counts: &[(f64, u64)]) -> Option<PowerLawFit> {
         if counts.len() < 2 {
             return None;
         }
@@ -67,7 +67,7 @@ impl Window {
         // The mean of ln x falls with τ, since its derivative is −Var ln x: the root is unique.
         let exponent = brent_root(off, -STEEPEST, STEEPEST, 1e-12)?;
         let error = (count as f64 * self.logarithm(exponent).1).sqrt().recip();
-        Some(Fit { exponent, error, count, distance: self.distance(exponent, counts) })
+        Some(PowerLawFit { exponent, error, count, distance: self.distance(exponent, counts) })
     }
 
     /// Mean and variance of ln y.

@@ -86,6 +86,14 @@ macro_rules! define_law {
                 }
             }
 
+            /// The parameters of a parametric distribution, with their names.
+            pub(super) fn parameters_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+                match self {
+                    $(Self::$name { $($parameter),+ } => vec![$((stringify!($parameter), $parameter)),+],)+
+                    _ => Vec::new(),
+                }
+            }
+
             /// The distribution itself.
             ///
             /// # Errors

@@ -9,6 +9,7 @@ mod compare;
 mod contacts;
 mod drive;
 mod ensemble;
+mod fit;
 mod hold_curve;
 mod interface;
 mod keys;
@@ -16,6 +17,7 @@ mod law;
 mod logarithmic;
 mod master_equation;
 mod model;
+mod numbers;
 mod protocol;
 mod pull;
 mod renormalisation;
@@ -42,6 +44,8 @@ pub use compare::Compare;
 pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
+pub(crate) use fit::FitKeys;
+pub use fit::{Fit, FitDrift, FitNoise};
 pub use hold_curve::HoldCurve;
 pub use interface::{Interface, PerCell, Scales};
 pub use law::{Component, Law, ParametricFamily, Tabulated};
@@ -70,6 +74,7 @@ use crate::{Error, Result};
     { "required": ["velocity_curve"] },
     { "required": ["hold_curve"] },
     { "required": ["spectrum"] },
+    { "required": ["fit"] },
     { "required": ["renormalisation"] }
 ]))]
 pub struct Scenario {
@@ -104,6 +109,9 @@ pub struct Scenario {
     /// A task: the noise of the force in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spectrum: Option<Spectrum>,
+    /// A task: numbers of the contacts from a measured curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fit: Option<Fit>,
     /// A task: the distribution of the drives at which coupled contacts break for the first time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub renormalisation: Option<Renormalisation>,
@@ -141,6 +149,7 @@ impl Scenario {
             velocity_curve: None,
             hold_curve: None,
             spectrum: None,
+            fit: None,
             renormalisation: None,
             block: None,
             interface: None,
@@ -167,6 +176,7 @@ impl Scenario {
             master_equation: self.master_equation.clone(),
             ensemble: self.ensemble.clone(),
             compare: self.compare.clone(),
+            keys: self.clone().numbers().into_iter().map(|number| (number.key, number.name)).collect(),
         };
         task.check(&model).map_err(|error| self.keyed(error))?;
         Ok(model)

@@ -1,7 +1,7 @@
 //! The model on which a task is computed, and the combinations of tasks and models that are valid.
 
 use super::{
-    Block, Compare, Disorder, Drive, Ensemble, Interface, MasterEquation, Pull, Task, VelocityCurve,
+    Block, Compare, Disorder, Drive, Ensemble, FitNoise, Interface, MasterEquation, Pull, Task, VelocityCurve,
 };
 use crate::contacts::{Contacts, Initial};
 use crate::{Error, Result};
@@ -25,6 +25,9 @@ pub struct Model {
     pub ensemble: Option<Ensemble>,
     /// A measured curve to compare with F(X).
     pub compare: Option<Compare>,
+    /// The keys of the scenario whose numbers may be parameters of the force, with the names of these parameters; none where
+    /// there is no scenario.
+    pub keys: Vec<(String, String)>,
 }
 
 impl Model {
@@ -39,6 +42,7 @@ impl Model {
             master_equation: MasterEquation::default(),
             ensemble: None,
             compare: None,
+            keys: Vec::new(),
         }
     }
 
@@ -67,11 +71,15 @@ impl Task<'_> {
         self.check_interface(model)?;
         let noise = match self {
             Task::Pull(Pull { covariance, .. }) => !covariance.is_empty(),
+            Task::Fit(fit) => fit.noise == FitNoise::Contacts,
             task => matches!(task, Task::Spectrum(_)),
         };
         if noise {
             model.contacts.renew_completely().map_err(Error::of_scenario)?;
             refuse_quenched(self, model)?;
+        }
+        if let Task::Fit(fit) = self {
+            fit.prepare(model, &mut ()).map_err(Error::of_scenario)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {
@@ -140,7 +148,8 @@ impl Task<'_> {
 fn refuse_quenched(task: Task<'_>, model: &Model) -> Result<()> {
     match &model.ensemble {
         Some(Ensemble { disorder: Disorder::Quenched, .. }) => {
-            let what = if task.name() == "spectrum" { "[spectrum]" } else { "pull.covariance" };
+            let what =
+                if task.name() == "pull" { "pull.covariance".into() } else { format!("[{}]", task.name()) };
             let expected = format!(
                 "annealed beside {what}: the noise is known exactly for contacts that get a new threshold at each break"
             );

@@ -22,6 +22,9 @@ pub struct Pull {
     /// increasing order.
     #[schemars(extend("x-dimension" = "length"))]
     pub covariance: Vec<f64>,
+    /// Also the derivatives of static and kinetic friction, relaxation length and critical stiffness by every parameter
+    /// of the contacts, for the propagation of errors.
+    pub derivatives: bool,
     /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
@@ -38,6 +41,7 @@ impl Default for Pull {
             points: 2001,
             snapshots: Vec::new(),
             covariance: Vec::new(),
+            derivatives: false,
             start: Start::Conditional,
             velocity: None,
         }

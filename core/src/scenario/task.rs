@@ -1,6 +1,8 @@
 //! The task of a scenario: one of the tables that are tasks.
 
-use super::{Drive, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Start, VelocityCurve};
+use super::{
+    Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Start, VelocityCurve,
+};
 use crate::{Error, Result};
 
 /// The task of a scenario.
@@ -19,12 +21,14 @@ pub enum Task<'a> {
     HoldCurve(&'a HoldCurve),
     /// `[spectrum]`: the noise of steady sliding.
     Spectrum(&'a Spectrum),
+    /// `[fit]`: numbers of the contacts from a measured curve.
+    Fit(&'a Fit),
     /// `[renormalisation]`: the distribution of first breaks of coupled contacts.
     Renormalisation(&'a Renormalisation),
 }
 
 /// The tables that are tasks, for messages.
-const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [spectrum] and [renormalisation]";
+const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [spectrum], [fit] and [renormalisation]";
 
 impl Scenario {
     /// The one task that the scenario has.
@@ -39,6 +43,7 @@ impl Scenario {
             self.velocity_curve.as_ref().map(Task::VelocityCurve),
             self.hold_curve.as_ref().map(Task::HoldCurve),
             self.spectrum.as_ref().map(Task::Spectrum),
+            self.fit.as_ref().map(Task::Fit),
             self.renormalisation.as_ref().map(Task::Renormalisation),
         ];
         let mut given = tasks.into_iter().flatten();
@@ -74,6 +79,7 @@ impl Task<'_> {
             Self::VelocityCurve(_) => "velocity_curve",
             Self::HoldCurve(_) => "hold_curve",
             Self::Spectrum(_) => "spectrum",
+            Self::Fit(_) => "fit",
             Self::Renormalisation(_) => "renormalisation",
         }
     }
@@ -82,6 +88,7 @@ impl Task<'_> {
         match self {
             Self::Pull(pull) => pull.start,
             Self::Drive(drive) => drive.start,
+            Self::Fit(fit) => fit.start,
             _ => Start::Conditional,
         }
     }
@@ -94,6 +101,7 @@ impl Task<'_> {
             Self::VelocityCurve(curve) => curve.check(),
             Self::HoldCurve(curve) => curve.check(),
             Self::Spectrum(task) => task.check(),
+            Self::Fit(task) => task.check(),
             Self::Renormalisation(task) => task.check(),
         }
         .map_err(|e| e.under(self.name()))

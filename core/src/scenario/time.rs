@@ -17,6 +17,7 @@ impl Task<'_> {
         match self {
             Task::Pull(pull) => velocity(pull.velocity, rule),
             Task::Spectrum(task) => velocity(task.velocity, rule),
+            Task::Fit(task) => velocity(task.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
             Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
                 Ok(())

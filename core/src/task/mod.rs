@@ -24,6 +24,7 @@ mod checkpoint;
 mod distribution;
 mod drive;
 mod ensemble;
+mod fit;
 mod grid;
 mod hold_curve;
 mod in_time;
@@ -147,6 +148,7 @@ fn compute(
         Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
         Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
         Task::Spectrum(task) => spectrum::run(model, task, monitor)?.erased(),
+        Task::Fit(task) => fit::run(model, task, monitor)?.erased(),
         Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
     })
 }
@@ -195,6 +197,7 @@ tasks! {
     VelocityCurve: velocity_curve => VelocityCurveNumbers;
     HoldCurve: hold_curve => HoldCurveNumbers;
     Spectrum: spectrum => SpectrumNumbers;
+    Fit: fit => FitNumbers;
     Renormalisation: renormalisation => RenormalisationNumbers;
 }
 

@@ -2,12 +2,12 @@
 
 use super::accuracy::ForceAccuracy;
 use super::hold_curve::peak;
-use super::summary::{BlockNumbers, Comparison, ProtocolNumbers, ProtocolStep, RateState};
+use super::summary::{BlockNumbers, Comparison, MeasuredRateState, ProtocolNumbers, ProtocolStep, RateState};
 use super::{COMPARED, Output, compare, in_time, sliding};
 use crate::block::Slide;
 use crate::master::{MasterEquation, Trace};
 use crate::monitor::{Monitor, Part};
-use crate::rate_state::VelocityStep;
+use crate::rate_state::{MeasuredVelocityStep, StepReading, VelocityStep};
 use crate::record::{CsvTable, Record};
 use crate::scenario::{self, Model, Task};
 use crate::{Error, Result};
@@ -99,13 +99,25 @@ fn steps(
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<ProtocolStep>> {
     let mut frictions = Vec::new();
-    let mut first = 0;
+    let (mut previous, mut first) = (0, 0);
     let mut steps = Vec::new();
     for (i, step) in task.0.iter().enumerate() {
         let last = first + step.points - 1;
         let (position, force) = (&trace.position[first..=last], &trace.force[first..=last]);
         let velocity = step.velocities().1;
         let before = i.checked_sub(1).map(|i| task.0[i].velocities().1);
+        let changed = before.filter(|v| step.velocity_to.is_none() && *v > 0.0 && velocity > 0.0);
+        let compared = match (changed, &model.compare) {
+            (Some(before), Some(curve)) => {
+                let ends = [trace.position[previous], position[0], position[position.len() - 1]];
+                compared_step(curve, ends, velocity / before, monitor)?
+            }
+            _ => None,
+        };
+        let (measured, not_read) = compared.map_or((None, None), |read| match read {
+            Ok(read) => (Some(read), None),
+            Err(reason) => (None, Some(reason)),
+        });
         steps.push(ProtocolStep {
             velocity,
             position: position[0],
@@ -117,11 +129,11 @@ fn steps(
                 None if velocity > 0.0 => steady(model, velocity, &mut frictions, monitor)?,
                 _ => None,
             },
-            rate_state: before
-                .filter(|_| step.velocity_to.is_none())
-                .and_then(|v| read(v, velocity, position, force)),
+            rate_state: changed.and_then(|v| read(v, velocity, position, force)),
+            measured,
+            not_read,
         });
-        first = last;
+        (previous, first) = (first, last);
     }
     Ok(steps)
 }
@@ -145,11 +157,33 @@ fn steady(
     Ok(Some(friction))
 }
 
-/// The rate-and-state parameters of a step from velocity `before` to `after`. Its first force is the force before the step.
-fn read(before: f64, after: f64, position: &[f64], force: &[f64]) -> Option<RateState> {
-    if !(before > 0.0 && after > 0.0) {
-        return None;
+/// The rate-and-state parameters of the compared curve after a step of the velocity by the factor `ratio`, or
+/// the reason why there are none; `None` without points after the step. The `ends` are the start of the step
+/// before, of this one, and its end.
+fn compared_step(
+    curve: &scenario::Compare,
+    [start, step, end]: [f64; 3],
+    ratio: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<std::result::Result<MeasuredRateState, String>>> {
+    let (positions, forces) = curve.points();
+    let within = positions.iter().zip(forces).filter(|(x, _)| (start..=end).contains(*x));
+    let (position, force): (Vec<f64>, Vec<f64>) = within.map(|(x, force)| (x - step, *force)).unzip();
+    if position.iter().all(|x| *x <= 0.0) {
+        return Ok(None);
     }
+    match MeasuredVelocityStep::read(&position, &force, ratio, &StepReading::default(), monitor) {
+        Ok(read) => Ok(Some(Ok(MeasuredRateState::new(&read)))),
+        Err(Error::Invalid { expected, found, .. }) => {
+            Ok(Some(Err(format!("expected {expected}, got {found}"))))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// The rate-and-state parameters of a step from velocity `before` to `after`. Its first force is the force
+/// before the step.
+fn read(before: f64, after: f64, position: &[f64], force: &[f64]) -> Option<RateState> {
     let displacement: Vec<f64> = position.iter().map(|x| x - position[0]).collect();
     VelocityStep::read(&displacement, force, force[0], after / before)
         .map(|step| RateState::new(before, &step))

@@ -2,10 +2,11 @@
 
 use super::accuracy::ForceAccuracy;
 use super::grid::Grid;
-use super::summary::PullNumbers;
+use super::summary::{Extended, FrictionDerivative, PullNumbers};
 use super::{COMPARED, Output, add_atoms, compare, distribution, ensemble, fits, friction};
 use crate::Result;
-use crate::master::{MasterEquation, Pull};
+use crate::law::Parameter;
+use crate::master::{FrictionGradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part, report};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
@@ -107,6 +108,7 @@ pub(super) fn run(
     distribution::evolving(task, &pull, &grid, &mut record, aside)?;
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation_with(aside)?);
     distribution::steady(contacts, &steady, &grid, &mut record, aside)?;
+    let derivatives = if task.derivatives { derivatives(&pull, aside)? } else { Vec::new() };
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
         let pulled = ensemble::PulledEnsemble {
@@ -117,7 +119,8 @@ pub(super) fn run(
         };
         pulled.record(&drawn, &mut record, &mut Part::new(monitor, master, 1.0 - master))?;
     }
-    let numbers = PullNumbers { friction: friction(model, &steady, &relaxation, &pull), compare };
+    let friction = friction(model, &steady, &relaxation, &pull);
+    let numbers = PullNumbers { friction, derivatives, compare };
     let accuracy = ForceAccuracy::new(model, pull.error_estimate(), steady.mean_life());
     accuracy.of(model, "the force on a pull", Output::new(model, numbers, record))
 }
@@ -167,6 +170,25 @@ pub fn record_pull(
     let masses = pull.breaking_atoms().iter().map(|a| ([a.position], a.weight));
     add_atoms(record, ([BREAKING_ATOM], BREAKING_ATOM_WEIGHT), masses);
     Ok(())
+}
+
+/// The derivatives of friction by all parameters of the contacts.
+///
+/// # Errors
+/// Contacts without such derivatives; a stop by the monitor.
+fn derivatives(pull: &Pull, monitor: &mut dyn Monitor) -> Result<Vec<FrictionDerivative>> {
+    let parameters = pull.parameters();
+    let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_ref()).collect();
+    let found = pull.friction_gradients_with(&names, monitor)?;
+    let of = |(parameter, gradient): (&Parameter, FrictionGradient)| FrictionDerivative {
+        parameter: parameter.name.to_string(),
+        value: parameter.value,
+        static_friction: gradient.static_friction,
+        kinetic_friction: gradient.kinetic_friction,
+        relaxation_length: Extended(gradient.relaxation_length),
+        critical_stiffness: Extended(gradient.critical_stiffness),
+    };
+    Ok(parameters.iter().zip(found).map(of).collect())
 }
 
 /// Adds the covariance of the force at the positions that `task` lists, for the contacts of the finite-size band.

@@ -21,6 +21,16 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
         let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
         (compare.position, compare.force) = (Some(position), Some(force));
     }
+    if let Some(fit) = &mut scenario.fit
+        && let Some(file) = fit.file.take_if(|_| fit.position.is_none() && fit.drive.is_none())
+    {
+        let layouts: [&[&str]; 2] = [&["position", "force"], &["drive", "force"]];
+        let found = read_one_of(&directory.join(file), &layouts);
+        let (layout, columns) = found.map_err(|fault| fault.under("fit.file"))?;
+        let [position, force] = exactly(columns);
+        *(if layout == 0 { &mut fit.position } else { &mut fit.drive }) = Some(position);
+        fit.force = Some(force);
+    }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
     if let Some(scales) = scales
         && let Some(file) = scales.file.take_if(|_| scales.scale.is_none())
@@ -64,8 +74,13 @@ fn exactly<const N: usize>(columns: Vec<Vec<f64>>) -> [Vec<f64>; N] {
     columns.try_into().expect("the number of columns was checked")
 }
 
-/// The columns of a CSV file with one of the given `layouts`. The heading of a single column is optional.
+/// The columns of a CSV file with one of the given `layouts`.
 fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
+    read_one_of(path, layouts).map(|(_, columns)| columns)
+}
+
+/// The number of the layout of a CSV file, among the given ones, and its columns. The heading of a single column is optional.
+fn read_one_of(path: &Path, layouts: &[&[&str]]) -> Result<(usize, Vec<Vec<f64>>), Fault> {
     let name = path.display();
     let expected = layouts.iter().map(|columns| columns.join(",")).collect::<Vec<_>>().join(" or ");
     let expected = format!("a CSV file with columns {expected}");
@@ -73,21 +88,22 @@ fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
     let text = text::read(path).map_err(|why| fault(format!("{name}: {why}")))?;
     let mut reader =
         csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let mut columns: Vec<Vec<f64>> = Vec::new();
+    let (mut columns, mut chosen): (Vec<Vec<f64>>, usize) = (Vec::new(), 0);
     for (row, record) in reader.records().enumerate() {
         let record = record.map_err(|error| fault(format!("{name}: {error}")))?;
         let line = record.position().map_or(0, csv::Position::line);
         let numbers: Option<Vec<f64>> = record.iter().map(|cell| cell.parse().ok()).collect();
-        let layout = layouts.iter().find(|layout| layout.len() == record.len());
-        match (row, layout, numbers) {
-            (0, Some([_]), Some(numbers)) => {
-                columns = numbers.into_iter().map(|number| vec![number]).collect()
+        let fits = |layout: &&[&str]| {
+            layout.len() == record.len() && (layout.len() == 1 || record.iter().eq(layout.iter().copied()))
+        };
+        match (row, layouts.iter().position(fits), numbers) {
+            (0, Some(layout), Some(numbers)) => {
+                (columns, chosen) = (numbers.into_iter().map(|number| vec![number]).collect(), layout);
             }
-            (0, Some([_]), None) => columns = vec![Vec::new()],
-            (0, Some(layout), _) if record.iter().eq(layout.iter().copied()) => {
-                columns = vec![Vec::new(); layout.len()];
-            }
-            (1.., Some(_), Some(numbers)) if numbers.iter().all(|number| number.is_finite()) => {
+            (0, Some(layout), None) => (columns, chosen) = (vec![Vec::new(); record.len()], layout),
+            (1.., _, Some(numbers))
+                if record.len() == columns.len() && numbers.iter().all(|number| number.is_finite()) =>
+            {
                 columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
             }
             _ => {
@@ -99,5 +115,5 @@ fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
     if columns.first().is_none_or(Vec::is_empty) {
         return Err(fault(format!("no rows in {name}")));
     }
-    Ok(columns)
+    Ok((chosen, columns))
 }

@@ -3,6 +3,7 @@
 mod csv;
 mod directory;
 mod error;
+mod fitted;
 mod listing;
 mod netcdf;
 mod read;
@@ -53,6 +54,7 @@ pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Resul
         ("summary.json".to_owned(), json(&outcome.summary)),
     ];
     files.extend(csv::tables(&outcome.record).map(|(name, text)| (name.to_owned(), text.into_bytes())));
+    files.extend(fitted::fitted(outcome).map(|text| ("fitted.toml".to_owned(), text.into_bytes())));
     files.push(("result.nc".to_owned(), netcdf::encode(outcome)?));
     let borrowed = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
     let attached = attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice()));

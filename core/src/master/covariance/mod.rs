@@ -61,14 +61,8 @@ impl Pull {
         let sorted: Vec<f64> = order.iter().map(|&i| positions[i].min(self.distance())).collect();
         let (triangle, error) = self.lower_triangle(&sorted, monitor)?;
         let scale = self.stiffness.powi(2) / size;
-        let mut values = vec![0.0; count * count];
-        for (row, entries) in triangle.iter().enumerate() {
-            for (column, value) in entries.iter().enumerate() {
-                let (i, j) = (order[row], order[column]);
-                values[i * count + j] = scale * value;
-                values[j * count + i] = scale * value;
-            }
-        }
+        let rising = matrix::symmetric(&triangle, scale);
+        let values = if order.is_sorted() { rising } else { matrix::reordered(&rising, &order) };
         let mean = positions.iter().map(|&x| self.force(x)).collect();
         Ok(Covariance { positions: positions.to_vec(), mean, values, error: scale * error })
     }
@@ -101,9 +95,9 @@ impl Pull {
         let starting = |x: f64| initial.as_ref().map_or(0.0, |(mean, solved)| mean * at(&solved.force, x));
         let mean: Vec<f64> = positions.iter().map(|&x| at(&self.renewal.force, x)).collect();
         let row = |cuts: &mut Vec<f64>, j: usize| {
-            let (x, mut row) = (positions[j], breaks.lost(j, cuts));
+            let (start, mut row) = (starting(positions[j]), breaks.lost(j, cuts));
             for (i, entry) in row.iter_mut().enumerate() {
-                *entry = starting(x) + positions[i] * mean[j] - *entry - mean[i] * mean[j];
+                *entry = start + positions[i] * mean[j] - *entry - mean[i] * mean[j];
             }
             // Where all contacts share one stretch, rounding may be negative.
             row[j] = row[j].max(0.0);

@@ -1,6 +1,7 @@
 //! The summary of a run, written to `summary.json`: a few numbers for each task.
 
 mod catalogue;
+mod fit;
 mod renormalisation;
 mod time;
 
@@ -10,8 +11,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use crate::rate_state::Fitted;
 pub use catalogue::{Catalogue, Largest, PowerLaw};
+pub use fit::{FitFriction, FitNumber, FitSummary, Uncertain};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
-pub use time::{CurveLimits, HealingCurve, Peak, ProtocolStep, RateState, Stability};
+pub use time::{CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, Stability};
 
 /// The summary of a run: what it was, and the numbers of its task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,6 +66,8 @@ pub enum Numbers {
     HoldCurve(HoldCurveNumbers),
     /// Of `[spectrum]`.
     Spectrum(SpectrumNumbers),
+    /// Of `[fit]`.
+    Fit(FitNumbers),
     /// Of `[renormalisation]`.
     Renormalisation(RenormalisationNumbers),
 }
@@ -74,9 +78,30 @@ pub struct PullNumbers {
     /// Static and kinetic friction, and the relaxation from one to the other.
     #[serde(flatten)]
     pub friction: Friction,
+    /// The derivatives of friction by the parameters of the contacts, if they were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub derivatives: Vec<FrictionDerivative>,
     /// Comparison of a measured curve with F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Comparison>,
+}
+
+/// The derivatives of friction by a parameter of the contacts, per unit of the parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrictionDerivative {
+    /// Name of the parameter, as `thresholds.mean` or `count`.
+    pub parameter: String,
+    /// Value of the parameter.
+    pub value: f64,
+    /// ∂F_s/∂θ; absent if static friction was not reached.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_friction: Option<f64>,
+    /// ∂F_k/∂θ.
+    pub kinetic_friction: f64,
+    /// ∂X*/∂θ.
+    pub relaxation_length: Extended,
+    /// ∂K_c/∂θ.
+    pub critical_stiffness: Extended,
 }
 
 /// The numbers of a slider whose top is driven.
@@ -158,6 +183,13 @@ pub struct Noise {
     pub tail: f64,
 }
 
+/// The numbers of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitNumbers {
+    /// What the fit has found.
+    pub fit: FitSummary,
+}
+
 /// The numbers of a renormalisation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RenormalisationNumbers {
@@ -184,6 +216,7 @@ numbers! {
     VelocityCurveNumbers => VelocityCurve,
     HoldCurveNumbers => HoldCurve,
     SpectrumNumbers => Spectrum,
+    FitNumbers => Fit,
     RenormalisationNumbers => Renormalisation,
 }
 
@@ -195,6 +228,14 @@ impl Numbers {
                 Some(friction)
             }
             _ => None,
+        }
+    }
+
+    /// The derivatives of friction by the parameters of the contacts; none unless they were asked for.
+    pub fn derivatives(&self) -> &[FrictionDerivative] {
+        match self {
+            Self::Pull(PullNumbers { derivatives, .. }) => derivatives,
+            _ => &[],
         }
     }
 
@@ -243,6 +284,14 @@ impl Numbers {
     pub fn noise(&self) -> Option<&Noise> {
         match self {
             Self::Spectrum(SpectrumNumbers { noise }) => Some(noise),
+            _ => None,
+        }
+    }
+
+    /// What a fit has found; `None` for other tasks.
+    pub fn fit(&self) -> Option<&FitSummary> {
+        match self {
+            Self::Fit(FitNumbers { fit }) => Some(fit),
             _ => None,
         }
     }

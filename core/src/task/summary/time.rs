@@ -1,7 +1,7 @@
 //! Summary of motion in time: protocol steps with rate-and-state parameters, velocity curves and hold curves.
 
 use crate::master::Limits;
-use crate::rate_state::{Fitted, Healing, VelocityStep};
+use crate::rate_state::{Healing, MeasuredNoise, MeasuredValue, MeasuredVelocityStep, VelocityStep};
 use serde::{Deserialize, Serialize};
 
 use super::Extended;
@@ -28,6 +28,12 @@ pub struct ProtocolStep {
     /// Rate-and-state parameters of the velocity step with which it begins.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_state: Option<RateState>,
+    /// Those of the compared curve; absent without points of it after the step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredRateState>,
+    /// Why the compared curve, which has points after the step, has no such parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_read: Option<String>,
 }
 
 /// A maximum of the force.
@@ -47,19 +53,45 @@ pub struct RateState {
     /// Force F_0 before the step, the reference for `a` and `b`.
     pub force_before: f64,
     /// Direct effect, a force per ln(v/v_0).
-    pub a: Fitted,
+    pub a: f64,
     /// Evolution effect, a force per ln(v/v_0).
-    pub b: Fitted,
+    pub b: f64,
     /// Characteristic slip distance D_c.
-    pub distance: Fitted,
+    pub distance: f64,
     /// Displacement from the step to the extremum of the force after it, where the fit begins.
     pub peak: f64,
     /// a/F_0.
     pub a_relative: f64,
     /// b/F_0.
     pub b_relative: f64,
-    /// Root mean square of the residuals of the fit.
+    /// Root mean square of the residuals of the fit, a force.
     pub residual: f64,
+    /// The residual relative to the range of the force from F_0 on.
+    pub residual_relative: f64,
+}
+
+/// Rate-and-state parameters of a measured velocity step, with errors and 95 % intervals.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredRateState {
+    /// Force F_0 before the step.
+    pub force_before: MeasuredValue,
+    /// Direct effect for the position of the peak, a force per ln(v/v_0).
+    pub a: MeasuredValue,
+    /// Evolution effect for the position of the peak, a force per ln(v/v_0).
+    pub b: MeasuredValue,
+    /// a − b, the change of the steady force per ln(v/v_0).
+    pub a_minus_b: MeasuredValue,
+    /// Characteristic slip distance D_c.
+    pub distance: MeasuredValue,
+    /// Displacement from the step to the extremum of the force after it, where the fit begins.
+    pub peak: f64,
+    /// Root mean square of the residuals of the fit, a force.
+    pub residual: f64,
+    /// White noise and drift, estimated from the residuals.
+    pub noise: MeasuredNoise,
+    /// Probability that white noise has correlations as large as those of the whitened residuals.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whiteness: Option<f64>,
 }
 
 /// Limits of a velocity curve.
@@ -97,18 +129,22 @@ pub struct HealingCurve {
     pub velocity: f64,
     /// F_k at that velocity.
     pub kinetic_friction: f64,
-    /// Growth of static friction per decade of hold time; absent for fewer than 4 holds, or if the growth is not logarithmic.
+    /// Growth of static friction per decade of hold time; absent for fewer than 4 holds, or if the growth is
+    /// not logarithmic.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub healing_per_decade: Option<Fitted>,
+    pub healing_per_decade: Option<f64>,
     /// That growth divided by F_k.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub healing_relative: Option<f64>,
     /// Cut-off time t_c of F_s = F_s(0) + β ln(1 + t/t_c); absent if all holds are much longer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub healing_cutoff: Option<Fitted>,
+    pub healing_cutoff: Option<f64>,
     /// The fitted static friction after a hold of 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_one: Option<f64>,
+    /// Root mean square of the residuals of the fit, relative to the range of static friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual_relative: Option<f64>,
 }
 
 impl RateState {
@@ -121,9 +157,27 @@ impl RateState {
             b: read.evolution,
             distance: read.distance,
             peak: read.peak,
-            a_relative: read.direct.value / read.before,
-            b_relative: read.evolution.value / read.before,
+            a_relative: read.direct / read.before,
+            b_relative: read.evolution / read.before,
             residual: read.residual,
+            residual_relative: read.residual_relative,
+        }
+    }
+}
+
+impl MeasuredRateState {
+    /// The numbers of a step that was read.
+    pub fn new(read: &MeasuredVelocityStep) -> Self {
+        Self {
+            force_before: read.before,
+            a: read.direct,
+            b: read.evolution,
+            a_minus_b: read.steady,
+            distance: read.distance,
+            peak: read.peak,
+            residual: read.residual,
+            noise: read.noise.clone(),
+            whiteness: read.whiteness,
         }
     }
 }
@@ -142,9 +196,10 @@ impl HealingCurve {
             velocity,
             kinetic_friction,
             healing_per_decade: healing.map(|healing| healing.per_decade),
-            healing_relative: healing.map(|healing| healing.per_decade.value / kinetic_friction),
+            healing_relative: healing.map(|healing| healing.per_decade / kinetic_friction),
             healing_cutoff: healing.and_then(|healing| healing.cutoff),
-            at_one: healing.map(|healing| healing.at_one.value),
+            at_one: healing.map(|healing| healing.at_one),
+            residual_relative: healing.map(|healing| healing.residual_relative),
         }
     }
 }

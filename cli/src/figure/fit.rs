@@ -1,0 +1,102 @@
+//! `fit`: the measured forces with the fitted curve and its band, and the whitened residuals below.
+
+use asperity_runner::output::Outcome;
+use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
+
+use super::curve::{curve, line};
+use super::style::{self, BLUE, GREY, ORANGE, Plots};
+
+/// Heights of the panels, and of the label of the lowest axis.
+const HEIGHT: f64 = 340.0;
+const RESIDUALS: f64 = 150.0;
+const LABEL: f64 = 26.0;
+const MARGINS: (f64, f64) = (14.0, 24.0);
+/// Margin left of both panels, so that their axes begin at the same place.
+const LEFT: f64 = 74.0;
+/// Largest number of edges of the band.
+const EDGES: usize = 600;
+const DOTS: &str = "2 4";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let (position, expected, std) =
+        (record.values("reading_position")?, record.values("expected_force")?, record.values("reading_std")?);
+    let measured = record.values("measured_force");
+    let edge = |side: f64| -> Vec<f64> { expected.iter().zip(std).map(|(f, s)| f + side * s).collect() };
+    let (low_edge, high_edge) = (edge(-2.0), edge(2.0));
+    let shown = (0..position.len()).step_by(position.len().div_ceil(EDGES));
+    let pick = |values: &[f64]| -> Vec<f64> { shown.clone().map(|i| values[i]).collect() };
+    let band =
+        BandPlot::new(pick(position), pick(&low_edge), pick(&high_edge)).with_color(BLUE).with_opacity(0.22);
+    let mut forces: Plots = vec![Plot::Band(band)];
+    let mut legend = vec![style::line("fit", BLUE, None), style::area("±2 std of a reading", "#C7DFEE")];
+    if let Some(measured) = measured {
+        let points =
+            ScatterPlot::new().with_data(curve(position, measured)).with_color(ORANGE).with_size(1.8);
+        forces.push(Plot::Scatter(points));
+        legend.insert(0, style::marker("measured", ORANGE, MarkerShape::Circle));
+    }
+    forces.push(line(curve(position, expected), BLUE, 1.6, None));
+    let ends = (position[0], position[position.len() - 1]);
+    let curves = [low_edge.as_slice(), high_edge.as_slice()].into_iter().chain(measured);
+    let (low, high) = style::range(curves);
+    let heights = if low < 0.0 { (1.08 * low, style::headroom(high)) } else { style::heights(low, high) };
+    let above = panel(ends, heights).with_y_label(style::axis(
+        outcome,
+        "Friction force F",
+        record.get("expected_force")?,
+    ));
+    let residuals = record.values("whitened_residual").map(|whitened| below(ends, position, whitened));
+    let mut panels = vec![(forces, above)];
+    panels.extend(residuals);
+    Some(stacked(outcome, panels, legend)?.render())
+}
+
+/// The panels, one above the other, with the label of the position below the last.
+fn stacked(outcome: &Outcome, mut panels: Vec<(Plots, Layout)>, legend: Vec<LegendEntry>) -> Option<Figure> {
+    let driven = outcome.record.get("slider_position").is_some();
+    let words = if driven { "Load-point displacement" } else { "Position of the slider" };
+    let label = style::axis(outcome, words, outcome.record.get("reading_position")?);
+    let (plots, lowest) = panels.pop()?;
+    panels.push((plots, lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)));
+    let rows = panels.len();
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
+    let (title, size) = style::heading(&outcome.summary.title);
+    let heights = [HEIGHT, RESIDUALS];
+    let figure = Figure::new(rows, 1)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(style::WIDTH, HEIGHT)
+        .with_row_height(rows - 1, heights[rows - 1] + LABEL)
+        .with_spacing(4.0)
+        .with_shared_legend_entries(legend)
+        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    Some(figure)
+}
+
+/// The whitened residuals between lines at ±2.
+fn below(ends: (f64, f64), position: &[f64], whitened: &[f64]) -> (Plots, Layout) {
+    let largest = whitened.iter().fold(3.0, |most: f64, residual| most.max(residual.abs()));
+    let mut plots: Plots = [-2.0, 0.0, 2.0]
+        .into_iter()
+        .map(|height| line(vec![(ends.0, height), (ends.1, height)], GREY, 1.0, Some(DOTS)))
+        .collect();
+    let points = ScatterPlot::new().with_data(curve(position, whitened)).with_color(ORANGE).with_size(1.8);
+    plots.push(Plot::Scatter(points));
+    let layout = panel(ends, (-1.1 * largest, 1.1 * largest)).with_y_label("Whitened residual").with_ticks(4);
+    (plots, layout)
+}
+
+fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
+    style::layout(x, y)
+        .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_force_margins(LEFT, 14.0)
+        .with_tick_size(11)
+        .with_label_size(13)
+}

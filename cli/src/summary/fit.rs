@@ -1,0 +1,123 @@
+//! Text of the summary for a fit.
+
+use asperity::record::Quantity;
+use asperity::task::summary::{FitNumber, FitSummary, Summary, Uncertain};
+
+use super::{digits, with_unit};
+
+/// Lines for the estimates, the misfit, correlations, and friction with its errors.
+pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
+    let mut lines = vec![("readings".to_owned(), fit.readings.to_string())];
+    if !fit.converged {
+        let text = "the search has not converged: the values are the last ones, their errors mean nothing";
+        lines.push(("not converged".to_owned(), text.to_owned()));
+    }
+    lines.extend(fit.numbers.iter().map(|number| (number.key.clone(), estimate(number))));
+    let unit = summary.units.label(Quantity::Force);
+    if let Some(misfit) = &fit.misfit {
+        if !fit.numbers.iter().any(|number| number.key == "fit.reading") {
+            lines.push(("error of a reading".to_owned(), with_unit(digits(fit.reading), fit.reading, &unit)));
+        }
+        let tested = misfit.probability.map_or(String::new(), |p| format!(", p = {}", probability(p)));
+        let degrees = misfit.degrees_of_freedom;
+        lines.push((
+            "χ²".to_owned(),
+            format!("{:.1} for {degrees} degrees of freedom{tested}", misfit.chi_squared),
+        ));
+        lines.push((
+            "whitened residuals".to_owned(),
+            format!("white with p = {} (Ljung–Box)", probability(misfit.whiteness)),
+        ));
+        lines.push(("−2 ln L, AIC".to_owned(), format!("{:.2}, {:.2}", misfit.deviance, misfit.akaike)));
+        if misfit.is_unlikely() {
+            let text = "the curve is not of this kind (p < 0.001): the errors are not to be trusted";
+            lines.push(("misfit".to_owned(), text.to_owned()));
+        }
+    } else {
+        lines.push((
+            "planned".to_owned(),
+            "no forces: the errors that such a measurement would have".to_owned(),
+        ));
+    }
+    for correlation in &fit.correlations {
+        let [first, second] = &correlation.between;
+        lines.push((
+            "correlation".to_owned(),
+            format!("{:+.2} between {first} and {second}", correlation.coefficient),
+        ));
+    }
+    let friction = &fit.friction;
+    let of = |name: &str, value: Option<Uncertain>, quantity| {
+        let text =
+            value.map_or("not reached".to_owned(), |value| uncertain(&value, &summary.units.label(quantity)));
+        (name.to_owned(), text)
+    };
+    lines.push(of("static friction", friction.static_friction, Quantity::Force));
+    lines.push(of("kinetic friction", Some(friction.kinetic_friction), Quantity::Force));
+    lines.push(of("relaxation length", Some(friction.relaxation_length), Quantity::Length));
+    lines.push(of("critical stiffness", Some(friction.critical_stiffness), Quantity::Stiffness));
+    lines
+}
+
+/// A probability with two digits.
+fn probability(p: f64) -> String {
+    if p < 0.01 { format!("{p:.1e}") } else { format!("{p:.2}") }
+}
+
+/// A value with its error and its interval, or the limit below which it is.
+fn estimate(number: &FitNumber) -> String {
+    if let Some(limit) = number.limit {
+        return format!("below {} (95 %)", digits(limit.0));
+    }
+    let [low, high] = number.interval;
+    let (value, error) = rounded(number.value, number.error);
+    format!("{value} ± {error}, 95 % from {} to {}", like(low.0, number.error), like(high.0, number.error))
+}
+
+fn uncertain(value: &Uncertain, unit: &str) -> String {
+    if value.error.0.is_nan() || !value.value.0.is_finite() {
+        return with_unit(digits(value.value.0), value.value.0, unit);
+    }
+    let (number, error) = rounded(value.value.0, value.error.0);
+    with_unit(format!("{number} ± {error}"), value.value.0, unit)
+}
+
+/// A value and its error, with two digits of the error.
+fn rounded(value: f64, error: f64) -> (String, String) {
+    (like(value, error), like(error, error))
+}
+
+/// A number with as many decimals as two digits of `error` have.
+fn like(number: f64, error: f64) -> String {
+    if !(error > 0.0 && error.is_finite() && number.is_finite()) {
+        return digits(number);
+    }
+    let decimals = 1 - error.log10().floor() as i32;
+    if decimals > 6 || number.abs() >= 1e6 {
+        let precision = (number.abs().max(error).log10().floor() as i32 + decimals).clamp(0, 16);
+        return format!("{number:.*e}", precision as usize);
+    }
+    if decimals < 0 {
+        let unit = 10_f64.powi(-decimals);
+        return format!("{:.0}", (number / unit).round() * unit);
+    }
+    format!("{number:.*}", decimals as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_the_decimals_of_two_digits_of_their_errors() {
+        for (value, error, text) in [
+            (0.99866, 0.00113, ("0.9987", "0.0011")),
+            (2096.66, 178.1, ("2100", "180")),
+            (-0.5, 0.25, ("-0.50", "0.25")),
+            (1.5e-9, 2.5e-11, ("1.500e-9", "2.5e-11")),
+        ] {
+            let (value, error) = rounded(value, error);
+            assert_eq!((value.as_str(), error.as_str()), text);
+        }
+    }
+}

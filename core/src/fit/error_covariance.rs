@@ -1,0 +1,206 @@
+//! The covariance of the errors of readings, its factor, and what the likelihood needs of its derivatives.
+
+use faer::linalg::solvers::{DenseSolveCore, Llt};
+use faer::prelude::Solve;
+use faer::{Mat, MatRef, Side};
+
+/// The sizes of errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ErrorSizes {
+    /// Factor of the covariance of the noise of contacts.
+    pub noise: f64,
+    /// Standard deviation of the independent error of a reading.
+    pub reading: f64,
+    /// Standard deviation and correlation length of the drift; without one, 0 and any length.
+    pub drift: [f64; 2],
+}
+
+/// The parts of a covariance whose sizes may be free: the noise of contacts by its factor, the others by the logarithms of
+/// their numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ErrorPart {
+    Noise,
+    Reading,
+    DriftAmplitude,
+    DriftLength,
+}
+
+/// The covariance of the errors of a curve, Σ = a C + σ² + A² exp(−|y − y'|/ℓ), with its Cholesky factor.
+#[derive(Debug)]
+pub(super) enum ErrorCovariance {
+    /// Independent errors of this standard deviation.
+    White(f64),
+    /// A matrix and its factor.
+    Dense(Box<DenseCovariance>),
+}
+
+#[derive(Debug)]
+pub(super) struct DenseCovariance {
+    sizes: ErrorSizes,
+    /// A² exp(−|y − y'|/ℓ), if there is a drift.
+    drift: Option<Mat<f64>>,
+    factor: Llt<f64>,
+}
+
+impl ErrorCovariance {
+    /// The covariance of errors of these sizes; `None` if it is not positive definite.
+    pub fn new(positions: &[f64], noise: Option<&Mat<f64>>, sizes: ErrorSizes) -> Option<Self> {
+        let [amplitude, length] = sizes.drift;
+        if noise.is_none() && amplitude == 0.0 {
+            return Some(Self::White(sizes.reading));
+        }
+        let n = positions.len();
+        let correlation = |i: usize, j: usize| (-(positions[i] - positions[j]).abs() / length).exp();
+        let drift =
+            (amplitude > 0.0).then(|| Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j)));
+        let mut all = noise.map_or_else(|| Mat::zeros(n, n), |noise| noise * faer::Scale(sizes.noise));
+        if let Some(drift) = &drift {
+            all += drift;
+        }
+        for i in 0..n {
+            all[(i, i)] += sizes.reading * sizes.reading;
+        }
+        let factor = all.llt(Side::Lower).ok()?;
+        Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor })))
+    }
+
+    /// ln |Σ| of `n` readings.
+    pub fn log_determinant(&self, n: usize) -> f64 {
+        match self {
+            Self::White(reading) => 2.0 * n as f64 * reading.ln(),
+            Self::Dense(dense) => {
+                let factor = dense.factor.L();
+                2.0 * (0..n).map(|i| factor[(i, i)].ln()).sum::<f64>()
+            }
+        }
+    }
+
+    /// Replaces M by L⁻¹M, Σ = LLᵀ.
+    pub fn whiten(&self, matrix: &mut Mat<f64>) {
+        match self {
+            Self::White(reading) => *matrix *= faer::Scale(1.0 / reading),
+            Self::Dense(dense) => dense.factor.L().solve_lower_triangular_in_place(matrix.as_mut()),
+        }
+    }
+
+    /// What the likelihood needs of the derivatives of Σ by `parts`, for the residuals r.
+    pub fn derivatives(
+        &self,
+        positions: &[f64],
+        parts: &[ErrorPart],
+        residuals: &Mat<f64>,
+    ) -> CovarianceDerivatives {
+        match self {
+            Self::White(reading) => CovarianceDerivatives::white(*reading, parts, residuals),
+            Self::Dense(dense) => dense.derivatives(positions, parts, residuals),
+        }
+    }
+}
+
+/// With P_b = Σ⁻¹ ∂Σ/∂b for the parts b, and z = Σ⁻¹r.
+#[derive(Debug)]
+pub(super) struct CovarianceDerivatives {
+    /// ½(tr P_b − zᵀ ∂Σ/∂b z): half the derivative of −2 ln L.
+    pub slope: Vec<f64>,
+    /// ½ tr(P_a P_b): the expected information.
+    pub information: Mat<f64>,
+}
+
+impl CovarianceDerivatives {
+    fn white(reading: f64, parts: &[ErrorPart], residuals: &Mat<f64>) -> Self {
+        let n = residuals.nrows() as f64;
+        let misfit = residuals.squared_norm_l2() / (reading * reading);
+        let (slope, information) = parts
+            .iter()
+            .map(|part| if *part == ErrorPart::Reading { (n - misfit, 2.0 * n) } else { (0.0, 0.0) })
+            .unzip::<_, _, Vec<_>, Vec<_>>();
+        let information =
+            Mat::from_fn(parts.len(), parts.len(), |i, j| if i == j { information[i] } else { 0.0 });
+        Self { slope, information }
+    }
+}
+
+impl DenseCovariance {
+    fn derivatives(
+        &self,
+        positions: &[f64],
+        parts: &[ErrorPart],
+        residuals: &Mat<f64>,
+    ) -> CovarianceDerivatives {
+        let n = positions.len();
+        let z = self.factor.solve(residuals);
+        let inverse = self.factor.inverse();
+        let variance = self.sizes.reading * self.sizes.reading;
+        let relative: Vec<Mat<f64>> =
+            parts.iter().map(|&part| self.relative(part, &inverse, positions)).collect();
+        let white = variance * z.squared_norm_l2();
+        let slow = self.drift.as_ref().map_or(0.0, |drift| quadratic(drift.as_ref(), &z));
+        let slope = parts.iter().zip(&relative).map(|(part, relative)| {
+            let misfit = match part {
+                ErrorPart::Noise => dot(residuals, &z) - white - slow,
+                ErrorPart::Reading => 2.0 * white,
+                ErrorPart::DriftAmplitude => 2.0 * slow,
+                ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
+            };
+            let trace: f64 = (0..n).map(|i| relative[(i, i)]).sum();
+            0.5 * (trace - misfit)
+        });
+        let slope = slope.collect();
+        let count = parts.len();
+        let mut information = Mat::zeros(count, count);
+        for a in 0..count {
+            for b in 0..=a {
+                let half = 0.5 * trace_of_product(&relative[a], &relative[b]);
+                (information[(a, b)], information[(b, a)]) = (half, half);
+            }
+        }
+        CovarianceDerivatives { slope, information }
+    }
+
+    /// Σ⁻¹ ∂Σ/∂b. The parts add up to Σ, so that the largest one follows from the others.
+    fn relative(&self, part: ErrorPart, inverse: &Mat<f64>, positions: &[f64]) -> Mat<f64> {
+        let variance = self.sizes.reading * self.sizes.reading;
+        match part {
+            ErrorPart::Reading => inverse * faer::Scale(2.0 * variance),
+            ErrorPart::DriftAmplitude => self
+                .drift
+                .as_ref()
+                .map_or_else(|| Mat::zeros(0, 0), |drift| inverse * drift * faer::Scale(2.0)),
+            ErrorPart::DriftLength => inverse * self.lengthened(positions),
+            ErrorPart::Noise => {
+                let n = positions.len();
+                let mut rest = inverse * faer::Scale(-variance);
+                if let Some(drift) = &self.drift {
+                    rest -= inverse * drift;
+                }
+                for i in 0..n {
+                    rest[(i, i)] += 1.0;
+                }
+                rest
+            }
+        }
+    }
+
+    /// The derivative of the covariance of the drift by ln ℓ.
+    fn lengthened(&self, positions: &[f64]) -> Mat<f64> {
+        let n = positions.len();
+        let length = self.sizes.drift[1];
+        let Some(drift) = &self.drift else { return Mat::zeros(n, n) };
+        Mat::from_fn(n, n, |i, j| drift[(i, j)] * (positions[i] - positions[j]).abs() / length)
+    }
+}
+
+fn dot(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+    (a.transpose() * b)[(0, 0)]
+}
+
+/// zᵀMz.
+fn quadratic(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> f64 {
+    dot(z, &(matrix * z))
+}
+
+/// tr(AB).
+fn trace_of_product(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+    let n = a.nrows();
+    (0..n).map(|j| (0..n).map(|i| a[(j, i)] * b[(i, j)]).sum::<f64>()).sum()
+}

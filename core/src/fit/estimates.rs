@@ -1,0 +1,371 @@
+//! What a fit has found: values with errors and intervals, the readings as described, the misfit.
+
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+
+use super::expected::ExpectedReadings;
+use super::free::{FreeParameter, Role};
+use super::interval::{self, TWO_SIDED};
+use super::likelihood::{Errors, Likelihood};
+use super::matrix;
+use super::measurement::{Machine, Measurement};
+use super::misfit::{self, Misfit};
+use super::search::Optimum;
+use crate::master::{MasterEquation, Pull};
+use crate::monitor::{Monitor, Part};
+use crate::{Error, Result};
+
+/// Eigenvalue of the scaled information below which a direction counts as undetermined.
+const UNDETERMINED: f64 = 1e-11;
+/// Standard error of a logarithm above which only a limit is told.
+const VAGUE: f64 = 1.0;
+/// Correlations that are told.
+const CORRELATED: f64 = 0.5;
+
+/// The estimate of a free number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Its most probable value.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// The interval that holds the true value with 95 %: 1.96 standard errors to both sides of the value, or of its logarithm
+    /// for numbers above 0.
+    pub interval: [f64; 2],
+    /// Where only a limit is known: the value below which it is with 95 %, by the profile of the likelihood.
+    pub limit: Option<f64>,
+}
+
+/// The correlation of the errors of two estimates.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Correlation {
+    /// The names.
+    pub between: [String; 2],
+    /// The coefficient, from −1 to 1.
+    pub coefficient: f64,
+}
+
+/// The readings as the fit describes them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Readings {
+    /// Positions X of the slider.
+    pub positions: Vec<f64>,
+    /// Expected forces.
+    pub expected: Vec<f64>,
+    /// Measured minus expected forces; 0 where none were measured.
+    pub residuals: Vec<f64>,
+    /// Standard deviation of each reading: noise of contacts, independent error and drift.
+    pub std: Vec<f64>,
+    /// Whitened residuals, independent and of variance 1 if the description holds.
+    pub whitened: Vec<f64>,
+}
+
+/// What a fit has found.
+#[derive(Debug)]
+pub struct Estimates {
+    /// One for each free number, those of errors last.
+    pub parameters: Vec<Estimate>,
+    /// Covariance of their values, row by row.
+    pub covariance: Vec<f64>,
+    /// Whether the search has converged; otherwise the values are the last ones.
+    pub converged: bool,
+    /// Solutions of the master equation that the search took.
+    pub solutions: usize,
+    /// How well the curve is described; `None` where none was measured.
+    pub misfit: Option<Misfit>,
+    /// The standard deviation of the independent error of a reading.
+    pub reading: f64,
+    /// The readings as described.
+    pub readings: Readings,
+    pub(super) ended: Ended,
+}
+
+/// A search that has ended, with the likelihood that it has searched.
+#[derive(Debug)]
+pub(super) struct Ended {
+    pub likelihood: Likelihood,
+    pub optimum: Optimum,
+}
+
+impl Estimates {
+    /// The estimate of a name.
+    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.parameters.iter().find(|estimate| estimate.name == name)
+    }
+
+    /// The contacts of the estimated numbers.
+    pub fn equation(&self) -> &MasterEquation {
+        &self.expected().equation
+    }
+
+    /// The machine of the estimated numbers.
+    pub fn machine(&self) -> Machine {
+        self.expected().machine
+    }
+
+    /// What was measured.
+    pub fn measurement(&self) -> &Measurement {
+        &self.ended.likelihood.fit.measurement
+    }
+
+    /// The pull of the estimated contacts.
+    pub fn pull(&self) -> &Pull {
+        &self.expected().pull
+    }
+
+    fn expected(&self) -> &ExpectedReadings {
+        &self.ended.optimum.trial.readings
+    }
+
+    /// Coefficients above 0.5, without sign, between the errors of two estimates.
+    pub fn correlations(&self) -> Vec<Correlation> {
+        let n = self.parameters.len();
+        let coefficient = |i: usize, j: usize| {
+            self.covariance[i * n + j] / (self.parameters[i].error * self.parameters[j].error)
+        };
+        let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (j, i)));
+        let large = pairs.filter(|&(i, j)| coefficient(i, j).abs() > CORRELATED);
+        large
+            .map(|(i, j)| Correlation {
+                between: [self.parameters[i].name.clone(), self.parameters[j].name.clone()],
+                coefficient: coefficient(i, j),
+            })
+            .collect()
+    }
+
+    /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
+    /// risen by 3.84.
+    ///
+    /// # Errors
+    /// A name that was not free; errors of the solver; stopped by the monitor.
+    pub fn interval_by_profile(&self, name: &str, monitor: &mut dyn Monitor) -> Result<[f64; 2]> {
+        let number = self.number(name)?;
+        let Ended { likelihood, optimum } = &self.ended;
+        let parameter = &likelihood.free[number];
+        let slope = parameter.slope(optimum.coordinates[number]);
+        let error = self.parameters[number].error / slope;
+        interval::by_profile((likelihood, optimum), (number, error), monitor)
+    }
+
+    /// By how much −2 ln L, lowest in all other numbers, is above its minimum where a number has another value; ∞ where there
+    /// is no curve.
+    ///
+    /// # Errors
+    /// As [`Self::interval_by_profile`]; a value that is not finite, or not above 0 for a number that is.
+    pub fn profile(&self, name: &str, value: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+        let number = self.number(name)?;
+        let Ended { likelihood, optimum } = &self.ended;
+        let u = likelihood.free[number].coordinate(value);
+        if !u.is_finite() {
+            let above = if likelihood.free[number].logarithmic { " above 0" } else { "" };
+            return Err(Error::invalid("values", format!("a finite number{above}"), value));
+        }
+        let lowest = interval::profile((likelihood, optimum), (number, u), monitor)?;
+        Ok(lowest - optimum.trial.deviance)
+    }
+
+    /// `count` values of a number for [`Self::profile`], from three standard errors below its estimate to three above; of the
+    /// logarithm for numbers above 0, where an error of 1 is taken for one that is larger or unknown.
+    ///
+    /// # Errors
+    /// A name that was not free.
+    pub fn profile_values(&self, name: &str, count: usize) -> Result<Vec<f64>> {
+        /// Standard errors to both sides.
+        const WIDTH: f64 = 3.0;
+        let number = self.number(name)?;
+        let Ended { likelihood, optimum } = &self.ended;
+        let (parameter, u) = (&likelihood.free[number], optimum.coordinates[number]);
+        let error = self.parameters[number].error / parameter.slope(u);
+        let known = error > 0.0 && (error <= VAGUE || !parameter.logarithmic);
+        let width = WIDTH * if known { error } else { VAGUE };
+        let place = |i: usize| 2.0 * i as f64 / count.saturating_sub(1).max(1) as f64 - 1.0;
+        Ok((0..count).map(|i| parameter.value(u + width * place(i))).collect())
+    }
+
+    /// ln L at values of the free numbers, in their order, and its gradient, priors included; −∞ and NaN where the likelihood is
+    /// 0. The covariance of the noise of contacts is that of the estimates, scaled by N⟨k⟩².
+    ///
+    /// # Errors
+    /// As many values as free numbers; errors of the solver; stopped by the monitor.
+    pub fn log_likelihood(&self, values: &[f64], monitor: &mut dyn Monitor) -> Result<(f64, Vec<f64>)> {
+        let likelihood = &self.ended.likelihood;
+        if values.len() != likelihood.free.len() {
+            let expected = format!("{} values, one for each free number", likelihood.free.len());
+            return Err(Error::invalid("values", expected, values.len()));
+        }
+        let coordinates: Vec<f64> = likelihood
+            .free
+            .iter()
+            .zip(values)
+            .map(|(parameter, &value)| parameter.coordinate(value))
+            .collect();
+        let trial = if coordinates.iter().all(|u| u.is_finite()) {
+            likelihood.trial(&coordinates, &mut Part::new(monitor, 0.0, 0.5))?
+        } else {
+            None
+        };
+        let Some(trial) = trial else { return Ok((f64::NEG_INFINITY, vec![f64::NAN; values.len()])) };
+        let score = likelihood.score(&coordinates, &trial, &mut Part::new(monitor, 0.5, 0.5))?;
+        let slope = |k: usize| -score.slope[(k, 0)] / likelihood.free[k].slope(coordinates[k]);
+        Ok((-0.5 * trial.deviance, (0..values.len()).map(slope).collect()))
+    }
+
+    fn number(&self, name: &str) -> Result<usize> {
+        let found = self.parameters.iter().position(|estimate| estimate.name == name);
+        found.ok_or_else(|| {
+            let names: Vec<_> = self.parameters.iter().map(|estimate| estimate.name.as_str()).collect();
+            Error::invalid("name", format!("one of {}", names.join(", ")), name)
+        })
+    }
+}
+
+impl Ended {
+    /// Values, errors and all that follows.
+    ///
+    /// # Errors
+    /// Numbers that the data do not determine; errors of the solver; stopped by the monitor.
+    pub fn estimates(self, monitor: &mut dyn Monitor) -> Result<Estimates> {
+        let Self { likelihood, optimum } = &self;
+        let free = &likelihood.free;
+        let active: Vec<usize> = (0..free.len())
+            .filter(|&k| !optimum.at_bound[k] && optimum.score.information[(k, k)] > 0.0)
+            .collect();
+        self.refuse_undetermined(&active)?;
+        let covariance = matrix::covariance(&optimum.score.information, &active);
+        let covariance =
+            covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len())) * faer::Scale(self.bias());
+        let share = 1.0 / free.len() as f64;
+        let parameters = (0..free.len()).map(|k| {
+            let part = &mut Part::new(monitor, k as f64 * share, share);
+            self.estimate(k, covariance[(k, k)].sqrt(), part)
+        });
+        let parameters = parameters.collect::<Result<Vec<_>>>()?;
+        let slope = |k: usize| free[k].slope(optimum.coordinates[k]);
+        let natural = Mat::from_fn(free.len(), free.len(), |i, j| covariance[(i, j)] * slope(i) * slope(j));
+        let rows = (0..free.len()).flat_map(|i| (0..free.len()).map(move |j| (i, j)));
+        Ok(Estimates {
+            parameters,
+            covariance: rows.map(|(i, j)| natural[(i, j)]).collect(),
+            converged: optimum.converged,
+            solutions: optimum.solutions,
+            misfit: (!likelihood.fit.measurement.forces.is_empty()).then(|| self.misfit()),
+            reading: optimum.trial.sizes.reading * self.bias().sqrt(),
+            readings: self.readings(),
+            ended: self,
+        })
+    }
+
+    /// What the most probable variance of independent errors, the mean of the squared residuals, lacks.
+    fn bias(&self) -> f64 {
+        let (n, p) =
+            (self.likelihood.fit.measurement.positions.len() as f64, self.likelihood.free.len() as f64);
+        if matches!(self.likelihood.errors, Errors::ProfiledWhite) { n / (n - p) } else { 1.0 }
+    }
+
+    /// # Errors
+    /// Numbers that can change together without a change of the likelihood.
+    fn refuse_undetermined(&self, active: &[usize]) -> Result<()> {
+        let information = &self.optimum.score.information;
+        let Some(direction) = matrix::undetermined(information, active, UNDETERMINED).into_iter().next()
+        else {
+            return Ok(());
+        };
+        let change = |(&k, d): (&usize, &f64)| {
+            let parameter = &self.likelihood.free[k];
+            let change = d / information[(k, k)].sqrt();
+            (change, parameter.name.clone(), parameter.logarithmic)
+        };
+        let changes: Vec<_> = active.iter().zip(&direction).map(change).collect();
+        let part = |(k, d): (usize, &f64)| (d.abs() > 0.05).then_some(k);
+        let named: Vec<usize> = direction.iter().enumerate().filter_map(part).collect();
+        let first = named.first().map_or(1.0, |&k| changes[k].0);
+        let told = named.iter().map(|&k| {
+            let (change, name, logarithmic) = &changes[k];
+            let of = if *logarithmic { "ln " } else { "" };
+            format!("{of}{name} by {:+}", significant(change / first))
+        });
+        let expected = "numbers that the curve determines (fix one of these, or give it a prior)";
+        let told = told.collect::<Vec<_>>().join(", ");
+        let found = format!("the same curve if these change together: {told}");
+        Err(Error::invalid("free", expected, found))
+    }
+
+    /// The estimate of number `k`, whose coordinate has the standard error `error`.
+    fn estimate(&self, k: usize, error: f64, monitor: &mut dyn Monitor) -> Result<Estimate> {
+        let Self { likelihood, optimum } = self;
+        let parameter: &FreeParameter = &likelihood.free[k];
+        let u = optimum.coordinates[k];
+        let value = parameter.value(u);
+        let low = parameter.logarithmic && optimum.at_bound[k] && u <= parameter.bounds[0];
+        let vague = parameter.is_of_errors() && parameter.logarithmic && (error.is_nan() || error > VAGUE);
+        let limited = (low || vague) && parameter.role != Role::DriftLength;
+        let planned = likelihood.fit.measurement.forces.is_empty();
+        let limit = if limited && !planned {
+            Some(interval::upper_limit((likelihood, optimum), k, monitor)?)
+        } else {
+            None
+        };
+        let end = |side: f64| parameter.value(u + side * TWO_SIDED * error);
+        let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
+        Ok(Estimate {
+            name: parameter.name.clone(),
+            value,
+            error: error * parameter.slope(u),
+            interval,
+            limit,
+        })
+    }
+
+    fn readings(&self) -> Readings {
+        let trial = &self.optimum.trial;
+        let sizes = trial.sizes;
+        let noise = match &self.likelihood.errors {
+            Errors::Modelled(Some(noise)) => Some(&noise.covariance),
+            _ => None,
+        };
+        let white = sizes.reading * sizes.reading * self.bias() + sizes.drift[0] * sizes.drift[0];
+        let std = |i: usize| (noise.map_or(0.0, |noise| sizes.noise * noise[(i, i)]) + white).sqrt();
+        let n = trial.whitened.nrows();
+        Readings {
+            positions: trial.readings.positions.clone(),
+            expected: trial.readings.forces.clone(),
+            residuals: (0..n).map(|i| trial.residuals[(i, 0)]).collect(),
+            std: (0..n).map(std).collect(),
+            whitened: (0..n).map(|i| trial.whitened[(i, 0)]).collect(),
+        }
+    }
+
+    /// Whether the size of the noise of contacts, N⟨k⟩², is free: the curve determines N⟨k⟩ only.
+    fn divides_noise(&self) -> bool {
+        let free = |name: &str| self.likelihood.free.iter().any(|parameter| parameter.name == name);
+        matches!(self.likelihood.errors, Errors::Modelled(Some(_))) && free("count") && free("stiffness")
+    }
+
+    fn misfit(&self) -> Misfit {
+        let Self { likelihood, optimum } = self;
+        let chi_squared = optimum.trial.whitened.squared_norm_l2();
+        let of_curve = likelihood.free.iter().filter(|parameter| !parameter.is_of_errors()).count();
+        let degrees_of_freedom = optimum.trial.whitened.nrows() - of_curve;
+        let profiled = matches!(likelihood.errors, Errors::ProfiledWhite);
+        let estimated =
+            profiled || self.divides_noise() || likelihood.free.iter().any(FreeParameter::is_of_errors);
+        let deviance = optimum.trial.deviance;
+        let count = likelihood.free.len() + usize::from(profiled);
+        Misfit {
+            chi_squared,
+            degrees_of_freedom,
+            probability: (!estimated).then(|| misfit::probability(chi_squared, degrees_of_freedom)),
+            whiteness: misfit::whiteness(&optimum.trial.whitened),
+            deviance,
+            akaike: deviance + 2.0 * count as f64,
+        }
+    }
+}
+
+/// A number rounded to three digits.
+fn significant(value: f64) -> f64 {
+    let unit = 10_f64.powf(value.abs().log10().floor() - 2.0);
+    if unit.is_normal() { (value / unit).round() * unit } else { value }
+}

@@ -1,0 +1,188 @@
+//! Which numbers a fit varies, and in which coordinate.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Fit;
+use crate::{Error, Result};
+
+/// The numbers of the sizes of errors, which are free where they are not given.
+pub(crate) const ERRORS: [&str; 3] = ["reading", "drift.amplitude", "drift.length"];
+
+/// The numbers of the machine that may be free.
+pub(crate) const MACHINE: [&str; 4] = ["compliance", "offset", "trend", "origin"];
+
+/// Correlation length at which the drift begins, in multiples of the longest.
+const DRIFT_LENGTH: f64 = 0.3;
+
+/// What is known of a number beforehand: a normal distribution, of its logarithm if the number is above 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Prior {
+    /// The most probable value.
+    #[schemars(extend("x-dimension" = "any"))]
+    pub value: f64,
+    /// The standard deviation, in the unit of the value, above 0.
+    #[schemars(extend("x-dimension" = "any"))]
+    pub error: f64,
+}
+
+/// What a free number belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Contacts,
+    Compliance,
+    Offset,
+    Trend,
+    Origin,
+    Reading,
+    DriftAmplitude,
+    DriftLength,
+}
+
+/// A number that a fit varies.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FreeParameter {
+    pub name: String,
+    pub role: Role,
+    /// Whether it is varied by its logarithm, since it is above 0.
+    pub logarithmic: bool,
+    /// Its first value.
+    pub start: f64,
+    /// The range of its coordinate.
+    pub bounds: [f64; 2],
+    /// Mean and standard deviation of its coordinate.
+    pub prior: Option<[f64; 2]>,
+}
+
+impl FreeParameter {
+    fn new(name: &str, role: Role, logarithmic: bool, start: f64) -> Self {
+        let bounds = [f64::NEG_INFINITY, f64::INFINITY];
+        Self { name: name.to_owned(), role, logarithmic, start, bounds, prior: None }
+    }
+
+    /// The value at a coordinate.
+    pub fn value(&self, coordinate: f64) -> f64 {
+        if self.logarithmic { coordinate.exp() } else { coordinate }
+    }
+
+    /// The coordinate of a value.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        if self.logarithmic { value.ln() } else { value }
+    }
+
+    /// The derivative of the value by the coordinate.
+    pub fn slope(&self, coordinate: f64) -> f64 {
+        if self.logarithmic { coordinate.exp() } else { 1.0 }
+    }
+
+    /// Whether it only says how large errors are.
+    pub fn is_of_errors(&self) -> bool {
+        matches!(self.role, Role::Reading | Role::DriftAmplitude | Role::DriftLength)
+    }
+
+    /// By how much the logarithm of the covariance of the noise of contacts changes with its logarithm: N⟨k⟩².
+    pub fn noise_power(&self) -> f64 {
+        match self.name.as_str() {
+            "count" => 1.0,
+            "stiffness" => 2.0,
+            _ => 0.0,
+        }
+    }
+}
+
+impl Fit {
+    /// The free numbers of the contacts and of the machine, checked.
+    ///
+    /// # Errors
+    /// A name that is unknown, given twice, or without a derivative; none; a prior of a number that is fixed.
+    pub(super) fn free_parameters(&self) -> Result<Vec<FreeParameter>> {
+        let known = self.equation.parameters();
+        let mut free: Vec<FreeParameter> = Vec::new();
+        for (i, name) in self.free.iter().enumerate() {
+            if free.iter().any(|other| other.name == *name) {
+                return Err(Error::invalid(format!("free.{i}"), "each key once", name));
+            }
+            free.push(self.free_parameter(name, &known).ok_or_else(|| {
+                let names: Vec<&str> =
+                    known.iter().map(|parameter| parameter.name.as_ref()).chain(MACHINE).collect();
+                Error::invalid(format!("free.{i}"), format!("one of {}", names.join(", ")), name)
+            })??);
+        }
+        if free.is_empty() {
+            return Err(Error::invalid("free", "at least one key", "none"));
+        }
+        for (name, prior) in &self.priors {
+            let Some(parameter) = free.iter_mut().find(|parameter| parameter.name == *name) else {
+                let expected = "priors of free numbers only";
+                return Err(Error::invalid(format!("prior.{name}"), expected, "a fixed one"));
+            };
+            parameter.prior = Some(prior.of(parameter)?);
+        }
+        Ok(free)
+    }
+
+    fn free_parameter(&self, name: &str, known: &[crate::law::Parameter]) -> Option<Result<FreeParameter>> {
+        let machine = &self.measurement.machine;
+        let (role, start) = match name {
+            "compliance" => (Role::Compliance, machine.compliance),
+            "offset" => (Role::Offset, machine.offset),
+            "trend" => (Role::Trend, machine.trend),
+            "origin" => (Role::Origin, machine.origin),
+            _ => (Role::Contacts, known.iter().find(|parameter| parameter.name == name)?.value),
+        };
+        let logarithmic = match role {
+            Role::Contacts => self.equation.is_positive(name),
+            role => Ok(role == Role::Compliance),
+        };
+        Some(logarithmic.and_then(|logarithmic| {
+            if logarithmic && start <= 0.0 {
+                return Err(Error::invalid(
+                    name,
+                    "a first value above 0 of a free number that is positive",
+                    start,
+                ));
+            }
+            Ok(FreeParameter::new(name, role, logarithmic, start))
+        }))
+    }
+
+    /// The free numbers of the errors, with first values for independent errors of the size `reading` and a drift of the size
+    /// `drift`.
+    pub(super) fn free_errors(&self, reading: f64, drift: f64) -> Vec<FreeParameter> {
+        /// Smallest errors, in multiples of the largest force.
+        const SMALLEST: f64 = 1e-5;
+        let smallest = SMALLEST * self.measurement.scale();
+        let of_force = |name: &str, role, start: f64| FreeParameter {
+            bounds: [smallest.ln(), f64::INFINITY],
+            ..FreeParameter::new(name, role, true, start.max(2.0 * smallest))
+        };
+        let mut free = Vec::new();
+        if self.errors.reading.is_none() {
+            free.push(of_force("reading", Role::Reading, reading));
+        }
+        if let Some(longest) = self.errors.drift {
+            let spacing = self.measurement.range() / (self.measurement.positions.len() - 1) as f64;
+            free.push(of_force("drift.amplitude", Role::DriftAmplitude, drift));
+            free.push(FreeParameter {
+                bounds: [spacing.min(DRIFT_LENGTH * longest).ln(), longest.ln()],
+                ..FreeParameter::new("drift.length", Role::DriftLength, true, DRIFT_LENGTH * longest)
+            });
+        }
+        free
+    }
+}
+
+impl Prior {
+    /// Mean and standard deviation of the coordinate of `parameter`.
+    fn of(&self, parameter: &FreeParameter) -> Result<[f64; 2]> {
+        let key = |part: &str| format!("prior.{}.{part}", parameter.name);
+        let error = crate::error::positive(&key("error"), self.error)?;
+        if !self.value.is_finite() || (parameter.logarithmic && self.value <= 0.0) {
+            let expected = if parameter.logarithmic { "a finite number above 0" } else { "a finite number" };
+            return Err(Error::invalid(key("value"), expected, self.value));
+        }
+        let slope = parameter.slope(parameter.coordinate(self.value));
+        Ok([parameter.coordinate(self.value), error / slope])
+    }
+}

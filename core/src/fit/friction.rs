@@ -1,0 +1,63 @@
+//! Friction of the fitted contacts, with the errors of the estimates propagated to it.
+
+use super::estimates::Estimates;
+use super::free::Role;
+use crate::Result;
+use crate::master::FrictionGradient;
+use crate::monitor::{Monitor, Part};
+
+/// A value with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WithError {
+    /// The value.
+    pub value: f64,
+    /// Its standard error; NaN where the value has no derivative.
+    pub error: f64,
+}
+
+/// Friction of the fitted contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionEstimates {
+    /// F_s, if it is reached.
+    pub static_friction: Option<WithError>,
+    /// F_k.
+    pub kinetic_friction: WithError,
+    /// X*.
+    pub relaxation_length: WithError,
+    /// K_c.
+    pub critical_stiffness: WithError,
+}
+
+impl Estimates {
+    /// F_s, F_k, X* and K_c, with the errors gᵀVg of the covariance V of the estimates, g the derivatives of
+    /// [`crate::master::Pull::friction_gradients`].
+    ///
+    /// # Errors
+    /// Those of [`crate::master::Pull::friction_gradients`].
+    pub fn friction(&self, monitor: &mut dyn Monitor) -> Result<FrictionEstimates> {
+        let (free, count) = (&self.ended.likelihood.free, self.parameters.len());
+        let of_contacts: Vec<usize> = (0..count).filter(|&k| free[k].role == Role::Contacts).collect();
+        let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].name.as_str()).collect();
+        let gradients = self.pull().friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
+        let relaxation = self.equation().relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
+        let steady = self.equation().steady_state();
+        let with_error = |value: f64, of: &dyn Fn(&FrictionGradient) -> f64| {
+            let pairs = of_contacts.iter().zip(&gradients);
+            let products = pairs.clone().flat_map(|(&i, a)| pairs.clone().map(move |(&j, b)| (i, j, a, b)));
+            let variance: f64 =
+                products.map(|(i, j, a, b)| self.covariance[i * count + j] * of(a) * of(b)).sum();
+            // Rounding may make the variance of what does not vary negative.
+            WithError { value, error: if variance.is_nan() { f64::NAN } else { variance.max(0.0).sqrt() } }
+        };
+        let peak = self.pull().static_friction();
+        let at_peak = |gradient: &FrictionGradient| gradient.static_friction.unwrap_or(f64::NAN);
+        Ok(FrictionEstimates {
+            static_friction: peak.map(|peak| with_error(peak.value, &at_peak)),
+            kinetic_friction: with_error(steady.kinetic_friction(), &|gradient| gradient.kinetic_friction),
+            relaxation_length: with_error(relaxation.length(), &|gradient| gradient.relaxation_length),
+            critical_stiffness: with_error(self.pull().critical_stiffness(), &|gradient| {
+                gradient.critical_stiffness
+            }),
+        })
+    }
+}

@@ -1,0 +1,103 @@
+//! Intervals of estimates: from the information, and by the profile of the likelihood.
+
+use super::likelihood::Likelihood;
+use super::search::{Optimum, search};
+use crate::Result;
+use crate::monitor::Monitor;
+use crate::numerics::roots::brent_root;
+
+/// Standard errors of an interval that covers 95 %.
+pub(super) const TWO_SIDED: f64 = 1.959_963_984_540_054;
+/// Rise of the deviance at a limit that holds with 95 %, 1.645².
+const ONE_SIDED: f64 = 2.705_543_454_095_416;
+/// Rise of the deviance at the ends of an interval that covers 95 %, 1.96².
+const INTERVAL: f64 = TWO_SIDED * TWO_SIDED;
+/// Accuracy of a limit, in its logarithm or in standard errors.
+const ACCURACY: f64 = 0.01;
+
+/// The lowest deviance where one number has the coordinate `u`.
+///
+/// # Errors
+/// Errors of the solver; stopped by the monitor.
+pub(super) fn profile(
+    (likelihood, optimum): (&Likelihood, &Optimum),
+    (number, u): (usize, f64),
+    monitor: &mut dyn Monitor,
+) -> Result<f64> {
+    let mut held = vec![false; optimum.coordinates.len()];
+    held[number] = true;
+    let mut start = optimum.coordinates.clone();
+    start[number] = u;
+    if likelihood.trial(&start, monitor)?.is_none() {
+        return Ok(f64::INFINITY);
+    }
+    Ok(search(likelihood, &start, &held, monitor)?.trial.deviance)
+}
+
+/// The value below which a number is with 95 %.
+///
+/// # Errors
+/// Those of [`profile`].
+pub(super) fn upper_limit(
+    ended: (&Likelihood, &Optimum),
+    number: usize,
+    monitor: &mut dyn Monitor,
+) -> Result<f64> {
+    let (likelihood, optimum) = ended;
+    let start = optimum.coordinates[number];
+    let end = end_of_rise(ended, (number, start, 0.5), ONE_SIDED, monitor)?;
+    Ok(likelihood.free[number].value(end))
+}
+
+/// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by 3.84.
+///
+/// # Errors
+/// Those of [`profile`].
+pub(super) fn by_profile(
+    ended: (&Likelihood, &Optimum),
+    (number, error): (usize, f64),
+    monitor: &mut dyn Monitor,
+) -> Result<[f64; 2]> {
+    let (likelihood, optimum) = ended;
+    let start = optimum.coordinates[number];
+    let parameter = &likelihood.free[number];
+    let mut end = |step: f64| -> Result<f64> {
+        Ok(parameter.value(end_of_rise(ended, (number, start, step), INTERVAL, monitor)?))
+    };
+    Ok([end(-TWO_SIDED * error)?, end(TWO_SIDED * error)?])
+}
+
+/// The coordinate, from `start` in the direction of `step`, where the profile has risen by `rise`.
+fn end_of_rise(
+    ended: (&Likelihood, &Optimum),
+    (number, start, step): (usize, f64, f64),
+    rise: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<f64> {
+    /// Steps after which the profile counts as flat.
+    const STEPS: usize = 40;
+    let lowest = ended.1.trial.deviance;
+    let mut failed = None;
+    let mut above = |u: f64| match profile(ended, (number, u), monitor) {
+        Ok(deviance) => deviance.min(lowest + 1e6) - lowest - rise,
+        Err(error) => {
+            failed = Some(error);
+            f64::NAN
+        }
+    };
+    let mut inside = start;
+    let mut found = if step > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+    for _ in 0..STEPS {
+        let outside = inside + step;
+        let risen = above(outside);
+        if risen.is_nan() {
+            break;
+        }
+        if risen > 0.0 {
+            found = brent_root(&mut above, inside, outside, ACCURACY * step.abs()).unwrap_or(outside);
+            break;
+        }
+        inside = outside;
+    }
+    failed.map_or(Ok(found), Err)
+}

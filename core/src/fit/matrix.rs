@@ -1,0 +1,64 @@
+//! Small matrices: steps of the search, the covariance of the estimates, and what the data do not determine.
+
+use faer::prelude::Solve;
+use faer::{Mat, Side};
+
+use super::likelihood::Score;
+
+/// aᵀb of two columns.
+pub(super) fn inner(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+    (a.transpose() * b)[(0, 0)]
+}
+
+/// −(I + λ diag I)⁻¹ times the slope, of the `active` numbers; 0 for the others, and for numbers without information.
+pub(super) fn damped_step(score: &Score, active: &[usize], damping: f64) -> Option<Mat<f64>> {
+    let active: Vec<usize> = active.iter().copied().filter(|&k| score.information[(k, k)] > 0.0).collect();
+    let mut step = Mat::zeros(score.slope.nrows(), 1);
+    if active.is_empty() {
+        return Some(step);
+    }
+    let scale = |k: usize| score.information[(k, k)].sqrt();
+    let scaled = scaled(&score.information, &active);
+    // Numbers that are not determined on their own move together, as little as possible.
+    let least = 1e-12;
+    let damped = Mat::from_fn(active.len(), active.len(), |i, j| {
+        scaled[(i, j)] + if i == j { damping + least } else { 0.0 }
+    });
+    let right = Mat::from_fn(active.len(), 1, |i, _| -score.slope[(active[i], 0)] / scale(active[i]));
+    let solved = damped.llt(Side::Lower).ok()?.solve(&right);
+    for (i, &k) in active.iter().enumerate() {
+        step[(k, 0)] = solved[(i, 0)] / scale(k);
+    }
+    Some(step)
+}
+
+/// The information of the `active` numbers in units that make its diagonal 1.
+fn scaled(information: &Mat<f64>, active: &[usize]) -> Mat<f64> {
+    let scale = |k: usize| information[(k, k)].sqrt();
+    Mat::from_fn(active.len(), active.len(), |i, j| {
+        information[(active[i], active[j])] / (scale(active[i]) * scale(active[j]))
+    })
+}
+
+/// The directions in the `active` numbers, in units of their information, whose eigenvalue is below `least`.
+pub(super) fn undetermined(information: &Mat<f64>, active: &[usize], least: f64) -> Vec<Vec<f64>> {
+    let Ok(eigen) = scaled(information, active).self_adjoint_eigen(Side::Lower) else { return Vec::new() };
+    let (values, vectors) = (eigen.S(), eigen.U());
+    let direction = |k: usize| (0..active.len()).map(|i| vectors[(i, k)]).collect();
+    (0..active.len()).filter(|&k| values[k] < least).map(direction).collect()
+}
+
+/// The inverse of the information of the `active` numbers; 0 for the others.
+pub(super) fn covariance(information: &Mat<f64>, active: &[usize]) -> Option<Mat<f64>> {
+    let n = information.nrows();
+    let mut all = Mat::zeros(n, n);
+    let factor = scaled(information, active).llt(Side::Lower).ok()?;
+    let inverse = factor.solve(Mat::<f64>::identity(active.len(), active.len()));
+    let scale = |k: usize| information[(k, k)].sqrt();
+    for (i, &a) in active.iter().enumerate() {
+        for (j, &b) in active.iter().enumerate() {
+            all[(a, b)] = inverse[(i, j)] / (scale(a) * scale(b));
+        }
+    }
+    Some(all)
+}

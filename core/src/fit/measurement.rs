@@ -1,0 +1,172 @@
+//! What was measured: a curve of force, the machine that measured it, and the errors of its readings.
+
+use crate::error::{not_negative, positive};
+use crate::{Error, Result};
+
+/// A measured curve of force.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measurement {
+    /// Positions y of the readings, rising; displacements of the slider, or of the drive if the machine has a compliance.
+    pub positions: Vec<f64>,
+    /// The force at each position; empty for a measurement that is only planned.
+    pub forces: Vec<f64>,
+    /// The machine.
+    pub machine: Machine,
+}
+
+/// The machine that measures: how a reading follows from the force F on the contacts and the position X of the slider,
+///
+/// y = origin + X + compliance F(X), force = F(X) + offset + trend y.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Machine {
+    /// Displacement of the drive against the slider per force; 0 where positions are those of the slider.
+    pub compliance: f64,
+    /// The reading of the force where there is none.
+    pub offset: f64,
+    /// Change of that reading per length.
+    pub trend: f64,
+    /// The reading of the position at X = 0.
+    pub origin: f64,
+}
+
+/// Errors of readings: independent ones, those of a slow drift, and the noise of a finite number of contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorModel {
+    /// Whether the noise of the contacts is part of it; without it errors are white, but for the drift.
+    pub contacts: bool,
+    /// Standard deviation of the independent error of a force; without it, it is estimated.
+    pub reading: Option<f64>,
+    /// The longest correlation length of a drift; without it there is no drift.
+    pub drift: Option<f64>,
+}
+
+impl Default for ErrorModel {
+    fn default() -> Self {
+        Self { contacts: true, reading: None, drift: None }
+    }
+}
+
+impl Measurement {
+    /// A curve of force against the position of the slider.
+    pub fn new(positions: Vec<f64>, forces: Vec<f64>) -> Self {
+        Self { positions, forces, machine: Machine::default() }
+    }
+
+    /// The readings at positions from `from` to `to`.
+    #[must_use]
+    pub fn within(&self, [from, to]: [f64; 2]) -> Self {
+        let inside = |&i: &usize| (from..=to).contains(&self.positions[i]);
+        let kept: Vec<usize> = (0..self.positions.len()).filter(inside).collect();
+        let positions = kept.iter().map(|&i| self.positions[i]).collect();
+        let forces = kept.iter().filter_map(|&i| self.forces.get(i).copied()).collect();
+        Self { positions, forces, machine: self.machine }
+    }
+
+    /// The same with every `count` neighbouring readings replaced by their mean, of positions and of forces; the last readings,
+    /// where they are fewer, too.
+    ///
+    /// The mean of the forces is the force at the mean position but for F''(count h)²/24, h the spacing of the readings: a group
+    /// must be short compared with what the curve shows. Independent errors become smaller by √count.
+    ///
+    /// # Errors
+    /// A count of 0; positions that do not rise; numbers that are not finite; a force for each position, or none.
+    pub fn average(&self, count: usize) -> Result<Self> {
+        if count == 0 {
+            return Err(Error::invalid("average", "a number of readings above 0", count));
+        }
+        self.check()?;
+        let mean = |group: &[f64]| group.iter().sum::<f64>() / group.len() as f64;
+        let means = |values: &[f64]| values.chunks(count).map(mean).collect();
+        Ok(Self { positions: means(&self.positions), forces: means(&self.forces), machine: self.machine })
+    }
+
+    /// From the first position to the last.
+    pub(super) fn range(&self) -> f64 {
+        self.positions[self.positions.len() - 1] - self.positions[0]
+    }
+
+    /// The largest force, or 1 where none was measured: the scale of forces.
+    pub(super) fn scale(&self) -> f64 {
+        let largest = self.forces.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+        if largest > 0.0 { largest } else { 1.0 }
+    }
+
+    /// # Errors
+    /// Positions that do not rise; numbers that are not finite; a force for each position, or none.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.positions.len() < 2 {
+            return Err(Error::invalid("position", "two positions or more", self.positions.len()));
+        }
+        for (key, values) in [("position", &self.positions), ("force", &self.forces)] {
+            if let Some(i) = values.iter().position(|value| !value.is_finite()) {
+                return Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i]));
+            }
+        }
+        if let Some(i) = self.positions.windows(2).position(|pair| pair[0] >= pair[1]) {
+            let expected = format!("positions that rise: one above {}", self.positions[i]);
+            return Err(Error::invalid(format!("position.{}", i + 1), expected, self.positions[i + 1]));
+        }
+        if !self.forces.is_empty() && self.forces.len() != self.positions.len() {
+            let expected = format!("{} forces, one for each position", self.positions.len());
+            return Err(Error::invalid("force", expected, self.forces.len()));
+        }
+        self.machine.check()
+    }
+}
+
+impl Machine {
+    fn check(self) -> Result<()> {
+        not_negative("compliance", self.compliance)?;
+        for (key, value) in [("offset", self.offset), ("trend", self.trend), ("origin", self.origin)] {
+            if !value.is_finite() {
+                return Err(Error::invalid(key, "a finite number", value));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ErrorModel {
+    /// # Errors
+    /// Numbers that are not above 0; a drift that varies over a quarter of `range` or more, which is no noise: it could
+    /// follow the curve itself.
+    pub(super) fn check(self, range: f64) -> Result<()> {
+        if let Some(reading) = self.reading {
+            positive("reading", reading)?;
+        }
+        let Some(longest) = self.drift else { return Ok(()) };
+        positive("drift.longest", longest)?;
+        if longest >= 0.25 * range {
+            let expected = format!("a length below {}, a quarter of the range of positions", 0.25 * range);
+            return Err(Error::invalid("drift.longest", expected, longest));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbouring_readings_are_averaged_and_so_are_the_last_ones() {
+        let measured = Measurement::new(vec![1.0, 2.0, 4.0, 5.0, 7.0], vec![2.0, 4.0, 1.0, 0.0, 3.0]);
+        let averaged = measured.average(2).unwrap();
+        // By hand; these sums are exact.
+        assert_eq!((averaged.positions, averaged.forces), (vec![1.5, 4.5, 7.0], vec![3.0, 0.5, 3.0]));
+        assert_eq!(measured.average(1).unwrap(), measured);
+        let planned = Measurement::new(measured.positions.clone(), Vec::new());
+        assert_eq!(planned.average(5).unwrap().positions, [3.8]);
+        assert!(planned.average(5).unwrap().forces.is_empty());
+    }
+
+    #[test]
+    fn what_cannot_be_averaged_is_refused() {
+        let measured = Measurement::new(vec![1.0, 2.0, 1.5, 5.0], vec![0.0; 4]);
+        assert!(measured.average(0).unwrap_err().to_string().starts_with("average: expected"));
+        // The means of these positions rise.
+        assert!(measured.average(2).unwrap_err().to_string().starts_with("position.2: expected"));
+        let fewer = Measurement::new(vec![1.0, 2.0, 3.0], vec![0.0; 2]);
+        assert!(fewer.average(2).unwrap_err().to_string().starts_with("force: expected 3 forces"));
+    }
+}

@@ -1,0 +1,104 @@
+//! What the fitted contacts would show at any positions.
+
+use super::Estimates;
+use super::expected::ExpectedReadings;
+use super::likelihood::Errors;
+use super::measurement::Measurement;
+use crate::monitor::{Monitor, Part};
+use crate::{Error, Result};
+
+/// Readings that are expected of the fitted contacts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Prediction {
+    /// The expected forces.
+    pub forces: Vec<f64>,
+    /// The standard deviation of a reading about them: noise of contacts, independent error and drift.
+    pub std: Vec<f64>,
+    /// The standard error of the expected forces, from the covariance of the estimates.
+    pub error: Vec<f64>,
+}
+
+impl Estimates {
+    /// The readings that are expected at positions, in any order, as they are measured: with offset, trend, origin and
+    /// compliance of the machine.
+    ///
+    /// With J the derivatives of the expected force by the free numbers, and V the covariance of their estimates, the standard
+    /// error is √(J V Jᵀ).
+    ///
+    /// # Errors
+    /// Positions that are not finite; one before which the machine slips; errors of the solver; stopped by the monitor.
+    pub fn predict(&self, positions: &[f64], monitor: &mut dyn Monitor) -> Result<Prediction> {
+        if let Some(i) = positions.iter().position(|y| !y.is_finite()) {
+            return Err(Error::invalid(format!("position.{i}"), "a finite number", positions[i]));
+        }
+        let mut order: Vec<usize> = (0..positions.len()).collect();
+        order.sort_by(|&a, &b| positions[a].total_cmp(&positions[b]));
+        let Some(&last) = order.last() else { return Ok(Prediction::default()) };
+        let (likelihood, coordinates) = (&self.ended.likelihood, &self.ended.optimum.coordinates);
+        let values = likelihood.values(coordinates);
+        let numbers = (likelihood.free.as_slice(), values.as_slice());
+        let rising = order.iter().map(|&i| positions[i]).collect();
+        let asked =
+            Measurement { positions: rising, forces: Vec::new(), machine: self.measurement().machine };
+        let part = &mut Part::new(monitor, 0.0, 0.5);
+        let found = ExpectedReadings::new((&likelihood.fit.equation, &asked), numbers, part)?;
+        let found = found.ok_or_else(|| {
+            let expected = "positions up to which the machine does not slip";
+            Error::invalid("position", expected, positions[last])
+        })?;
+        let sorted = Prediction {
+            std: self.deviations(&found, &mut Part::new(monitor, 0.5, 0.2))?,
+            error: self.errors_of(&found, &asked.positions, numbers.1, &mut Part::new(monitor, 0.7, 0.3))?,
+            forces: found.forces,
+        };
+        Ok(sorted.at_places(&order))
+    }
+
+    /// The standard deviations of readings.
+    fn deviations(&self, found: &ExpectedReadings, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+        let drift = self.ended.optimum.trial.sizes.drift[0];
+        let slow = self.reading.hypot(drift);
+        if !matches!(self.ended.likelihood.errors, Errors::Modelled(Some(_))) {
+            return Ok(vec![slow; found.positions.len()]);
+        }
+        let noise = found.pull.force_std_with(found.equation.contacts().count, monitor)?;
+        let at = |(&x, followed): (&f64, &f64)| (noise(x.max(0.0)) * followed).hypot(slow);
+        Ok(found.positions.iter().zip(&found.followed).map(at).collect())
+    }
+
+    /// The standard errors of the expected forces.
+    fn errors_of(
+        &self,
+        found: &ExpectedReadings,
+        measured: &[f64],
+        values: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<f64>> {
+        let free = &self.ended.likelihood.free;
+        let derivatives = found.derivatives(measured, (free, values), monitor)?;
+        let count = free.len();
+        let slopes: Vec<f64> =
+            free.iter().zip(values).map(|(n, &value)| n.slope(n.coordinate(value))).collect();
+        let by_value = |i: usize, k: usize| derivatives[(i, k)] / slopes[k];
+        let variance = |i: usize| -> f64 {
+            let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+            pairs.map(|(a, b)| self.covariance[a * count + b] * by_value(i, a) * by_value(i, b)).sum()
+        };
+        // Rounding may make the variance of what does not vary negative.
+        Ok((0..measured.len()).map(|i| variance(i).max(0.0).sqrt()).collect())
+    }
+}
+
+impl Prediction {
+    /// The same with entry i moved to the place `order[i]`.
+    fn at_places(&self, order: &[usize]) -> Self {
+        let moved = |sorted: &[f64]| {
+            let mut values = vec![0.0; sorted.len()];
+            for (&place, &value) in order.iter().zip(sorted) {
+                values[place] = value;
+            }
+            values
+        };
+        Self { forces: moved(&self.forces), std: moved(&self.std), error: moved(&self.error) }
+    }
+}

@@ -1,0 +1,125 @@
+//! The search for the most probable values: Fisher scoring, damped as by Levenberg and Marquardt.
+
+use faer::Mat;
+
+use super::likelihood::{Likelihood, LikelihoodPoint, Score};
+use super::matrix;
+use crate::monitor::{Aside, Monitor};
+use crate::{Error, Result};
+
+/// Steps after which the search is given up.
+const STEPS: usize = 60;
+/// The search ends where the next step would be this short, in standard errors squared: a thousandth of an error.
+const SHORT: f64 = 1e-6;
+/// Or, where no step lowers the deviance by reason of rounding, this short.
+const ROUNDED: f64 = 1e-3;
+/// Smallest damping, relative to the information, where a step without any has failed; factors by which it changes, and its
+/// largest value.
+const DAMPING: f64 = 1e-2;
+const MORE: f64 = 8.0;
+const LESS: f64 = 0.1;
+const MOST: f64 = 1e9;
+/// Longest step of a number that is varied by its logarithm.
+const LONGEST: f64 = 1.5;
+
+/// Where a search has ended.
+#[derive(Debug)]
+pub(super) struct Optimum {
+    pub coordinates: Vec<f64>,
+    pub trial: LikelihoodPoint,
+    pub score: Score,
+    /// Numbers at the end of their range.
+    pub at_bound: Vec<bool>,
+    pub converged: bool,
+    /// Solutions of the master equation.
+    pub solutions: usize,
+}
+
+/// Minimises the deviance from `start`, with the numbers that are `held` fixed.
+///
+/// # Errors
+/// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
+pub(super) fn search(
+    likelihood: &Likelihood,
+    start: &[f64],
+    held: &[bool],
+    monitor: &mut dyn Monitor,
+) -> Result<Optimum> {
+    let mut coordinates = start.to_vec();
+    let monitor = &mut Aside { fraction: 0.0, monitor };
+    let Some(mut trial) = likelihood.trial(&coordinates, monitor)? else {
+        let expected =
+            "first values from which a curve follows; where the machine has a compliance, one without a slip";
+        return Err(Error::invalid("free", expected, "none at the first values"));
+    };
+    let mut score = likelihood.score(&coordinates, &trial, monitor)?;
+    let (mut damping, mut solutions, mut converged) = (0.0, 1, false);
+    for step in 0..STEPS {
+        // The number of steps is not known beforehand; most searches need about ten.
+        monitor.fraction = 1.0 - 0.85_f64.powi(step as i32);
+        let active = active(likelihood, &coordinates, &score, held);
+        let Some(newton) = matrix::damped_step(&score, &active, 0.0) else { break };
+        let decrement = -matrix::inner(&newton, &score.slope);
+        if decrement < SHORT {
+            converged = true;
+            break;
+        }
+        let mut moved = false;
+        while damping <= MOST {
+            let Some(step) = matrix::damped_step(&score, &active, damping) else {
+                damping = more(damping);
+                continue;
+            };
+            let next = stepped(likelihood, &coordinates, &step);
+            let found = likelihood.trial(&next, monitor)?;
+            solutions += 1;
+            match found.filter(|found| found.deviance <= trial.deviance) {
+                Some(found) => {
+                    (coordinates, trial, moved) = (next, found, true);
+                    damping = less(damping);
+                    break;
+                }
+                None => damping = more(damping),
+            }
+        }
+        if !moved {
+            converged = decrement < ROUNDED;
+            break;
+        }
+        score = likelihood.score(&coordinates, &trial, monitor)?;
+    }
+    let at_bound = likelihood.free.iter().zip(&coordinates);
+    let at_bound = at_bound.map(|(parameter, u)| parameter.bounds.contains(u)).collect();
+    Ok(Optimum { coordinates, trial, score, at_bound, converged, solutions })
+}
+
+fn more(damping: f64) -> f64 {
+    (damping * MORE).max(DAMPING)
+}
+
+/// Less damping; none where little is left, so that directions of little information are not held back.
+fn less(damping: f64) -> f64 {
+    if damping < DAMPING { 0.0 } else { damping * LESS }
+}
+
+/// Which numbers move: not those held, nor those that would leave their range.
+fn active(likelihood: &Likelihood, coordinates: &[f64], score: &Score, held: &[bool]) -> Vec<usize> {
+    let outwards = |k: usize| {
+        let [low, high] = likelihood.free[k].bounds;
+        (coordinates[k] <= low && score.slope[(k, 0)] > 0.0)
+            || (coordinates[k] >= high && score.slope[(k, 0)] < 0.0)
+    };
+    (0..coordinates.len()).filter(|&k| !held[k] && !outwards(k)).collect()
+}
+
+/// The coordinates after a step, shortened as a whole so that no number moves too far, and cut at the ends of ranges.
+fn stepped(likelihood: &Likelihood, coordinates: &[f64], step: &Mat<f64>) -> Vec<f64> {
+    let logarithmic = likelihood.free.iter().enumerate().filter(|(_, parameter)| parameter.logarithmic);
+    let longest = logarithmic.fold(0.0, |most: f64, (k, _)| most.max(step[(k, 0)].abs()));
+    let share = (LONGEST / longest).min(1.0);
+    let moved = coordinates.iter().enumerate().map(|(k, u)| {
+        let [low, high] = likelihood.free[k].bounds;
+        (u + share * step[(k, 0)]).clamp(low, high)
+    });
+    moved.collect()
+}

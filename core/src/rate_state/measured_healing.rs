@@ -1,0 +1,103 @@
+//! Healing from measured slide–hold–slide tests.
+
+use std::f64::consts::LN_10;
+
+use super::MeasuredValue;
+use super::generalised::{GeneralisedFit, ScaledCurve, straight};
+use super::healing::{FEWEST, LONGEST, SHORTEST, ends};
+use super::measured_velocity_step::finite;
+use crate::{Error, Result};
+
+/// Healing in measured slide–hold–slide tests: static friction grows with the logarithm of the hold time,
+/// from a cutoff time on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredHealing {
+    /// Healing rate β ln 10, per factor of ten in hold time in the logarithmic regime, a force.
+    pub per_decade: MeasuredValue,
+    /// Cutoff time t_c; `None` if all holds are so much longer that it cannot be determined.
+    pub cutoff: Option<MeasuredValue>,
+    /// The fitted force after a hold of 1, a force.
+    pub at_one: MeasuredValue,
+    /// Root-mean-square residual of the fit, a force.
+    pub residual: f64,
+}
+
+impl MeasuredHealing {
+    /// Fits F_s(t) = F_s(0) + β ln(1 + t/t_c) to static friction after holds, by least squares.
+    ///
+    /// The scatter of the forces is taken as independent and of the same size for all holds, and is estimated from the
+    /// residuals; with few holds Student's distribution makes the intervals wider. A cutoff time a thousand
+    /// times shorter than the shortest hold counts as none: then a straight line over ln t is fitted.
+    ///
+    /// # Errors
+    /// Fewer than 4 holds, hold times that are not above 0, numbers of different length; growth that is not
+    /// logarithmic, since the longest hold is not longer than the cutoff time.
+    pub fn read(hold: &[f64], force: &[f64]) -> Result<Self> {
+        check(hold, force)?;
+        let (shortest, longest) = ends(hold);
+        let columns =
+            |cutoff: f64| vec![vec![1.0; hold.len()], hold.iter().map(|t| (t / cutoff).ln_1p()).collect()];
+        let by_cutoff = |cutoff: f64, coefficients: &[f64]| -> Vec<f64> {
+            hold.iter().map(|t| -coefficients[1] * t / (cutoff * (cutoff + t))).collect()
+        };
+        let curve = ScaledCurve {
+            position: hold,
+            values: force,
+            columns: &columns,
+            by_scale: &by_cutoff,
+            scales: (SHORTEST * shortest, LONGEST * longest),
+        };
+        let fit = GeneralisedFit::new(&curve, false, &mut ())?.ok_or_else(undetermined)?;
+        if fit.scale <= SHORTEST * shortest {
+            return Self::line(hold, force);
+        }
+        if fit.scale >= longest {
+            let expected = "forces that grow with the logarithm of the hold time";
+            return Err(Error::invalid("force", expected, "growth in proportion to the hold time"));
+        }
+        let after_one =
+            |cutoff: f64| (vec![1.0, (1.0 / cutoff).ln_1p()], vec![0.0, -1.0 / (cutoff * (cutoff + 1.0))]);
+        Ok(Self {
+            per_decade: fit.value(&|_| (vec![0.0, LN_10], vec![0.0; 2])),
+            cutoff: Some(fit.scale_value()),
+            at_one: fit.value(&after_one),
+            residual: fit.residual,
+        })
+    }
+
+    /// A straight line over the logarithm of the hold time.
+    fn line(hold: &[f64], force: &[f64]) -> Result<Self> {
+        let columns = vec![vec![1.0; hold.len()], hold.iter().map(|t| t.log10()).collect()];
+        let ([at_one, per_decade], residual) = straight(columns, force).ok_or_else(undetermined)?;
+        Ok(Self { per_decade, cutoff: None, at_one, residual })
+    }
+
+    /// The fitted static friction after a hold.
+    pub fn force_at(&self, hold: f64) -> f64 {
+        let cutoff = self.cutoff.map_or(0.0, |cutoff| cutoff.value);
+        self.at_one.value + self.per_decade.value * ((hold + cutoff) / (1.0 + cutoff)).log10()
+    }
+}
+
+fn undetermined() -> Error {
+    Error::invalid("hold", "holds of at least four different durations", "fewer")
+}
+
+fn check(hold: &[f64], force: &[f64]) -> Result<()> {
+    if hold.len() < FEWEST {
+        return Err(Error::invalid("hold", format!("at least {FEWEST} holds"), hold.len()));
+    }
+    if force.len() != hold.len() {
+        return Err(Error::invalid(
+            "force",
+            format!("{} forces, one for each hold", hold.len()),
+            force.len(),
+        ));
+    }
+    finite("hold", hold)?;
+    finite("force", force)?;
+    match hold.iter().position(|time| *time <= 0.0) {
+        Some(i) => Err(Error::invalid(format!("hold.{i}"), "a time above 0", hold[i])),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,302 @@
+//! Rate-and-state parameters of a measured velocity step, with errors from its drift and white noise.
+
+use puruspe::gammq;
+
+use super::drift::MeasuredNoise;
+use super::generalised::{GeneralisedFit, ScaledCurve};
+use super::velocity_step::{FEWEST, peak, scales};
+use super::{MeasuredValue, OrnsteinUhlenbeck};
+use crate::monitor::Monitor;
+use crate::{Error, Result};
+
+/// Smallest number of points before the step.
+const FEWEST_BEFORE: usize = 4;
+/// Points over which the force is averaged to find its extremum.
+const SMOOTHED: usize = 5;
+/// Largest number of lags in the test of whiteness.
+const LAGS: usize = 20;
+
+/// How a measured velocity step is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReading {
+    /// The force F₀ before the step, if it is known. Otherwise it is fitted to the points before the step.
+    pub before: Option<f64>,
+    /// X_p, from which on the force relaxes, relative to the step. Otherwise it is the extremum of the force,
+    /// averaged over five points.
+    pub peak: Option<f64>,
+    /// Whether the force also has a constant slope, before the step and after it.
+    pub trend: bool,
+    /// Whether the noise has drift besides its white part.
+    pub drift: bool,
+    /// Successive points that are averaged before the fit.
+    pub average: usize,
+}
+
+impl Default for StepReading {
+    fn default() -> Self {
+        Self { before: None, peak: None, trend: false, drift: true, average: 1 }
+    }
+}
+
+/// Rate-and-state parameters of a measured velocity step; forces in the unit of the curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredVelocityStep {
+    /// v/v₀.
+    pub ratio: f64,
+    /// Direct effect a, for the position X_p of the peak.
+    pub direct: MeasuredValue,
+    /// Evolution effect b, for the position X_p of the peak.
+    pub evolution: MeasuredValue,
+    /// a − b, the change of the steady force per ln(v/v₀).
+    pub steady: MeasuredValue,
+    /// Critical slip distance D_c, a length.
+    pub distance: MeasuredValue,
+    /// F₀, the force before the step.
+    pub before: MeasuredValue,
+    /// The slope of the force, if it is fitted, a force per length.
+    pub trend: Option<MeasuredValue>,
+    /// X_p, relative to the step.
+    pub peak: f64,
+    /// Root-mean-square residual of the fit, a force.
+    pub residual: f64,
+    /// The noise.
+    pub noise: MeasuredNoise,
+    /// Probability that white noise has correlations as large as those of the whitened residuals (G. M. Ljung
+    /// and G. E. P. Box, Biometrika 65, 297 (1978)). Far below 0.01 the noise is not of the kind described;
+    /// `None` if nothing is left.
+    pub whiteness: Option<f64>,
+    /// The positions that were fitted, averaged.
+    pub position: Vec<f64>,
+    /// The forces there.
+    pub force: Vec<f64>,
+}
+
+impl MeasuredVelocityStep {
+    /// Reads the step by the factor `ratio` of the velocity from `force` at `position`, relative to the step.
+    ///
+    /// Generalised least squares of
+    ///
+    /// F(X) = F₀ + c X + H(X − X_p) ln(v/v₀) \[a − b (1 − e^{−(X − X_p)/D_c})\],
+    ///
+    /// with H = 1 from X_p on and 0 before. The points between the step and X_p are left out. The covariance
+    /// of the noise is estimated from the residuals ([`MeasuredNoise`]). c = 0 without `reading.trend`.
+    ///
+    /// The stiffness of the machine is not described: a and b hold for X_p and change by b (1 − e^{−ΔX/D_c})
+    /// if it is moved by ΔX, which no error contains. D_c and a − b do not depend on it.
+    ///
+    /// # Errors
+    /// Positions that do not rise, too few points, other invalid numbers; a curve that does not determine the
+    /// parameters; a stop by the monitor.
+    pub fn read(
+        position: &[f64],
+        force: &[f64],
+        ratio: f64,
+        reading: &StepReading,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        check(position, force, ratio, reading)?;
+        let selected = Selected::new(position, force, ratio, reading)?;
+        selected.fit(ratio, reading, monitor)
+    }
+
+    /// The fitted force at a position relative to the step; between the step and X_p that of X_p.
+    pub fn force_at(&self, position: f64) -> f64 {
+        let trend = self.trend.map_or(0.0, |trend| trend.value);
+        let level = self.before.value + trend * position;
+        if position < 0.0 {
+            return level;
+        }
+        let fallen = -(-(position - self.peak).max(0.0) / self.distance.value).exp_m1();
+        level + self.ratio.ln() * (self.direct.value - self.evolution.value * fallen)
+    }
+}
+
+/// The points of a fit.
+struct Selected {
+    position: Vec<f64>,
+    force: Vec<f64>,
+    peak: f64,
+}
+
+impl Selected {
+    fn new(position: &[f64], force: &[f64], ratio: f64, reading: &StepReading) -> Result<Self> {
+        let step = position.iter().position(|x| *x >= 0.0).unwrap_or(position.len());
+        let before = position[..step].len() % reading.average;
+        let means = |values: &[f64], from: usize, to: usize| averaged(&values[from..to], reading.average);
+        let end = position.len();
+        let after = (means(position, step, end), means(force, step, end));
+        let before = (means(position, before, step), means(force, before, step));
+        rising("position", &[before.0.as_slice(), after.0.as_slice()].concat())?;
+        let peak = match reading.peak {
+            Some(peak) => peak,
+            None => extremum(&after.0, &after.1, ratio.ln().signum())?,
+        };
+        let first = after.0.partition_point(|x| *x < peak);
+        let rest = after.0.len() - first;
+        if rest < FEWEST {
+            let expected = format!("at least {FEWEST} points from the peak of the force on");
+            return Err(Error::invalid("position", expected, rest));
+        }
+        // With a known F₀ only what follows the step is fitted.
+        let before = if reading.before.is_some() { (Vec::new(), Vec::new()) } else { before };
+        if reading.before.is_none() && before.0.len() < FEWEST_BEFORE {
+            let expected = format!(
+                "at least {FEWEST_BEFORE} points before the step, at negative positions, or `before`"
+            );
+            return Err(Error::invalid("position", expected, before.0.len()));
+        }
+        Ok(Self {
+            position: [&before.0, &after.0[first..]].concat(),
+            force: [&before.1, &after.1[first..]].concat(),
+            peak,
+        })
+    }
+
+    /// 1 − e^{−(X − X_p)/D_c} from X_p on; `None` before the step.
+    fn fallen(&self, distance: f64) -> impl Iterator<Item = Option<f64>> + '_ {
+        let peak = self.peak;
+        self.position.iter().map(move |x| (*x >= 0.0).then(|| -(-(x - peak) / distance).exp_m1()))
+    }
+
+    fn columns(&self, distance: f64, size: f64, reading: &StepReading) -> Vec<Vec<f64>> {
+        let mut columns = Vec::new();
+        if reading.before.is_none() {
+            columns.push(vec![1.0; self.position.len()]);
+        }
+        columns.push(self.fallen(distance).map(|fallen| fallen.map_or(0.0, |_| size)).collect());
+        columns
+            .push(self.fallen(distance).map(|fallen| fallen.map_or(0.0, |fallen| -size * fallen)).collect());
+        if reading.trend {
+            columns.push(self.position.clone());
+        }
+        columns
+    }
+
+    fn fit(
+        self,
+        ratio: f64,
+        reading: &StepReading,
+        monitor: &mut dyn Monitor,
+    ) -> Result<MeasuredVelocityStep> {
+        let size = ratio.ln();
+        // Place of a among the coefficients; b is the next.
+        let direct = usize::from(reading.before.is_none());
+        let level = reading.before.unwrap_or(0.0);
+        let values: Vec<f64> = self.force.iter().map(|force| force - level).collect();
+        let columns = |distance: f64| self.columns(distance, size, reading);
+        let by_distance = |distance: f64, coefficients: &[f64]| -> Vec<f64> {
+            let front = coefficients[direct + 1] * size / distance;
+            let slope =
+                |x: &f64| (*x >= 0.0).then(|| (x - self.peak) / distance).map(|z| front * z * (-z).exp());
+            self.position.iter().map(|x| slope(x).unwrap_or(0.0)).collect()
+        };
+        let curve = ScaledCurve {
+            position: &self.position,
+            values: &values,
+            columns: &columns,
+            by_scale: &by_distance,
+            scales: scales(self.position[self.position.len() - 1] - self.peak),
+        };
+        let fit = GeneralisedFit::new(&curve, reading.drift, monitor)?.ok_or_else(undetermined)?;
+        let known = |value: f64| MeasuredValue { value, error: 0.0, low: value, high: Some(value) };
+        let count = fit.coefficients.len();
+        let difference: Vec<f64> =
+            (0..count).map(|i| f64::from(i == direct) - f64::from(i == direct + 1)).collect();
+        let noise = fit.measured_noise();
+        Ok(MeasuredVelocityStep {
+            ratio,
+            direct: fit.coefficient(direct),
+            evolution: fit.coefficient(direct + 1),
+            steady: fit.value(&|_| (difference.clone(), vec![0.0; count])),
+            distance: fit.scale_value(),
+            before: reading.before.map_or_else(|| fit.coefficient(0), known),
+            trend: reading.trend.then(|| fit.coefficient(direct + 2)),
+            peak: self.peak,
+            residual: fit.residual,
+            whiteness: whiteness(&fit.whitened, &noise.drift),
+            noise,
+            position: self.position.clone(),
+            force: self.force.clone(),
+        })
+    }
+}
+
+fn undetermined() -> Error {
+    let expected = "a curve that determines the parameters of the step";
+    Error::invalid("force", expected, "one from which they do not follow")
+}
+
+fn check(position: &[f64], force: &[f64], ratio: f64, reading: &StepReading) -> Result<()> {
+    if force.len() != position.len() {
+        return Err(Error::invalid(
+            "force",
+            format!("{} forces, one for each position", position.len()),
+            force.len(),
+        ));
+    }
+    finite("position", position)?;
+    finite("force", force)?;
+    if !(ratio > 0.0 && ratio.is_finite() && ratio != 1.0) {
+        return Err(Error::invalid("ratio", "a finite number above 0 other than 1", ratio));
+    }
+    if reading.average == 0 {
+        return Err(Error::invalid("average", "a number of points, 1 or more", 0));
+    }
+    if let Some(before) = reading.before.filter(|before| !before.is_finite()) {
+        return Err(Error::invalid("before", "a finite number", before));
+    }
+    match reading.peak.filter(|peak| !(*peak >= 0.0 && peak.is_finite())) {
+        Some(peak) => Err(Error::invalid("peak", "a position relative to the step, 0 or above", peak)),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn finite(key: &str, values: &[f64]) -> Result<()> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(i) => Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i])),
+        None => Ok(()),
+    }
+}
+
+fn rising(key: &str, values: &[f64]) -> Result<()> {
+    match values.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(i) => {
+            let expected =
+                format!("rising values (`average` takes the mean of points), one above {}", values[i]);
+            Err(Error::invalid(format!("{key}.{}", i + 1), expected, values[i + 1]))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Means of `many` values at a time.
+fn averaged(values: &[f64], many: usize) -> Vec<f64> {
+    values.chunks_exact(many).map(|part| part.iter().sum::<f64>() / many as f64).collect()
+}
+
+/// The position of the extremum of the force, averaged over some points, in the direction of the change of
+/// velocity; 0 if it is not in the first half.
+fn extremum(position: &[f64], force: &[f64], side: f64) -> Result<f64> {
+    let near = |i: usize| {
+        let half = (SMOOTHED / 2).min(i).min(force.len() - 1 - i);
+        force[i - half..=i + half].iter().sum::<f64>() / (2 * half + 1) as f64
+    };
+    let smooth: Vec<f64> = (0..force.len()).map(near).collect();
+    let none = || Error::invalid("position", "points after the step, at positions of 0 and above", "none");
+    let peak = peak(&smooth, side).ok_or_else(none)?;
+    Ok(if peak == 0 { 0.0 } else { position[peak] })
+}
+
+/// The test of Ljung and Box on whitened residuals.
+fn whiteness(whitened: &[f64], drift: &[OrnsteinUhlenbeck]) -> Option<f64> {
+    let count = whitened.len();
+    let lags = LAGS.min(count / 5);
+    // Each process has two parameters that were fitted to the correlations.
+    let freedom = lags.checked_sub(2 * drift.len()).filter(|&freedom| freedom > 0)? as f64;
+    let square: f64 = whitened.iter().map(|value| value * value).sum();
+    let correlation =
+        |lag: usize| whitened[lag..].iter().zip(whitened).map(|(a, b)| a * b).sum::<f64>() / square;
+    let terms = (1..=lags).map(|lag| correlation(lag).powi(2) / (count - lag) as f64);
+    let statistic = (count * (count + 2)) as f64 * terms.sum::<f64>();
+    statistic.is_finite().then(|| gammq(0.5 * freedom, 0.5 * statistic))
+}

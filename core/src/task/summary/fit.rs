@@ -1,0 +1,71 @@
+//! What a fit has found.
+
+use serde::{Deserialize, Serialize};
+
+use super::Extended;
+use crate::fit::{Correlation, Misfit};
+
+/// What a fit has found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitSummary {
+    /// Whether the search has converged; otherwise the values are the last ones.
+    pub converged: bool,
+    /// Number of readings, after averaging.
+    pub readings: usize,
+    /// Solutions of the master equation that the search took.
+    pub solutions: usize,
+    /// The estimates, those of the sizes of errors last.
+    pub numbers: Vec<FitNumber>,
+    /// Standard deviation of the independent error of a reading.
+    pub reading: f64,
+    /// Displacement of the slider up to the last reading.
+    pub distance: f64,
+    /// How well the curve is described; absent for a measurement that is only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misfit: Option<Misfit>,
+    /// Covariance of the errors of the estimates, in their order.
+    pub covariance: Vec<Vec<f64>>,
+    /// Correlations of errors above 0.5, without sign.
+    pub correlations: Vec<Correlation>,
+    /// Friction of the fitted contacts.
+    pub friction: FitFriction,
+}
+
+/// An estimate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitNumber {
+    /// Its key in the scenario.
+    pub key: String,
+    /// Its most probable value.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// The interval that holds the true value with 95 %.
+    pub interval: [Extended; 2],
+    /// Where only a limit is known: the value below which it is with 95 %.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Extended>,
+}
+
+/// A value with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Uncertain {
+    /// The value.
+    pub value: Extended,
+    /// Its standard error; NaN where the value has no derivative.
+    pub error: Extended,
+}
+
+/// Friction of the fitted contacts, with propagated errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FitFriction {
+    /// F_s; absent if it is not reached.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_friction: Option<Uncertain>,
+    /// F_k.
+    pub kinetic_friction: Uncertain,
+    /// X*.
+    pub relaxation_length: Uncertain,
+    /// K_c.
+    pub critical_stiffness: Uncertain,
+}

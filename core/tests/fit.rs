@@ -1,0 +1,240 @@
+//! Fits to curves made by the ensemble, contact by contact: values, errors, intervals, and what a curve cannot tell.
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial};
+use asperity::ensemble::{Disorder, Ensemble};
+use asperity::fit::{ErrorModel, Estimates, Fit, Machine, Measurement, Prior};
+use asperity::law::{Gaussian, SharedLaw};
+use asperity::master::MasterEquation;
+use rayon::prelude::*;
+
+/// Contacts of Gaussian thresholds, re-formed at stretches of `reforming`.
+fn contacts(count: f64, [mean, std]: [f64; 2], reforming: SharedLaw) -> Contacts {
+    Contacts { count, ..Contacts::new(Arc::new(Gaussian::new(mean, std).unwrap()), reforming) }
+}
+
+fn spread() -> SharedLaw {
+    Arc::new(Gaussian::new(0.1, 0.03).unwrap())
+}
+
+fn positions(count: usize, last: f64) -> Vec<f64> {
+    (1..=count).map(|i| last * (i as f64 / count as f64)).collect()
+}
+
+/// The force of 2000 contacts, G(1, .12), R = G(.1, .03), one by one.
+fn simulated(positions: &[f64], seed: u64) -> Vec<f64> {
+    let contacts = contacts(2000.0, [1.0, 0.12], spread());
+    let ensemble = Ensemble::new(contacts, Initial::default(), 2000, seed, Disorder::Annealed).unwrap();
+    ensemble.pull(positions).unwrap().force
+}
+
+/// The names, and true values, of the numbers that are fitted to such curves.
+const TRUE: [(&str, f64); 4] =
+    [("thresholds.mean", 1.0), ("thresholds.std", 0.12), ("count", 2000.0), ("stiffness", 1.0)];
+
+fn fit(positions: &[f64], forces: Vec<f64>) -> Fit {
+    let guess = MasterEquation::new(contacts(1500.0, [0.9, 0.2], spread()), &Initial::default()).unwrap();
+    Fit::new(guess, Measurement::new(positions.to_vec(), forces))
+}
+
+/// Of 100 curves: how often the 95 % interval of each of [`TRUE`] holds the true value, the mean estimate of the count, and
+/// the mean of χ².
+fn coverage(errors: ErrorModel, free: &[&str]) -> ([usize; 4], f64, f64) {
+    let positions = positions(300, 6.0);
+    let one = |seed: u64| -> Estimates {
+        let fit = fit(&positions, simulated(&positions, seed)).free(free.iter().copied()).errors(errors);
+        fit.run().unwrap()
+    };
+    let found: Vec<Estimates> = (0..100_u64).into_par_iter().map(one).collect();
+    assert!(found.iter().all(|found| found.converged));
+    let covered = TRUE.map(|(name, value)| {
+        let holds = |found: &&Estimates| {
+            found.estimate(name).is_some_and(|n| n.interval[0] <= value && value <= n.interval[1])
+        };
+        found.iter().filter(holds).count()
+    });
+    let mean = |of: &dyn Fn(&Estimates) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+    (
+        covered,
+        mean(&|found| found.estimate("count").unwrap().value),
+        mean(&|found| found.misfit.unwrap().chi_squared),
+    )
+}
+
+#[test]
+fn intervals_with_the_noise_of_contacts_hold_the_truth_and_white_ones_do_not() {
+    let (covered, count, chi_squared) = coverage(ErrorModel::default(), &TRUE.map(|number| number.0));
+    // 95 of 100, with a standard deviation of 2.2.
+    assert!(covered.iter().all(|covered| (88..=99).contains(covered)), "{covered:?}");
+    // The relative error of N is sqrt(2/300) = 8 %, that of the mean of 100 curves 0.8 %, and its bias of the order of 1/300 per
+    // free number.
+    assert!((count / 2000.0 - 1.0).abs() < 0.04, "{count}");
+    // The readings are exact, so that χ² = 300 is estimated by N; the floor of the independent errors takes less than one.
+    assert!((chi_squared - 300.0).abs() < 30.0, "{chi_squared}");
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    let (covered, ..) = coverage(white, &["thresholds.mean", "thresholds.std", "count"]);
+    assert!(covered[..3].iter().all(|covered| *covered < 80), "{covered:?}");
+}
+
+/// The force of contacts at given positions by the master equation.
+fn exact(contacts: Contacts, positions: &[f64]) -> Vec<f64> {
+    let pull = MasterEquation::new(contacts, &Initial::default()).unwrap().pull(6.0).unwrap();
+    positions.iter().map(|&x| pull.force(x)).collect()
+}
+
+#[test]
+fn a_curve_without_noise_gives_its_numbers_and_those_of_the_machine() {
+    let positions = positions(200, 5.0);
+    let truth = contacts(2000.0, [1.0, 0.12], spread());
+    let readings = exact(truth, &positions).into_iter().zip(&positions);
+    let readings = readings.map(|(force, x)| force + 30.0 + 2.0 * x).collect();
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    let found = fit(&positions, readings)
+        .free(["thresholds.mean", "thresholds.std", "count", "offset", "trend"])
+        .errors(white)
+        .run()
+        .unwrap();
+    assert!(found.converged);
+    let truth = [
+        ("thresholds.mean", 1.0),
+        ("thresholds.std", 0.12),
+        ("count", 2000.0),
+        ("offset", 30.0),
+        ("trend", 2.0),
+    ];
+    for (name, value) in truth {
+        // Errors of the solution, 1e-10 of the force, and of its derivatives; the forces vary by as much as these numbers.
+        let found = found.estimate(name).unwrap().value;
+        assert!((found / value - 1.0).abs() < 1e-7, "{name}: {found}");
+    }
+}
+
+#[test]
+fn a_compliance_is_found_from_the_drive() {
+    let slider = positions(200, 5.0);
+    let forces = exact(contacts(2000.0, [1.0, 0.3], spread()), &slider);
+    // Below the critical stiffness of these contacts the slider does not slip.
+    let compliance = 1e-4;
+    let drive = slider.iter().zip(&forces).map(|(x, force)| x + compliance * force).collect();
+    let machine = Machine { compliance: 2e-4, ..Machine::default() };
+    let measurement = Measurement { positions: drive, forces, machine };
+    let guess = MasterEquation::new(contacts(1900.0, [1.05, 0.33], spread()), &Initial::default()).unwrap();
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    let free = ["thresholds.mean", "thresholds.std", "count", "compliance"];
+    let found = Fit::new(guess, measurement).free(free).errors(white).run().unwrap();
+    let (found, reached) = (found.estimate("compliance").unwrap().value, &found.readings.positions);
+    assert!((found / compliance - 1.0).abs() < 1e-6, "{found}");
+    let apart = reached.iter().zip(&slider).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-6, "{apart}");
+}
+
+#[test]
+fn what_a_curve_does_not_determine_is_refused_with_the_direction() {
+    let positions = positions(100, 4.0);
+    // A shift of all stretches is a shift of the zero of the force: P, R and Q_ini by d, F by −N⟨k⟩d.
+    let shifted = |by: f64| Contacts {
+        count: 1000.0,
+        ..Contacts::new(
+            Arc::new(Gaussian::new(1.0 + by, 0.1).unwrap()),
+            Arc::new(Gaussian::new(0.3 + by, 0.03).unwrap()),
+        )
+    };
+    let initial = Initial { law: Arc::new(Gaussian::new(0.3, 0.02).unwrap()), ..Initial::default() };
+    let equation = MasterEquation::new(shifted(0.0), &initial).unwrap();
+    let pull = equation.pull(4.0).unwrap();
+    let forces = positions.iter().map(|&x| pull.force(x)).collect();
+    let free = ["thresholds.mean", "reforming.mean", "initial.mean", "offset"];
+    let error =
+        Fit::new(equation, Measurement::new(positions, forces)).free(free).run().unwrap_err().to_string();
+    assert!(free.iter().all(|name| error.contains(name)), "{error}");
+}
+
+#[test]
+fn the_profile_of_a_linear_number_is_its_standard_error() {
+    let positions = positions(150, 4.0);
+    let readings = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions).into_iter().enumerate();
+    // Any residuals will do; these have no regularity.
+    let readings = readings.map(|(i, force)| force + 20.0 * (i as f64 * 12.9898).sin()).collect();
+    let known = ErrorModel { contacts: false, reading: Some(15.0), drift: None };
+    let found = fit(&positions, readings).free(["offset"]).errors(known).run().unwrap();
+    let offset = found.estimate("offset").unwrap();
+    assert!((offset.error - 15.0 / 150.0_f64.sqrt()).abs() < 1e-9 * offset.error, "{offset:?}");
+    let profile = found.interval_by_profile("offset", &mut ()).unwrap();
+    for (end, told) in profile.into_iter().zip(offset.interval) {
+        // The end is sought to 0.01 of 1.96 errors.
+        assert!((end - told).abs() < 0.03 * offset.error, "{profile:?} {offset:?}");
+    }
+    let value = offset.value + 2.0 * offset.error;
+    let rise = found.profile("offset", value, &mut ()).unwrap();
+    // The search ends within a thousandth of an error of the minimum, 1e-6 in −2 ln L.
+    assert!((rise - 4.0).abs() < 1e-6, "{rise}");
+}
+
+#[test]
+fn a_fit_is_the_same_on_any_number_of_threads() {
+    let positions = positions(200, 4.0);
+    let forces = simulated(&positions, 5);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = pool.install(|| fit(&positions, forces.clone()).free(TRUE.map(|n| n.0)).run().unwrap());
+        (found.parameters, found.covariance)
+    };
+    assert_eq!(run(1), run(2));
+}
+
+#[test]
+fn the_gradient_of_the_likelihood_is_its_slope() {
+    let positions = positions(100, 4.0);
+    let found = fit(&positions, simulated(&positions, 9)).free(TRUE.map(|n| n.0)).run().unwrap();
+    let values: Vec<f64> = found.parameters.iter().map(|estimate| 1.02 * estimate.value).collect();
+    let (_, gradient) = found.log_likelihood(&values, &mut ()).unwrap();
+    for k in 0..values.len() {
+        let at = |factor: f64| {
+            let mut moved = values.clone();
+            moved[k] *= factor;
+            found.log_likelihood(&moved, &mut ()).unwrap().0
+        };
+        let step = 1e-5;
+        let slope = (at(1.0 + step) - at(1.0 - step)) / (2.0 * step * values[k]);
+        // Rounding of ln L over the step, and its third derivative times the square of the step.
+        let size = gradient[k].abs().max(1.0 / values[k]);
+        assert!(
+            (gradient[k] - slope).abs() < 1e-4 * size,
+            "{}: {} {slope}",
+            found.parameters[k].name,
+            gradient[k]
+        );
+    }
+}
+
+#[test]
+fn a_planned_measurement_has_the_errors_of_one_that_is_made() {
+    let positions = positions(300, 6.0);
+    let truth = || MasterEquation::new(contacts(2000.0, [1.0, 0.12], spread()), &Initial::default()).unwrap();
+    let errors = ErrorModel { reading: Some(0.1), ..ErrorModel::default() };
+    let free = TRUE.map(|number| number.0);
+    let planned =
+        Fit::new(truth(), Measurement::new(positions.clone(), Vec::new())).free(free).errors(errors);
+    let planned = planned.run().unwrap();
+    assert!(planned.misfit.is_none());
+    let made = fit(&positions, simulated(&positions, 4)).free(free).errors(errors).run().unwrap();
+    for (planned, made) in planned.parameters.iter().zip(&made.parameters) {
+        // Errors go with the square root of the number of contacts, which is estimated to 10 %.
+        assert!((planned.error / made.error - 1.0).abs() < 0.3, "{planned:?} {made:?}");
+    }
+}
+
+#[test]
+fn a_prior_holds_what_the_curve_does_not_tell() {
+    let positions = positions(100, 0.2);
+    // No contact has broken: only the stiffness of all is known.
+    let forces: Vec<f64> = positions.iter().map(|x| 2000.0 * x).collect();
+    let white = ErrorModel { contacts: false, reading: Some(1.0), drift: None };
+    let free = ["count", "thresholds.mean"];
+    let fit = fit(&positions, forces).free(free).errors(white);
+    let prior = Prior { value: 1.1, error: 0.05 };
+    let found = fit.prior("thresholds.mean", prior).run().unwrap();
+    let mean = found.estimate("thresholds.mean").unwrap();
+    assert!((mean.value - 1.1).abs() < 0.02 && (mean.error - 0.05).abs() < 0.01, "{mean:?}");
+}

@@ -1,0 +1,80 @@
+"""What a fit has found, as text."""
+
+import math
+from typing import TYPE_CHECKING
+
+from asperity import _show
+
+if TYPE_CHECKING:
+    from asperity._core import Estimates
+    from asperity._values import Estimate
+
+
+def text(fit: "Estimates") -> str:
+    return "\n".join([_show.listed("<asperity.Estimates>", rows(fit)), *remarks(fit)])
+
+
+def html(fit: "Estimates") -> str:
+    remark = " ".join(remarks(fit))
+    return _show.table("Estimates", {**rows(fit), **({"remark": remark} if remark else {})})
+
+
+def summary(fit: "Estimates") -> str:
+    return "\n".join([_show.listed(title(fit), rows(fit)), *remarks(fit)])
+
+
+def title(fit: "Estimates") -> str:
+    count = len(fit.readings["position"])
+    if fit.misfit is None:
+        return f"errors that a measurement at {count} positions would have"
+    return f"fit to {count} readings, {fit.solutions} solutions of the master equation"
+
+
+def rows(fit: "Estimates") -> dict[str, str]:
+    """Estimates, large correlations, and how well the curve is described."""
+    rows = {name: estimate(one) for name, one in fit.params.items()}
+    for one in fit.correlations:
+        rows[f"correlation of {' and '.join(one.between)}"] = f"{one.coefficient:.2f}"
+    if fit.misfit is not None:
+        misfit = fit.misfit
+        of = (
+            "sizes of errors are estimated" if misfit.probability is None else f"p = {misfit.probability:.2g}"
+        )
+        rows["chi-squared"] = (
+            f"{misfit.chi_squared:.1f} for {misfit.degrees_of_freedom} degrees of freedom, {of}"
+        )
+        rows["whiteness of the residuals"] = f"p = {misfit.whiteness:.2g}"
+    return rows
+
+
+def remarks(fit: "Estimates") -> list[str]:
+    """Sentences about a fit that is not to be trusted."""
+    found = []
+    if not fit.converged:
+        found.append("The search did not converge: these are its last values.")
+    if fit.misfit is not None and fit.misfit.unlikely:
+        found.append("The curve is not of this kind: do not trust the errors.")
+    return found
+
+
+def estimate(one: "Estimate") -> str:
+    """Value ± error and interval, or the limit."""
+    if one.limit is not None:
+        return f"below {one.limit:.3g} (95 %)"
+    if one.error == 0:
+        return f"{one.value:.6g}, at the end of its range"
+    if not math.isfinite(one.error):
+        return f"{one.value:.6g} ± {one.error}"
+    low, high = (rounded(end, one.error) for end in one.interval)
+    return f"{rounded(one.value, one.error)} ± {rounded(one.error, one.error)}, {low} to {high} (95 %)"
+
+
+def rounded(value: float, error: float) -> str:
+    """A number to the second digit of its error."""
+    if not math.isfinite(value):
+        return str(value)
+    places = 1 - math.floor(math.log10(error))
+    if 0 <= places <= 6:
+        return f"{value:.{places}f}"
+    digits = max(2, places + 1 + math.floor(math.log10(abs(value)))) if value else 2
+    return f"{value:.{digits}g}" if places > 0 else f"{round(value, places):.0f}"

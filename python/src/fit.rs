@@ -1,0 +1,473 @@
+//! Fits of contacts to a measured curve of force.
+
+use std::collections::BTreeMap;
+
+use asperity::Error;
+use asperity::contacts::Stiffness;
+use asperity::fit::{ErrorModel, Fit, Machine, Measurement, Prior};
+use asperity::law::Parameter;
+use asperity::master;
+use asperity::monitor::Part;
+use asperity::record::{self, Quantity};
+use asperity::scenario::{self, Units};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Domain, Whole};
+use crate::description::{Interface, Solved};
+use crate::equation::MasterEquation;
+use crate::law::{AnyLaw, set_parameter};
+use crate::model::interface;
+use crate::pull::Pull;
+use crate::record::Record;
+use crate::watch::watched;
+use crate::{error, typed, values};
+
+/// Fits numbers of contacts, and of the machine, to a measured curve of force.
+///
+/// A reading of the force at the position y is F(X) + offset + trend y + an error, where y = origin + X + compliance
+/// F(X) and F(X) is the force of the contacts on a pull. The most probable values are found by Fisher scoring, and
+/// their errors follow from the expected information.
+///
+/// contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
+/// position: positions y of the n readings, rising: of the slider, or of the drive if compliance is above 0.
+/// force: the n measured forces; or None for a planned measurement, for which the result has the errors that the
+/// free numbers would have, at their first values.
+/// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+/// "count" and "stiffness", and "compliance", "offset", "trend" and "origin".
+/// noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
+/// number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
+/// be free.
+/// reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
+/// drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
+/// size and its length are then estimated. No drift if None.
+/// compliance: displacement of the drive against the slider per force, of slider and machine together.
+/// offset: the reading of the force where there is none.
+/// trend: the change of that reading per length.
+/// origin: the reading of the position at X = 0.
+/// prior: for some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
+/// logarithm for numbers above 0.
+/// average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
+/// 4000 may remain.
+/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+///
+/// Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
+/// converge is no error: see Estimates.converged.
+#[pyfunction(name = "fit")]
+#[pyo3(
+    signature = (
+        contacts, position: "ArrayLike", force: "ArrayLike | None", *, free: "Sequence[str]", initial = None,
+        start: "Literal['conditional', 'relaxed']" = "conditional", velocity = None,
+        noise: "Literal['contacts', 'white']" = "contacts", reading = None, drift = None, compliance = 0.0, offset = 0.0,
+        trend = 0.0, origin = 0.0, prior: "Mapping[str, tuple[float, float]] | None" = None, average = Whole::new(1),
+        progress: "_Progress" = None
+    ),
+    text_signature = "(contacts, position, force, *, free, initial=None, start='conditional', velocity=None, noise='contacts', reading=None, drift=None, compliance=0.0, offset=0.0, trend=0.0, origin=0.0, prior=None, average=1, progress=None)"
+)]
+#[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+pub fn fit(
+    py: Python<'_>,
+    contacts: &Bound<'_, Contacts>,
+    position: &Bound<'_, PyAny>,
+    force: Option<&Bound<'_, PyAny>>,
+    free: Vec<String>,
+    initial: Option<AnyLaw>,
+    start: &str,
+    velocity: Option<f64>,
+    noise: &str,
+    reading: Option<f64>,
+    drift: Option<f64>,
+    compliance: f64,
+    offset: f64,
+    trend: f64,
+    origin: f64,
+    prior: Option<BTreeMap<String, (f64, f64)>>,
+    average: Whole,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Estimates> {
+    let interface = interface(contacts, initial, start)?;
+    let machine = Machine { compliance, offset, trend, origin };
+    let measured = measurement(position, force, machine, average)?;
+    let errors = ErrorModel { contacts: noise_of_contacts(noise)?, reading, drift };
+    let prior = prior.unwrap_or_default();
+    let found = watched(progress, py, |monitor| {
+        let first = MasterEquation::build(&interface, velocity, &mut Part::new(monitor, 0.0, 0.05))?;
+        let fit = Fit::new(first.equation, measured).free(free.iter().cloned()).errors(errors);
+        let fit = prior
+            .into_iter()
+            .fold(fit, |fit, (name, (value, error))| fit.prior(&name, Prior { value, error }));
+        fit.run_with(&mut Part::new(monitor, 0.05, 0.95)).map_err(of_argument)
+    })?;
+    Estimates::new(py, found, (interface, velocity), &free)
+}
+
+/// The measured curve, averaged.
+fn measurement(
+    position: &Bound<'_, PyAny>,
+    force: Option<&Bound<'_, PyAny>>,
+    machine: Machine,
+    average: Whole,
+) -> PyResult<Measurement> {
+    let positions = convert::list("position", position)?;
+    let forces = force.map_or(Ok(Vec::new()), |force| convert::list("force", force))?;
+    if force.is_some() && forces.is_empty() {
+        let expected = "measured forces, or None for a planned measurement";
+        return Err(error::invalid("force", expected, "an empty list"));
+    }
+    let measured = Measurement { positions, forces, machine };
+    measured.average(average.get("average")?).map_err(error::core)
+}
+
+/// Whether errors contain the noise of contacts.
+fn noise_of_contacts(noise: &str) -> PyResult<bool> {
+    match noise {
+        "contacts" => Ok(true),
+        "white" => Ok(false),
+        other => Err(error::invalid("noise", "contacts or white", other)),
+    }
+}
+
+/// An error about the argument that Python gave.
+fn of_argument(mut error: Error) -> Error {
+    if let Error::Invalid { key, .. } = &mut error
+        && key == "drift.longest"
+    {
+        "drift".clone_into(key);
+    }
+    error
+}
+
+/// What a fit has found: values of the free numbers with their errors, and how well they describe the curve.
+///
+/// Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
+#[pyclass(frozen, module = "asperity")]
+pub struct Estimates {
+    found: asperity::fit::Estimates,
+    model: Py<MasterEquation>,
+    pull: Py<Pull>,
+    readings: Py<Record>,
+}
+
+impl Estimates {
+    fn new(
+        py: Python<'_>,
+        found: asperity::fit::Estimates,
+        (first, velocity): (Interface, Option<f64>),
+        free: &[String],
+    ) -> PyResult<Self> {
+        let parameters = found.equation().parameters();
+        let (interface, velocity) = fitted((first, velocity), &found, &parameters, free);
+        let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
+            .map_err(error::core)?;
+        let model = MasterEquation { equation: found.equation().clone(), initial };
+        let solved = Solved { own: scenario::MasterEquation::default(), velocity };
+        let model = Bound::new(py, model.described(interface, solved))?;
+        let pull = Pull::computed(model.clone(), found.pull().clone())?;
+        let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
+        Ok(Self { found, model: model.unbind(), pull, readings })
+    }
+}
+
+#[pymethods]
+impl Estimates {
+    /// The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate.
+    #[getter]
+    fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
+        values::estimates(py, &self.found.parameters)
+    }
+
+    /// The covariance of the estimates in the order of `params`, shape (n, n).
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        let n = self.found.parameters.len();
+        convert::array(py, &[n, n], self.found.covariance.clone()).map(typed::Array)
+    }
+
+    /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
+    #[getter]
+    fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
+        values::correlations(py, self.found.correlations())
+    }
+
+    /// Whether the search has converged; otherwise the estimates are its last values.
+    #[getter]
+    fn converged(&self) -> bool {
+        self.found.converged
+    }
+
+    /// The number of solutions of the master equation that the search took.
+    #[getter]
+    fn solutions(&self) -> usize {
+        self.found.solutions
+    }
+
+    /// How well the curve is described, a Misfit; None for a planned measurement.
+    #[getter]
+    fn misfit<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::Misfit<'py>>> {
+        self.found.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
+    }
+
+    /// The standard deviation of the independent error of a reading, given or estimated, a force.
+    #[getter]
+    fn reading(&self) -> f64 {
+        self.found.reading
+    }
+
+    /// The contacts of the estimated numbers.
+    #[getter]
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Contacts>> {
+        self.model.bind(py).getattr("contacts")?.cast_into().map_err(PyErr::from)
+    }
+
+    /// The master equation of the estimated numbers.
+    #[getter]
+    fn model(&self, py: Python<'_>) -> Py<MasterEquation> {
+        self.model.clone_ref(py)
+    }
+
+    /// The pull of the estimated contacts, up to the last reading.
+    #[getter]
+    fn pull(&self, py: Python<'_>) -> Py<Pull> {
+        self.pull.clone_ref(py)
+    }
+
+    /// The readings as the fit describes them, a Record of arrays of shape (n,).
+    ///
+    /// `position` and `force` are the measured ones, after averaging; `slider_position` is X; `expected` is the expected
+    /// force and `std` the standard deviation of a reading about it; `residual` is the measured minus the expected
+    /// force, and `whitened` the whitened residuals, which are independent and of variance 1 if the description
+    /// holds. A planned measurement has no `force`, `residual` and `whitened`.
+    #[getter]
+    fn readings(&self, py: Python<'_>) -> Py<Record> {
+        self.readings.clone_ref(py)
+    }
+
+    /// The readings that are expected at positions, as they are measured, with their scatter and their errors.
+    ///
+    /// position: a list of positions in any order, within the range of the measured ones or beyond it.
+    #[pyo3(signature = (position: "ArrayLike"))]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        position: &Bound<'py, PyAny>,
+    ) -> PyResult<typed::Prediction<'py>> {
+        let positions = convert::list("position", position)?;
+        values::prediction(py, watched(None, py, |monitor| self.found.predict(&positions, monitor))?)
+    }
+
+    /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
+    fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
+        values::friction(py, &watched(None, py, |monitor| self.found.friction(monitor))?)
+    }
+
+    /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
+    /// its minimum.
+    ///
+    /// name: a name of `params`.
+    /// values: a list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+    /// logarithm for numbers above 0.
+    /// progress: as for MasterEquation.pull.
+    #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
+    fn profile<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        values: Option<&Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<typed::Profile<'py>> {
+        /// As many as show whether a profile is a parabola.
+        const VALUES: usize = 13;
+        let values = match values {
+            Some(values) => convert::list_within("values", values, &Domain::NUMBERS)?,
+            None => self.found.profile_values(name, VALUES).map_err(error::core)?,
+        };
+        let rise = watched(progress, py, |monitor| {
+            let share = 1.0 / values.len() as f64;
+            let one = |(i, &value): (usize, &f64)| {
+                self.found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
+            };
+            values.iter().enumerate().map(one).collect()
+        })?;
+        values::profile(py, values, rise)
+    }
+
+    /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
+    /// numbers, has risen by 3.84.
+    ///
+    /// name: a name of `params`.
+    /// progress: as for MasterEquation.pull.
+    #[pyo3(signature = (name, *, progress: "_Progress" = None))]
+    fn interval_by_profile(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(f64, f64)> {
+        let [low, high] = watched(progress, py, |monitor| self.found.interval_by_profile(name, monitor))?;
+        Ok((low, high))
+    }
+
+    /// ln L at values of the free numbers, and its gradient, for samplers and other searches.
+    ///
+    /// values: a list of n numbers in the order of `params`.
+    ///
+    /// Returns ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
+    /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent errors
+    /// whose size is estimated, ln L is the highest for any size.
+    #[pyo3(signature = (values: "ArrayLike"))]
+    fn log_likelihood<'py>(
+        &self,
+        py: Python<'py>,
+        values: &Bound<'py, PyAny>,
+    ) -> PyResult<(f64, typed::Array<'py>)> {
+        let values = convert::list("values", values)?;
+        let (value, gradient) = watched(None, py, |monitor| self.found.log_likelihood(&values, monitor))?;
+        Ok((value, typed::Array(convert::row(py, gradient)?)))
+    }
+
+    /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
+    fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("summary", (slf,))?.extract()
+    }
+
+    /// Plots the readings with the expected force and a band of two standard deviations of a reading to either side, and
+    /// below them the whitened residuals. Returns the axes. It needs matplotlib.
+    ///
+    /// axes: two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of the
+    /// expected force. A planned measurement is plotted on the first of them only.
+    #[pyo3(signature = (axes: "Sequence[Axes] | None" = None, **style: "Any") -> "tuple[Axes, ...]")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        axes: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("fit", (slf, axes), style)
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("text", (slf,))?.extract()
+    }
+
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("html", (slf,))?.extract()
+    }
+}
+
+/// The readings as columns.
+fn columns(found: &asperity::fit::Estimates) -> record::Record {
+    let (measured, described) = (found.measurement(), &found.readings);
+    let mut record = record::Record::default();
+    let mut add = |name, words, quantity, values: &[f64]| {
+        record.push(name, words, quantity, &["reading"], values.to_vec());
+    };
+    add("position", "measured position", Quantity::Length, &measured.positions);
+    let known = !measured.forces.is_empty();
+    if known {
+        add("force", "measured force", Quantity::Force, &measured.forces);
+    }
+    add("slider_position", "position X of the slider's base", Quantity::Length, &described.positions);
+    add("expected", "expected force", Quantity::Force, &described.expected);
+    add("std", "standard deviation of a reading", Quantity::Force, &described.std);
+    if known {
+        add("residual", "measured minus expected force", Quantity::Force, &described.residuals);
+        add("whitened", "whitened residual", Quantity::Number, &described.whitened);
+    }
+    record
+}
+
+/// The description of the fitted contacts: the first one with the estimates in the place of free numbers.
+fn fitted(
+    (mut interface, mut velocity): (Interface, Option<f64>),
+    found: &asperity::fit::Estimates,
+    parameters: &[Parameter],
+    free: &[String],
+) -> (Interface, Option<f64>) {
+    let owner = |name: &str| LAWS.into_iter().find(|owner| is_of(name, owner));
+    for Parameter { name, value } in parameters {
+        let owner = owner(name);
+        // The weights of a mixture change together.
+        let changed = free.iter().any(|free| free == name || owner.is_some_and(|owner| is_of(free, owner)));
+        match owner {
+            _ if !changed => {}
+            Some(owner) => set_of_law(&mut interface, owner, &name[owner.len() + 1..], *value),
+            None => set_number(&mut interface.contacts, &mut velocity, name, *value),
+        }
+    }
+    if let Some(areas) = &mut interface.contacts.areas
+        && free.iter().any(|free| ["thresholds.factor", "stiffness_per_threshold"].contains(&free.as_str()))
+    {
+        set_areas(areas, found.equation());
+    }
+    (interface, velocity)
+}
+
+/// The distributions by name.
+const LAWS: [&str; 4] = ["thresholds", "reforming", "initial", "ageing.mature"];
+
+/// Whether a number is a parameter of the distribution `owner`.
+fn is_of(name: &str, owner: &str) -> bool {
+    name.strip_prefix(owner).is_some_and(|rest| rest.starts_with('.'))
+}
+
+fn set_of_law(interface: &mut Interface, owner: &str, name: &str, to: f64) {
+    let Interface { contacts, initial, .. } = interface;
+    let law = match (owner, &mut contacts.areas, &mut contacts.ageing) {
+        ("thresholds", Some(_), _) if name == "factor" => return,
+        ("thresholds", Some(areas), _) => Some(&mut areas.law),
+        ("thresholds", None, _) => contacts.thresholds.as_mut(),
+        ("reforming", ..) => Some(&mut contacts.reforming),
+        ("initial", ..) => Some(initial),
+        (
+            _,
+            _,
+            Some(
+                scenario::Ageing::Smoluchowski { mature, .. }
+                | scenario::Ageing::FrozenRank { mature, .. }
+                | scenario::Ageing::MeanField { mature, .. },
+            ),
+        ) => Some(mature),
+        _ => None,
+    };
+    set_parameter(law.expect("a distribution that was fitted"), name, to);
+}
+
+fn set_number(contacts: &mut scenario::Contacts, velocity: &mut Option<f64>, name: &str, to: f64) {
+    let (temperature, ageing) = (&mut contacts.temperature, &mut contacts.ageing);
+    match (name, temperature, ageing) {
+        ("count", ..) => contacts.count = to,
+        ("stiffness", ..) => contacts.stiffness = Some(to),
+        ("stiffness_per_threshold", ..) if contacts.areas.is_some() => {}
+        ("stiffness_per_threshold", ..) => contacts.stiffness_per_threshold = Some(to),
+        ("temperature.energy", Some(heat), _) => heat.energy = to,
+        ("temperature.attempt_rate", Some(heat), _) => heat.attempt_rate = to,
+        ("ageing.growth", _, Some(scenario::Ageing::Logarithmic { growth, .. })) => *growth = to,
+        (
+            "ageing.time",
+            _,
+            Some(scenario::Ageing::Logarithmic { time, .. } | scenario::Ageing::FrozenRank { time, .. }),
+        ) => *time = to,
+        (
+            "ageing.diffusion",
+            _,
+            Some(
+                scenario::Ageing::Smoluchowski { diffusion, .. }
+                | scenario::Ageing::MeanField { diffusion, .. },
+            ),
+        ) => *diffusion = to,
+        ("delay", ..) => contacts.delay = Some(scenario::Delay { time: to }),
+        ("velocity", ..) => *velocity = Some(to),
+        _ => unreachable!("a number without a place"),
+    }
+}
+
+/// The modulus m and the strength s of areas, from κ = m²/s and the factor s/m of the thresholds.
+fn set_areas(areas: &mut scenario::Areas, equation: &master::MasterEquation) {
+    let contacts = equation.contacts();
+    let known = contacts.thresholds.parameters().into_iter().find(|parameter| parameter.name == "factor");
+    if let (Stiffness::PerThreshold(kappa), Some(Parameter { value: factor, .. })) =
+        (contacts.stiffness, known)
+    {
+        (areas.modulus, areas.strength) = (kappa * factor, kappa * factor * factor);
+    }
+}

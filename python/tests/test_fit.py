@@ -1,0 +1,505 @@
+"""Fits to curves of the ensemble and to computed ones, against other routes to the same numbers."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import curve_fit
+
+REFORMING = asp.Gaussian(0.1, 0.03)
+TRUE = asp.Contacts(asp.Gaussian(1.0, 0.12), REFORMING, count=2000.0)
+GUESS = asp.Contacts(asp.Gaussian(0.9, 0.2), REFORMING, count=1500.0)
+POSITION = np.linspace(0.03, 4.5, 150)
+NAMES = ("thresholds.mean", "thresholds.std", "count", "stiffness")
+SIMULATED: NDArray[np.float64] = asp.Ensemble(TRUE, size=2000, seed=3).pull(4.5, 151).force[1:]
+FOUND = asp.fit(GUESS, POSITION, SIMULATED, free=NAMES)
+
+
+def noisy(error: float, seed: int) -> NDArray[np.float64]:
+    """The curve of infinitely many contacts with independent errors."""
+    force = asp.MasterEquation(TRUE).pull(4.5)(POSITION)
+    return force + error * np.random.default_rng(seed).standard_normal(len(POSITION))
+
+
+def test_the_numbers_of_a_simulated_curve_are_found() -> None:
+    assert FOUND.converged
+    for name, value in zip(NAMES, (1.0, 0.12, 2000.0, 1.0), strict=True):
+        one = FOUND.params[name]
+        # Four standard errors: a false alarm in 16000 curves.
+        assert abs(one.value - value) < 4 * one.error, name
+        assert one.interval[0] < one.value < one.interval[1]
+        assert one.limit is None
+    # What 2000 contacts tell: their mean threshold to better than a percent, their number to about a tenth.
+    assert FOUND.params["thresholds.mean"].error < 0.01
+    assert 0.05 < FOUND.params["count"].error / 2000 < 0.2
+    # The readings of the ensemble are exact.
+    assert FOUND.params["reading"].limit is not None
+    assert list(FOUND.params)[:4] == list(NAMES)
+
+
+def test_what_is_found_fits_together() -> None:
+    assert FOUND.contacts == FOUND.model.contacts
+    assert FOUND.contacts.count == FOUND.params["count"].value
+    assert FOUND.contacts.thresholds is not None
+    assert FOUND.contacts.thresholds.parameters["mean"] == FOUND.params["thresholds.mean"].value
+    assert FOUND.contacts.reforming == REFORMING
+    # The description makes the same curve, bit for bit.
+    again = asp.MasterEquation(FOUND.contacts).pull(FOUND.pull.distance)
+    np.testing.assert_array_equal(again.force, FOUND.pull.force)
+    readings = FOUND.readings
+    np.testing.assert_array_equal(readings["expected"], FOUND.pull(POSITION))
+    np.testing.assert_array_equal(readings["residual"], SIMULATED - readings["expected"])
+    np.testing.assert_array_equal(readings["slider_position"], POSITION)
+    assert readings.to_xarray()["std"].dims == ("reading",)
+    errors = np.sqrt(np.diag(FOUND.covariance))
+    np.testing.assert_allclose(errors, [one.error for one in FOUND.params.values()], rtol=1e-12)
+    (pair,) = [one for one in FOUND.correlations if set(one.between) == {"count", "stiffness"}]
+    # Only the product follows from the curve.
+    assert pair.coefficient < -0.9
+    misfit = FOUND.misfit
+    assert misfit is not None
+    assert misfit.probability is None
+    assert not misfit.unlikely
+    assert misfit.degrees_of_freedom == len(POSITION) - len(NAMES)
+    assert misfit.chi_squared == pytest.approx(np.sum(readings["whitened"] ** 2), rel=1e-12)
+
+
+def test_a_prediction_has_the_noise_of_contacts_and_the_errors_of_the_estimates() -> None:
+    order = np.array([100, 3, 40])
+    force, std, error = FOUND.predict(POSITION[order])
+    # Another solution for the same contacts, over a shorter distance: the aim is 1e-10 of N⟨k⟩⟨x_s⟩.
+    np.testing.assert_allclose(force, FOUND.readings["expected"][order], atol=2000 * 1e-9)
+    noise = FOUND.pull.force_std(FOUND.contacts.count, POSITION[order])
+    np.testing.assert_allclose(std, np.hypot(noise, FOUND.reading), rtol=1e-6)
+    # The noise of the fit was computed before its last steps, which moved the estimates by less than a tenth
+    # of an error.
+    np.testing.assert_allclose(std, FOUND.readings["std"][order], rtol=0.02)
+    # By central differences of the curve, of a thousandth of an error; the next order is below 1e-5.
+    names = list(NAMES)
+    slopes = []
+    for name in names:
+        step = 1e-3 * FOUND.params[name].error
+        low, high = (curve(FOUND.contacts, name, sign * step)(POSITION[order]) for sign in (-1, 1))
+        slopes.append((high - low) / (2 * step))
+    jacobian = np.transpose(slopes)
+    variance = np.einsum("ia,ab,ib->i", jacobian, FOUND.covariance[:4, :4], jacobian)
+    np.testing.assert_allclose(error, np.sqrt(variance), rtol=1e-4)
+    assert FOUND.predict([]).force.shape == (0,)
+    # Beyond the last reading, too.
+    assert FOUND.predict([6.0]).force[0] == pytest.approx(asp.MasterEquation(FOUND.contacts).pull(6.0)(6.0))
+
+
+def curve(contacts: asp.Contacts, name: str, change: float) -> asp.Pull:
+    """The curve of contacts with one number changed."""
+    if name.startswith("thresholds."):
+        law = contacts.thresholds
+        assert law is not None
+        key = name.removeprefix("thresholds.")
+        contacts = contacts.replace(thresholds=law.replace(**{key: law.parameters[key] + change}))
+    else:
+        contacts = contacts.replace(**{name: contacts.parameters[name] + change})
+    return asp.MasterEquation(contacts).pull(4.5)
+
+
+def test_friction_has_the_errors_of_the_estimates() -> None:
+    friction = FOUND.friction()
+    steady = FOUND.model.steady_state().kinetic_friction
+    assert friction.kinetic_friction.value == pytest.approx(steady, rel=1e-12)
+    gradients = [FOUND.pull.friction_gradient(name) for name in NAMES]
+    kinetic = np.array([gradient.kinetic_friction for gradient in gradients])
+    error = np.sqrt(kinetic @ FOUND.covariance[:4, :4] @ kinetic)
+    assert friction.kinetic_friction.error == pytest.approx(error, rel=1e-6)
+    assert friction.static_friction is not None
+    assert FOUND.pull.static_friction is not None
+    assert friction.static_friction.value == FOUND.pull.static_friction.force
+    true = asp.MasterEquation(TRUE)
+    # Four standard errors.
+    length = friction.relaxation_length
+    assert abs(length.value - true.relaxation().length) < 4 * length.error
+    stiffness = friction.critical_stiffness
+    assert abs(stiffness.value - true.pull(4.5).critical_stiffness) < 4 * stiffness.error
+
+
+@pytest.mark.parametrize("noise", ["contacts", "white"])
+def test_the_gradient_of_the_likelihood_is_that_of_differences(noise: Any) -> None:
+    names = NAMES if noise == "contacts" else NAMES[:3]
+    fit = asp.fit(GUESS, POSITION, noisy(5.0, 1), free=names, noise=noise, prior={"count": (1900.0, 200.0)})
+    values = np.array([one.value for one in fit.params.values()])
+    errors = np.array([one.error for one in fit.params.values()])
+    at = values + 0.5 * errors
+    value, gradient = fit.log_likelihood(at)
+    assert fit.misfit is not None
+    assert fit.log_likelihood(values)[0] == pytest.approx(-0.5 * fit.misfit.deviance, rel=1e-12)
+    assert value < fit.log_likelihood(values)[0]
+    for k, error in enumerate(errors):
+        step = np.zeros(len(at))
+        step[k] = 1e-3 * error
+        slope = (fit.log_likelihood(at + step)[0] - fit.log_likelihood(at - step)[0]) / (2 * step[k])
+        # The step is a thousandth of an error, so that the next order is some 1e-6 of the gradient.
+        assert slope * error == pytest.approx(gradient[k] * error, rel=1e-5, abs=1e-5), list(fit.params)[k]
+    outside = fit.log_likelihood([-1.0, *values[1:]])
+    assert outside[0] == -np.inf
+    assert np.all(np.isnan(outside[1]))
+
+
+def test_white_noise_is_least_squares() -> None:
+    force = noisy(5.0, 2)
+    fit = asp.fit(GUESS, POSITION, force, free=("thresholds.mean", "thresholds.std", "count"), noise="white")
+
+    def expected(x: NDArray[np.float64], mean: float, std: float, count: float) -> Any:
+        contacts = asp.Contacts(asp.Gaussian(mean, std), REFORMING, count=count)
+        return asp.MasterEquation(contacts).pull(4.5)(x)
+
+    values, covariance = curve_fit(
+        expected, POSITION, force, p0=(0.9, 0.2, 1500.0), method="trf", x_scale=(1, 0.1, 1e3)
+    )
+    found = list(fit.params.values())
+    errors = np.sqrt(np.diag(covariance))
+    # The search ends within a thousandth of an error, SciPy's within its ftol of 1e-8 of the sum of squares.
+    assert np.all(np.abs([one.value for one in found] - values) < 0.01 * errors)
+    np.testing.assert_allclose([one.error for one in found], errors, rtol=0.01)
+    assert fit.reading == pytest.approx(5.0, rel=0.25)
+    assert fit.misfit is not None
+    assert fit.misfit.whiteness > 1e-3
+
+
+def test_the_profile_of_a_linear_number_is_a_parabola() -> None:
+    force = noisy(5.0, 4)
+    fit = asp.fit(TRUE, POSITION, force, free=("offset", "trend"), noise="white", reading=5.0)
+    value, error, interval, _ = fit.params["offset"]
+    assert fit.interval_by_profile("offset") == pytest.approx(interval, abs=0.02 * error)
+    assert interval[1] - value == pytest.approx(1.96 * error, rel=1e-3)
+    values, rise = fit.profile("offset")
+    np.testing.assert_allclose(values[[0, 6, -1]], [value - 3 * error, value, value + 3 * error], rtol=1e-9)
+    # Searches end where −2 ln L is within 1e-6 of its minimum.
+    np.testing.assert_allclose(rise, ((values - value) / error) ** 2, atol=1e-4)
+    # A reading error that is known makes χ² a test.
+    assert fit.misfit is not None
+    assert fit.misfit.probability is not None
+    assert fit.misfit.probability > 1e-3
+
+
+def test_the_machine_is_fitted() -> None:
+    pull = asp.MasterEquation(TRUE).pull(5.0, 2001)
+    compliance = 0.3 / pull.critical_stiffness
+    slider = np.linspace(0.03, 4.5, 150)
+    position = slider + compliance * pull(slider) + 0.2
+    force = pull(slider) + 30.0 + 4.0 * position
+    force += 2.0 * np.random.default_rng(1).standard_normal(len(force))
+    free = ("compliance", "offset", "trend", "origin", "thresholds.mean")
+    start = 0.5 * compliance
+    fit = asp.fit(TRUE, position, force, free=free, noise="white", compliance=start, origin=0.1)
+    true = dict(compliance=compliance, offset=30.0, trend=4.0, origin=0.2, **{"thresholds.mean": 1.0})
+    for name, value in true.items():
+        assert abs(fit.params[name].value - value) < 4 * fit.params[name].error, name
+    np.testing.assert_allclose(fit.readings["slider_position"], slider, atol=0.01)
+    np.testing.assert_allclose(fit.predict(position).force, fit.readings["expected"], rtol=1e-9)
+
+
+def test_a_planned_measurement_has_the_errors_that_measured_ones_scatter_by() -> None:
+    free = ("thresholds.mean", "thresholds.std")
+    plan = asp.fit(TRUE, POSITION, None, free=free, noise="white", reading=5.0)
+    assert plan.misfit is None
+    assert "force" not in plan.readings
+    planned = [plan.params[name].error for name in free]
+    found = []
+    for seed in range(40):
+        fit = asp.fit(TRUE, POSITION, noisy(5.0, seed), free=free, noise="white", reading=5.0)
+        found.append([fit.params[name].value for name in free])
+    # The relative error of a standard deviation of 40 values is 11 %; four of them.
+    np.testing.assert_allclose(np.std(found, axis=0, ddof=1), planned, rtol=0.45)
+    np.testing.assert_allclose(np.mean(found, axis=0), [1.0, 0.12], atol=4 * max(planned) / np.sqrt(40))
+
+
+def test_a_drift_is_found_and_where_there_is_none_is_limited() -> None:
+    """An Ornstein–Uhlenbeck process, by the Cholesky factor of its covariance."""
+    free = ("thresholds.mean", "stiffness")
+    covariance = 10.0**2 * np.exp(-np.abs(np.subtract.outer(POSITION, POSITION)) / 0.1)
+    drift = np.linalg.cholesky(covariance) @ np.random.default_rng(6).standard_normal(len(POSITION))
+    force = noisy(2.0, 7) + drift
+    fit = asp.fit(TRUE, POSITION, force, free=free, noise="white", drift=1.0)
+    # The likelihood of a normal distribution, at the true values. Both sums round to some 1e-13.
+    residual = force - asp.MasterEquation(TRUE).pull(4.5)(POSITION)
+    all_errors = covariance + 2.0**2 * np.eye(len(POSITION))
+    squares = residual @ np.linalg.solve(all_errors, residual)
+    deviance = squares + np.linalg.slogdet(all_errors)[1] + len(POSITION) * np.log(2 * np.pi)
+    assert fit.log_likelihood([1.0, 1.0, 2.0, 10.0, 0.1])[0] == pytest.approx(-0.5 * deviance, rel=1e-10)
+    true = {"thresholds.mean": 1.0, "stiffness": 1.0, "drift.amplitude": 10.0, "drift.length": 0.1}
+    for name, value in true.items():
+        one = fit.params[name]
+        # Four standard errors of the logarithm.
+        assert abs(np.log(one.value / value)) < 4 * one.error / one.value, name
+    without = asp.fit(TRUE, POSITION, noisy(2.0, 7), free=free, noise="white", drift=1.0)
+    assert "drift.amplitude" in without.params
+    limit = without.params["drift.amplitude"].limit
+    assert limit is None or limit < 4.0
+
+
+def test_neighbouring_readings_are_averaged() -> None:
+    position = np.linspace(0.03, 4.5, 601)
+    force = asp.MasterEquation(TRUE).pull(4.5)(position)
+    force += 8.0 * np.random.default_rng(5).standard_normal(601)
+    free = ("thresholds.mean", "count")
+    averaged = asp.fit(TRUE, position, force, free=free, noise="white", average=4)
+    assert len(averaged.readings["position"]) == 151
+    np.testing.assert_allclose(
+        averaged.readings["position"][:150], position[:600].reshape(150, 4).mean(axis=1)
+    )
+    assert averaged.readings["force"][-1] == force[-1]
+    # Independent errors: half as large, within 4/sqrt(2 × 150).
+    assert averaged.reading == pytest.approx(4.0, rel=0.23)
+    every = asp.fit(TRUE, position, force, free=free, noise="white")
+    # The same data: the two estimates differ by what averaging loses, a small part of the error.
+    for name in free:
+        difference = averaged.params[name].value - every.params[name].value
+        assert abs(difference) < 0.5 * every.params[name].error
+
+
+def test_contacts_of_every_kind_are_described_by_what_is_found() -> None:
+    """Their description gives the fitted curve, to rounding: areas follow from products."""
+    mature = asp.Gaussian(1.0, 0.2)
+    cases: list[tuple[asp.Contacts, dict[str, Any], tuple[str, ...]]] = [
+        (
+            asp.Contacts(asp.Mixture([(0.4, asp.Gaussian(0.6, 0.1)), (0.6, asp.Gamma(1.2, 0.2))])),
+            {},
+            ("thresholds.0.weight", "thresholds.1.mean"),
+        ),
+        (
+            asp.Contacts(areas=asp.Areas(asp.Gamma(1.0, 0.3), 2.0, 1.5)),
+            {},
+            ("thresholds.factor", "thresholds.std", "stiffness_per_threshold"),
+        ),
+        (
+            asp.Contacts(asp.Renormalised(asp.Gaussian(1.0, 0.2), 0.2)),
+            {},
+            ("thresholds.coupling", "thresholds.law.mean"),
+        ),
+        (
+            asp.Contacts(asp.Gaussian(1.0, 0.2), asp.Gaussian(0.3, 0.05), stiffness_per_threshold=2.0),
+            {"initial": asp.Gamma(0.2, 0.05)},
+            ("initial.mean", "reforming.std", "stiffness_per_threshold"),
+        ),
+        (
+            asp.Contacts(asp.Weibull(4.0, 1.0), temperature=asp.Temperature(0.02, 1.0), delay=0.05),
+            {"velocity": 0.3},
+            ("temperature.energy", "temperature.attempt_rate", "thresholds.scale"),
+        ),
+        (
+            asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.FrozenRank(mature, 2.0)),
+            {"velocity": 0.3},
+            ("ageing.mature.mean", "ageing.time"),
+        ),
+        (
+            asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.Logarithmic(0.05, 1.0)),
+            {"velocity": 0.3},
+            ("ageing.growth", "thresholds.mean"),
+        ),
+    ]
+    position = np.linspace(0.05, 3.0, 60)
+    for contacts, arguments, free in cases:
+        first = asp.MasterEquation(contacts, **arguments).pull(3.0)
+        changed = first(position) * (1 + 0.01 * np.sin(3 * position))
+        fit = asp.fit(contacts, position, changed, free=free, noise="white", **arguments)
+        assert [one.value for one in fit.params.values()] != [first.parameters()[name] for name in free]
+        model = fit.model.replace()
+        assert model == fit.model
+        again = model.pull(3.0)
+        for name in free:
+            assert again.parameters()[name] == pytest.approx(fit.params[name].value, rel=1e-12), name
+        np.testing.assert_allclose(again(position), fit.readings["expected"], rtol=1e-9)
+
+
+def test_a_velocity_is_found() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.02, 1.0))
+    force = asp.MasterEquation(contacts, velocity=0.1).pull(3.0)(POSITION[POSITION < 3])
+    fit = asp.fit(contacts, POSITION[POSITION < 3], force, free=["velocity"], velocity=0.15, noise="white")
+    # The curve has no errors but those of the solver.
+    assert fit.params["velocity"].value == pytest.approx(0.1, rel=1e-4)
+    assert fit.model.velocity == fit.params["velocity"].value
+
+
+POSITIONS = list(POSITION)
+WRONG: dict[str, tuple[Callable[[], object], str]] = {
+    "unknown": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["threshold.mean"]),
+        r"free\.0: expected one of thresholds\.mean, .*compliance, .*, origin, got threshold\.mean",
+    ),
+    "none": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=[]),
+        "free: expected at least one key, got none",
+    ),
+    "twice": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count", "count"]),
+        r"free\.1: expected each key once, got count",
+    ),
+    "count and stiffness": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count", "stiffness"], noise="white"),
+        "free: expected one of count and stiffness: without the noise of contacts only their product",
+    ),
+    "noise": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=NAMES, noise="pink"),  # type: ignore[arg-type]
+        "noise: expected contacts or white, got pink",
+    ),
+    "few": (
+        lambda: asp.fit(GUESS, POSITION[:5], SIMULATED[:5], free=NAMES),
+        "position: expected 6 readings or more for 4 free numbers, got 5",
+    ),
+    "many": (
+        lambda: asp.fit(GUESS, np.linspace(0, 4, 4001), np.zeros(4001), free=NAMES),
+        "position: expected at most 4000 readings with correlated errors: average neighbouring ones",
+    ),
+    "falling": (
+        lambda: asp.fit(GUESS, [0.1, 0.2, 0.15, *POSITIONS[8:]], np.ones(len(POSITION) - 5), free=["count"]),
+        r"position\.2: expected positions that rise: one above 0\.2, got 0\.15",
+    ),
+    "nan": (
+        lambda: asp.fit(GUESS, POSITION, [*SIMULATED[:-1], np.nan], free=["count"]),
+        r"force\.149: expected a finite number, got NaN",
+    ),
+    "lengths": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED[1:], free=["count"]),
+        "force: expected 150 forces, one for each position, got 149",
+    ),
+    "no forces": (
+        lambda: asp.fit(GUESS, POSITION, [], free=["count"]),
+        "force: expected measured forces, or None",
+    ),
+    "drift": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count"], drift=2.0),
+        r"drift: expected a length below 1\.117.*, a quarter of the range of positions, got 2",
+    ),
+    "fixed prior": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count"], prior={"stiffness": (1.0, 0.1)}),
+        r"prior\.stiffness: expected priors of free numbers only, got a fixed one",
+    ),
+    "prior": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count"], prior={"count": (1.0, -0.1)}),
+        r"prior\.count\.error: expected a finite number above 0, got -0\.1",
+    ),
+    "plan without errors": (
+        lambda: asp.fit(GUESS, POSITION, None, free=["count"]),
+        "reading: expected the standard deviation of a reading",
+    ),
+    "plan with a drift": (
+        lambda: asp.fit(GUESS, POSITION, None, free=["count"], reading=1.0, drift=1.0),
+        "drift: expected no drift for a measurement that is only planned",
+    ),
+    "average": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count"], average=0),
+        "average: expected a number of readings above 0, got 0",
+    ),
+    "stiff machine": (
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["compliance"]),
+        "compliance: expected a first value above 0",
+    ),
+    "velocity": (
+        lambda: asp.fit(asp.Contacts(asp.Gaussian(1.0, 0.1), delay=0.1), POSITION, SIMULATED, free=["count"]),
+        "velocity: expected",
+    ),
+    "name of a profile": (lambda: FOUND.profile("mean"), r"name: expected one of thresholds\.mean"),
+    "value of a profile": (
+        lambda: FOUND.profile("count", [0.0]),
+        "values: expected a finite number above 0, got 0",
+    ),
+    "values": (
+        lambda: FOUND.log_likelihood([1.0]),
+        "values: expected 5 values, one for each free number, got 1",
+    ),
+    "position": (lambda: FOUND.predict([1.0, np.inf]), r"position\.1: expected a finite number, got inf"),
+}
+
+
+@pytest.mark.parametrize(("call", "message"), WRONG.values(), ids=WRONG.keys())
+def test_wrong_input_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match="^" + message):
+        call()
+
+
+def test_what_is_no_list_of_numbers_is_refused() -> None:
+    wrong: list[Callable[[], object]] = [
+        lambda: asp.fit(GUESS, POSITION, "no", free=["count"]),
+        lambda: asp.fit(GUESS, 1.0, SIMULATED, free=["count"]),
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free="count"),
+        lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["count"], prior=[1.0]),  # type: ignore[arg-type]
+    ]
+    for call in wrong:
+        with pytest.raises((TypeError, ValueError)):
+            call()
+
+
+def test_numbers_that_only_change_together_are_refused_by_name() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.05), asp.Gaussian(0.3, 0.03), count=50.0, stiffness=4.0)
+    free = ["thresholds.mean", "offset", "reforming.mean", "initial.mean"]
+    with pytest.raises(ValueError, match="the same curve if these change together") as refused:
+        asp.fit(
+            contacts, POSITION, None, free=free, initial=asp.Gaussian(0.3, 0.03), reading=0.001, noise="white"
+        )
+    # x → x + d for all stretches makes the force larger by N⟨k⟩d.
+    told = re.findall(r"(\S+) by ([-+0-9.]+)", str(refused.value))
+    assert told == list(zip(free, ["+1", "-200", "+1", "+1"], strict=True))
+
+
+def test_the_summary_says_what_is_known_and_what_is_not() -> None:
+    text = FOUND.summary()
+    assert text.startswith("fit to 150 readings, ")
+    assert re.search(
+        r"^  thresholds\.mean +(0\.9|1\.0)\d* ± 0\.00\d+, \d\.\d+ to \d\.\d+ \(95 %\)$", text, re.M
+    )
+    assert re.search(r"^  reading +below \S+ \(95 %\)$", text, re.M)
+    assert re.search(r"^  correlation of count and stiffness +-1\.00$", text, re.M)
+    assert "trust" not in text
+    assert "converge" not in text
+    assert repr(FOUND).startswith("<asperity.Estimates>\n  thresholds.mean")
+    assert "<table><caption>Estimates</caption>" in FOUND._repr_html_()
+    plan = asp.fit(TRUE, POSITION, None, free=["count"], reading=1.0)
+    assert plan.summary().startswith("errors that a measurement at 150 positions would have")
+
+
+def test_a_curve_of_another_kind_is_told() -> None:
+    """Contacts of two kinds, fitted as one."""
+    two = asp.Mixture([(0.5, asp.Gaussian(0.5, 0.05)), (0.5, asp.Gaussian(1.3, 0.1))])
+    force = asp.MasterEquation(asp.Contacts(two, REFORMING, count=2000.0)).pull(4.5)(POSITION)
+    force += np.random.default_rng(1).standard_normal(len(force))
+    fit = asp.fit(GUESS, POSITION, force, free=NAMES[:3], noise="white")
+    assert fit.misfit is not None
+    assert fit.misfit.unlikely
+    assert "The curve is not of this kind: do not trust the errors." in fit.summary()
+    assert "do not trust the errors" in fit._repr_html_()
+
+
+def test_a_search_that_did_not_converge_is_told() -> None:
+    """A constant force, which no contacts show."""
+    fit = asp.fit(GUESS, POSITION, np.ones(len(POSITION)), free=NAMES[:3], noise="white")
+    told = "The search did not converge: these are its last values." in fit.summary()
+    assert told != fit.converged
+    assert fit.misfit is not None
+    assert fit.misfit.unlikely
+
+
+def test_a_plot_shows_readings_band_and_whitened_residuals() -> None:
+    pytest.importorskip("matplotlib")
+    above, below = FOUND.plot(color="k")
+    expected, readings = (np.array(line.get_xydata()) for line in above.lines)
+    np.testing.assert_array_equal(expected, np.column_stack([POSITION, FOUND.readings["expected"]]))
+    np.testing.assert_array_equal(readings, np.column_stack([POSITION, SIMULATED]))
+    (band,) = above.collections
+    edges = np.asarray(band.get_paths()[0].vertices)
+    width = np.ptp(edges[edges[:, 0] == POSITION[70], 1])
+    assert width == pytest.approx(4 * FOUND.readings["std"][70])
+    (whitened,) = (np.array(line.get_xydata()) for line in below.lines)
+    np.testing.assert_array_equal(whitened[:, 1], FOUND.readings["whitened"])
+    plan = asp.fit(TRUE, POSITION, None, free=["count"], reading=1.0)
+    assert len(plan.plot()) == 1
+
+
+def test_progress_rises_to_one() -> None:
+    told: list[float] = []
+    asp.fit(GUESS, POSITION, SIMULATED, free=NAMES, progress=told.append)
+    assert told[-1] == 1.0
+    assert told == sorted(told)
+    FOUND.profile("count", [1800.0, 2200.0], progress=told.append)
+    assert told[-1] == 1.0

@@ -1,0 +1,132 @@
+"""Rate-and-state parameters of measured curves, against known ones and those of curve_fit of scipy."""
+
+import math
+
+import asperity as asp
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import curve_fit
+
+POSITION = np.arange(-60.0, 200.0)
+A, B, DISTANCE, RATIO = 0.008, 0.012, 8.0, 10.0
+
+
+def response(
+    x: NDArray[np.float64], before: float, a: float, b: float, distance: float
+) -> NDArray[np.float64]:
+    after = a - b * (1 - np.exp(-np.maximum(x, 0.0) / distance))
+    return np.asarray(before + math.log(RATIO) * np.where(x < 0.0, 0.0, after))
+
+
+def measured(seed: int) -> NDArray[np.float64]:
+    noise = np.random.default_rng(seed).normal(size=POSITION.size)
+    return response(POSITION, 0.6, A, B, DISTANCE) + 4e-4 * noise
+
+
+def test_white_noise_gives_the_numbers_of_scipy() -> None:
+    force = measured(1)
+    step = asp.read_velocity_step(POSITION, force, RATIO, peak=0.0, noise="white")
+    values, covariance = curve_fit(response, POSITION, force, p0=(0.6, 0.01, 0.01, 5.0))
+    found = [step.before, step.a, step.b, step.distance]
+    # The tolerances of both searches are about 1e-8 of the sum of squares, 1e-4 of an error.
+    for estimate, value, variance in zip(found, values, np.diag(covariance), strict=True):
+        assert abs(estimate.value - value) < 1e-3 * estimate.error
+        assert estimate.error == pytest.approx(math.sqrt(variance), rel=1e-3)
+    np.testing.assert_allclose(step.fitted, response(step.position, *values), atol=1e-6)
+    np.testing.assert_array_equal(step(step.position), step.fitted)
+    assert step.residual == pytest.approx(np.sqrt(np.mean((force - step.fitted) ** 2)), rel=1e-9)
+    assert step.noise.drift == []
+
+
+def drifting(seed: int) -> NDArray[np.float64]:
+    """A record with drift of standard deviation 5e-4 and correlation length 25 besides white noise."""
+    rng = np.random.default_rng(1000 + seed)
+    kept = math.exp(-1 / 25)
+    drift = [5e-4 * rng.normal()]
+    for _ in POSITION[1:]:
+        drift.append(kept * drift[-1] + 5e-4 * math.sqrt(1 - kept**2) * rng.normal())
+    return np.asarray(measured(seed) + np.array(drift))
+
+
+def test_drift_is_found_and_widens_errors() -> None:
+    widened = []
+    for seed in range(8):
+        force = drifting(seed)
+        step = asp.read_velocity_step(POSITION, force, RATIO, peak=0.0)
+        white = asp.read_velocity_step(POSITION, force, RATIO, peak=0.0, noise="white")
+        widened.append(step.a_minus_b.error / white.a_minus_b.error)
+        assert len(step.noise.drift) >= 1
+        # The record is ten correlation lengths long, so that errors are themselves uncertain: six of them.
+        for estimate, known in [(step.a, A), (step.b, B), (step.distance, DISTANCE), (step.a_minus_b, A - B)]:
+            assert abs(estimate.value - known) < 6 * estimate.error
+            low, high = estimate.interval
+            assert low < estimate.value < high
+        assert "a_minus_b" in repr(step)
+    # The variance of a mean of this drift is 2 × 25 times that of white noise of the same size, and drift is
+    # 0.6 of the variance: errors grow by about five. Single records may have little drift.
+    assert np.mean(widened) > 2.5
+
+
+def test_a_short_record_gives_no_upper_limit() -> None:
+    short = POSITION[POSITION < 20.0]
+    noise = np.random.default_rng(4).normal(size=short.size)
+    force = response(short, 0.6, A, B, 1e3) + 4e-4 * noise
+    step = asp.read_velocity_step(short, force, RATIO, peak=0.0)
+    assert step.distance.interval[1] == math.inf
+
+
+def test_options() -> None:
+    force = measured(5) + 1e-5 * POSITION
+    step = asp.read_velocity_step(POSITION, force, RATIO, peak=0.0, trend=True, average=2)
+    assert step.trend is not None
+    assert abs(step.trend.value - 1e-5) < 5 * step.trend.error
+    assert step.position.size == POSITION.size // 2
+    fixed = asp.read_velocity_step(POSITION, measured(5), RATIO, before=0.6)
+    assert fixed.before[:3] == (0.6, 0.0, (0.6, 0.6))
+    assert fixed.trend is None
+    assert fixed.ratio == RATIO
+
+
+def test_wrong_input() -> None:
+    force = measured(6)
+    with pytest.raises(ValueError, match="ratio: expected a finite number above 0 other than 1"):
+        asp.read_velocity_step(POSITION, force, 1.0)
+    with pytest.raises(ValueError, match=r"position\.1: expected rising values \(`average`"):
+        asp.read_velocity_step(POSITION[::-1] * 0.0 - 1.0, force, RATIO)
+    with pytest.raises(ValueError, match="noise"):
+        asp.read_velocity_step(POSITION, force, RATIO, noise="pink")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="hold: expected at least 4 holds"):
+        asp.read_healing([1.0, 2.0], [0.6, 0.7])
+
+
+def test_healing_gives_the_numbers_of_scipy() -> None:
+    hold = np.logspace(0.0, 4.0, 13)
+    force = 0.6 + 0.008 * np.log1p(hold / 5.0) + 3e-4 * np.random.default_rng(7).normal(size=hold.size)
+    healing = asp.read_healing(hold, force)
+
+    def law(t: NDArray[np.float64], start: float, growth: float, cutoff: float) -> NDArray[np.float64]:
+        return np.asarray(start + growth * np.log1p(t / cutoff))
+
+    values, covariance = curve_fit(law, hold, force, p0=(0.6, 0.01, 3.0))
+    assert healing.cutoff is not None
+    assert healing.cutoff.value == pytest.approx(values[2], rel=1e-4)
+    assert healing.cutoff.error == pytest.approx(math.sqrt(covariance[2, 2]), rel=1e-3)
+    assert healing.per_decade.value == pytest.approx(math.log(10) * values[1], rel=1e-4)
+    assert healing.per_decade.error == pytest.approx(math.log(10) * math.sqrt(covariance[1, 1]), rel=1e-3)
+    np.testing.assert_allclose(healing.fitted, law(hold, *values), atol=1e-6)
+    np.testing.assert_array_equal(healing(hold), healing.fitted)
+    assert "per_decade" in repr(healing)
+
+
+def test_plots() -> None:
+    pytest.importorskip("matplotlib").use("agg")
+    step = asp.read_velocity_step(POSITION, measured(8), RATIO)
+    axes = step.plot(color="k")
+    # dots, and the fit before and after the step
+    assert len(axes.lines) == 3
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), step.force)
+    hold = [1.0, 10.0, 100.0, 1e3, 1e4]
+    axes = asp.read_healing(hold, [0.6, 0.61, 0.622, 0.641, 0.66]).plot()
+    assert len(axes.lines) == 2
+    assert axes.get_xscale() == "log"
