@@ -17,8 +17,11 @@ use common::sliders::Impatient;
 use common::{contacts, exponential, gamma, gaussian, initial, point, rectangular, weibull};
 use cpu_time::ThreadTime;
 
-/// CPU time between two questions, at most.
-const MOST: Duration = Duration::from_millis(200);
+/// CPU time between two questions, at most, in units of that of [`reference`]: 0.2 s where this takes 25 ms.
+const MOST: f64 = 8.0;
+
+/// Terms of the sum of [`reference`].
+const REFERENCE_TERMS: u32 = 8_000_000;
 
 /// CPU time after which a computation is asked to stop.
 const LIMIT: Duration = Duration::from_millis(500);
@@ -55,6 +58,16 @@ impl Monitor for Patience {
         self.asked_to_stop = now() - self.begun > LIMIT;
         if self.asked_to_stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
+}
+
+/// CPU time of a fixed computation. Limits are multiples of it, since the same work takes longer on a slower machine, or beside
+/// other work on the same processor.
+fn reference() -> Duration {
+    let begun = now();
+    let sum: f64 = (1..REFERENCE_TERMS).map(|i| (-1e-9 * f64::from(i)).exp().sqrt()).sum();
+    // The sum is used, so that it is not left out: its terms are between 0.99 and 1.
+    assert!(sum > 0.9 * f64::from(REFERENCE_TERMS));
+    now() - begun
 }
 
 /// All work on one thread, of which the CPU time is known whatever else the machine does.
@@ -126,12 +139,14 @@ fn slide_after_hold() -> History {
 
 /// Lets one computation go on for as long as it may; whether it was done then.
 fn patient(name: &str, work: impl FnOnce(&mut dyn Monitor) -> asperity::Result<()>) -> bool {
+    let before = reference();
     let mut patience = Patience::new();
     let outcome = work(&mut patience);
     // What it takes to stop counts, too.
     patience.note();
-    let (longest, questions) = (patience.longest, patience.questions);
-    assert!(longest < MOST, "{name}: nobody was asked for {longest:?}, of {:?}", now() - patience.begun);
+    let (longest, questions, taken) = (patience.longest, patience.questions, now() - patience.begun);
+    let most = before.max(reference()).mul_f64(MOST);
+    assert!(longest < most, "{name}: nobody was asked for {longest:?} of {taken:?}, at most {most:?} expected");
     match outcome {
         Err(Error::Stopped) => assert!(patience.asked_to_stop, "{name}: it stopped unasked"),
         Err(error) => panic!("{name}: {error}"),

@@ -238,7 +238,7 @@ impl ThresholdFokkerPlanck {
     /// Stopped by the monitor.
     pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         /// Points between two checks whether the monitor has stopped.
-        const MANY: usize = 1 << 16;
+        const MANY: usize = 1 << 12;
         let watch = Watch::new(monitor);
         let (low, high) = self.support;
         let law = self.newborn.as_ref();

@@ -155,17 +155,15 @@ impl RankTable {
         let scale = soon * time;
         let count = ((OLDEST * time / scale).ln_1p() / SPACING).ceil() as usize + 1;
         let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
-        let born: Vec<f64> = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
-        report(monitor, 0.0)?;
+        let mut quantile_of = |rank| report(monitor, 0.0).map(|()| quantile(newborn, psi(rank)));
+        let born = (0..RANKS).map(&mut quantile_of).collect::<Result<Vec<f64>>>()?;
         let ages: Vec<f64> = (1..count).map(age).collect();
         let rows: Vec<Vec<f64>> =
             std::iter::once(born).chain(evolve_quantiles(maturing, &ages, monitor)?).collect();
         report(monitor, SHARE)?;
-        let means = means_above(newborn.as_ref(), &rows);
-        report(monitor, SHARE)?;
+        let means = means_above(newborn.as_ref(), &rows, &mut || report(monitor, SHARE))?;
         let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, means, error: 0.0 };
-        ranks.error = ranks.interpolation_error();
-        report(monitor, SHARE)?;
+        ranks.error = ranks.interpolation_error(&mut || report(monitor, SHARE))?;
         Ok(ranks)
     }
 
@@ -181,21 +179,25 @@ impl RankTable {
 
     /// The interpolation error of the distribution function, extrapolated from the errors of interpolating
     /// every second and every fourth row and rank.
-    fn interpolation_error(&self) -> f64 {
-        let [second, fourth] = [2, 4].map(|every| self.subsampling_error(every));
+    ///
+    /// # Errors
+    /// Those of `ask`, which asks the monitor.
+    fn interpolation_error(&self, ask: &mut dyn FnMut() -> Result<()>) -> Result<f64> {
+        let (second, fourth) = (self.subsampling_error(2, ask)?, self.subsampling_error(4, ask)?);
         // Rounding, and what the law leaves out.
         // If halving the spacing reduces the error by a factor, the next halving reduces it by the
         // same: the error of the whole table is that of every second entry times second/fourth.
-        (second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT)
+        Ok((second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT))
     }
 
     /// The largest error, as a fraction of contacts, of interpolating the rows and ranks halfway between
     /// every `every`-th.
-    fn subsampling_error(&self, every: usize) -> f64 {
+    fn subsampling_error(&self, every: usize, ask: &mut dyn FnMut() -> Result<()>) -> Result<f64> {
         let (ages, ranks) = ((self.rows.len() - 1) / every, (RANKS - 1) / every);
         let (older, farther) = (ages * every, ranks * every);
         let mut most = 0.0_f64;
         for rank in 1..RANKS - 1 {
+            ask()?;
             // Errors of thresholds are converted to fractions of contacts, in which all ranks count
             // alike.
             let contacts = contacts_at(psi(rank));
@@ -214,7 +216,7 @@ impl RankTable {
                 }
             }
         }
-        most
+        Ok(most)
     }
 
     /// The thresholds at an age.
@@ -372,7 +374,14 @@ fn shifted(law: &dyn Law, above: f64, shift: f64) -> [f64; 2] {
 ///
 /// They are ∫_ψ^∞ hⁿ q(1 − q) dψ/(1 − q), which is as smooth in ψ as h. Beyond the tabulated ranks h changes
 /// by as much as that of the last rank.
-fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
+///
+/// # Errors
+/// Those of `ask`, which asks the monitor.
+fn means_above(
+    newborn: &dyn Law,
+    rows: &[Vec<f64>],
+    ask: &mut dyn FnMut() -> Result<()>,
+) -> Result<Vec<Vec<[f64; 2]>>> {
     const TOP: usize = RANKS - 1;
     let points: Vec<Vec<(Stencil, f64)>> = (0..TOP).map(between).collect();
     let of = |row: &Vec<f64>| {
@@ -389,7 +398,7 @@ fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
         }
         means
     };
-    rows.iter().map(of).collect()
+    rows.iter().map(|row| ask().map(|()| of(row))).collect()
 }
 
 /// Gauss points between a tabulated rank and the next one, weighted by the contacts they represent.

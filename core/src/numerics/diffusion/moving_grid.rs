@@ -96,13 +96,14 @@ impl MovingGrid {
     pub fn new(cells: usize, finest: f64) -> Self {
         let grading = grading(finest);
         let face = |i: usize| face_position(i as f64 / cells as f64, grading);
-        let width = |i: usize| face(i + 1) - face(i);
-        let middle = |i: usize| 0.5 * (face(i) + face(i + 1));
+        let faces: Vec<f64> = (0..cells + 2).map(face).collect();
+        let width = |i: usize| faces[i + 1] - faces[i];
+        let middle = |i: usize| 0.5 * (faces[i] + faces[i + 1]);
         let cell = |i: usize| GridCell {
             middle: middle(i),
             inverse: 1.0 / width(i),
             next: 1.0 / (middle(i + 1) - middle(i)),
-            lag: 1.0 - face(i + 1),
+            lag: 1.0 - faces[i + 1],
         };
         Self { cells: (0..cells).map(cell).collect() }
     }
