@@ -146,7 +146,10 @@ fn patient(name: &str, work: impl FnOnce(&mut dyn Monitor) -> asperity::Result<(
     patience.note();
     let (longest, questions, taken) = (patience.longest, patience.questions, now() - patience.begun);
     let most = before.max(reference()).mul_f64(MOST);
-    assert!(longest < most, "{name}: nobody was asked for {longest:?} of {taken:?}, at most {most:?} expected");
+    assert!(
+        longest < most,
+        "{name}: nobody was asked for {longest:?} of {taken:?}, at most {most:?} expected"
+    );
     match outcome {
         Err(Error::Stopped) => assert!(patience.asked_to_stop, "{name}: it stopped unasked"),
         Err(error) => panic!("{name}: {error}"),

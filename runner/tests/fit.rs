@@ -1,7 +1,11 @@
 //! A fit as it is run and written: the fitted scenario, what is told of readings, and a search that does not end.
 
+use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
+use asperity::contacts::{Contacts, Initial};
+use asperity::law::{Gaussian, Point};
 use asperity::master::MasterEquation;
 use asperity_runner::output::{self, Outcome};
 use asperity_runner::{input, run};
@@ -68,4 +72,94 @@ fn readings_are_cut_and_averaged() {
     // 75 readings up to 3.0; the last group has one.
     assert_eq!(outcome.record.values("reading_position").unwrap().len(), 38);
     assert_eq!(outcome.summary.numbers.fit().unwrap().readings, 38);
+}
+
+#[test]
+fn other_distributions_of_thresholds_are_compared() {
+    let outcome = fitted(&["fit.laws=['gaussian', 'exponential', 'rectangular']"]);
+    let laws = outcome.summary.numbers.fit().unwrap().laws.clone().unwrap();
+    // The scenario's own distribution made the curve; the same one from another start is the same fit.
+    assert_eq!(laws.difference.min(laws.others[0].difference.unwrap()), 0.0);
+    assert!(laws.difference < 1e-3 && laws.others[0].difference.unwrap() < 1e-3, "{laws:?}");
+    assert_eq!(laws.others[1].numbers[0].key, "contacts.thresholds.exponential.mean");
+    // 10 counts as decisive (Burnham and Anderson, 2002).
+    assert!(laws.others[1].difference.unwrap() > 10.0, "{laws:?}");
+    assert_eq!(laws.others[2].law, "rectangular");
+}
+
+#[test]
+fn the_file_of_the_curve_is_stated_with_its_hash() {
+    let outcome = fitted(&[]);
+    let sources = &outcome.summary.numbers.fit().unwrap().sources;
+    assert_eq!(sources.len(), 1);
+    assert_eq!(sources[0].file, "measured-pull.csv");
+    // By `sha256sum scenarios/measured-pull.csv`.
+    assert_eq!(sources[0].sha256, "20a6908872c2ee4a37c906c6c8c29570f0e91ee9e85101b67df4e3658ad4b5d9");
+}
+
+/// Two curves of the same contacts, read with different zeros of the force, against the drive of a machine.
+const CURVES: &str = r#"
+[contacts]
+count = 1.0e3
+thresholds.gaussian = { mean = 0.95, std = 0.33 }
+
+[fit]
+noise = "white"
+compliance = "free"
+free = [
+    "contacts.thresholds.gaussian.mean",
+    "contacts.thresholds.gaussian.std",
+    "contacts.count",
+    "fit.curve.1.offset",
+]
+[[fit.curve]]
+file = "first.csv"
+[[fit.curve]]
+file = "second.csv"
+"#;
+
+#[test]
+fn several_curves_are_fitted_together_and_each_has_its_fitted_scenario() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let thresholds = Arc::new(Gaussian::new(1.0, 0.3).unwrap());
+    let reformed = Arc::new(Point::new(0.0).unwrap());
+    let contacts = Contacts { count: 1200.0, ..Contacts::new(thresholds, reformed) };
+    let pull = MasterEquation::new(contacts, &Initial::default()).unwrap().pull(5.0).unwrap();
+    // Below the critical stiffness of these contacts the slider does not slip.
+    let compliance = 1.5e-4;
+    for (name, count, offset) in [("first.csv", 80, 0.0), ("second.csv", 60, 25.0)] {
+        let rows = (1..=count).map(|i| {
+            let x = 5.0 * f64::from(i) / f64::from(count);
+            let force = pull.force(x);
+            format!("{:?},{:?}\n", x + compliance * force, force + offset)
+        });
+        fs::write(path(name), format!("drive,force\n{}", rows.collect::<String>())).unwrap();
+    }
+    fs::write(path("curves.toml"), CURVES).unwrap();
+    let input = input::read(&path("curves.toml"), &[]).expect("the scenario is valid");
+    let outcome = run(&input.scenario, &mut ()).unwrap();
+    let found = outcome.summary.numbers.fit().unwrap();
+    assert!(found.converged);
+    let truth = [
+        ("contacts.thresholds.gaussian.mean", 1.0),
+        ("contacts.thresholds.gaussian.std", 0.3),
+        ("contacts.count", 1200.0),
+        ("fit.curve.1.offset", 25.0),
+        ("fit.compliance", compliance),
+    ];
+    for (number, (key, value)) in found.numbers.iter().zip(truth) {
+        assert_eq!(number.key, key);
+        // The curves have no noise; errors of the solution and of its derivatives remain.
+        assert!((number.value / value - 1.0).abs() < 1e-6, "{number:?}");
+    }
+    output::write(&path("fit"), &outcome, &[]).unwrap();
+    for (name, points) in [("fitted-0.toml", 80), ("fitted-1.toml", 60)] {
+        let read = input::read(&path("fit").join(name), &[]).expect("it runs as it is");
+        let compared = run(&read.scenario, &mut ()).unwrap();
+        let compared = compared.summary.numbers.compare().unwrap().clone();
+        assert_eq!(compared.points, points);
+        // Of forces of a thousand; the fit is exact to 1e-6 of it.
+        assert!(compared.residual_rms.unwrap() < 1e-3, "{compared:?}");
+    }
 }

@@ -1,5 +1,7 @@
 //! `fit`: the measured forces with the fitted curve and its band, and the whitened residuals below.
 
+use std::ops::Range;
+
 use asperity_runner::output::Outcome;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::figure::{Figure, FigureLegendPosition};
@@ -28,22 +30,28 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let measured = record.values("measured_force");
     let edge = |side: f64| -> Vec<f64> { expected.iter().zip(std).map(|(f, s)| f + side * s).collect() };
     let (low_edge, high_edge) = (edge(-2.0), edge(2.0));
-    let shown = (0..position.len()).step_by(position.len().div_ceil(EDGES));
-    let pick = |values: &[f64]| -> Vec<f64> { shown.clone().map(|i| values[i]).collect() };
-    let band =
-        BandPlot::new(pick(position), pick(&low_edge), pick(&high_edge)).with_color(BLUE).with_opacity(0.22);
-    let mut forces: Plots = vec![Plot::Band(band)];
+    let curves = curves(record.values("reading_curve"), position.len());
+    let mut forces: Plots = Vec::new();
     let mut legend = vec![style::line("fit", BLUE, None), style::area("±2 std of a reading", "#C7DFEE")];
+    for shown in &curves {
+        let picked = shown.clone().step_by(shown.len().div_ceil(EDGES).max(1));
+        let pick = |values: &[f64]| -> Vec<f64> { picked.clone().map(|i| values[i]).collect() };
+        let band = BandPlot::new(pick(position), pick(&low_edge), pick(&high_edge));
+        forces.push(Plot::Band(band.with_color(BLUE).with_opacity(0.22)));
+    }
     if let Some(measured) = measured {
         let points =
             ScatterPlot::new().with_data(curve(position, measured)).with_color(ORANGE).with_size(1.8);
         forces.push(Plot::Scatter(points));
         legend.insert(0, style::marker("measured", ORANGE, MarkerShape::Circle));
     }
-    forces.push(line(curve(position, expected), BLUE, 1.6, None));
-    let ends = (position[0], position[position.len() - 1]);
-    let curves = [low_edge.as_slice(), high_edge.as_slice()].into_iter().chain(measured);
-    let (low, high) = style::range(curves);
+    for shown in &curves {
+        let shown = shown.clone();
+        forces.push(line(curve(&position[shown.clone()], &expected[shown]), BLUE, 1.6, None));
+    }
+    let ends = style::range([position]);
+    let heights = [low_edge.as_slice(), high_edge.as_slice()].into_iter().chain(measured);
+    let (low, high) = style::range(heights);
     let heights = if low < 0.0 { (1.08 * low, style::headroom(high)) } else { style::heights(low, high) };
     let above = panel(ends, heights).with_y_label(style::axis(
         outcome,
@@ -54,6 +62,15 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let mut panels = vec![(forces, above)];
     panels.extend(residuals);
     Some(stacked(outcome, panels, legend)?.render())
+}
+
+/// The readings of each curve: where the number of the curve stays the same.
+fn curves(numbers: Option<&[f64]>, count: usize) -> Vec<Range<usize>> {
+    let changes = |i: &usize| numbers.is_some_and(|numbers| numbers[*i] != numbers[*i - 1]);
+    let mut ends: Vec<usize> = (1..count).filter(changes).collect();
+    ends.push(count);
+    let starts = std::iter::once(0).chain(ends.clone());
+    starts.zip(ends).map(|(start, end)| start..end).collect()
 }
 
 /// The panels, one above the other, with the label of the position below the last.

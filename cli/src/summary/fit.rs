@@ -1,13 +1,23 @@
 //! Text of the summary for a fit.
 
 use asperity::record::Quantity;
-use asperity::task::summary::{FitNumber, FitSummary, Summary, Uncertain};
+use asperity::task::summary::{FitLaw, FitLaws, FitNumber, FitSummary, Summary, Uncertain};
 
 use super::{digits, with_unit};
 
 /// Lines for the estimates, the misfit, correlations, and friction with its errors.
 pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
-    let mut lines = vec![("readings".to_owned(), fit.readings.to_string())];
+    let mut lines: Vec<(String, String)> = fit
+        .sources
+        .iter()
+        .map(|source| {
+            (
+                "curve".to_owned(),
+                format!("{}, SHA-256 {}…", source.file, source.sha256.get(..12).unwrap_or(&source.sha256)),
+            )
+        })
+        .collect();
+    lines.push(("readings".to_owned(), fit.readings.to_string()));
     if !fit.converged {
         let text = "the search has not converged: the values are the last ones, their errors mean nothing";
         lines.push(("not converged".to_owned(), text.to_owned()));
@@ -46,6 +56,7 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
             format!("{:+.2} between {first} and {second}", correlation.coefficient),
         ));
     }
+    lines.extend(fit.laws.iter().flat_map(laws));
     let friction = &fit.friction;
     let of = |name: &str, value: Option<Uncertain>, quantity| {
         let text =
@@ -57,6 +68,21 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
     lines.push(of("relaxation length", Some(friction.relaxation_length), Quantity::Length));
     lines.push(of("critical stiffness", Some(friction.critical_stiffness), Quantity::Stiffness));
     lines
+}
+
+/// A line for each distribution of thresholds, with its difference of Akaike's criterion from the lowest.
+fn laws(laws: &FitLaws) -> Vec<(String, String)> {
+    let own = ("ΔAIC of the fitted thresholds".to_owned(), format!("{:.1}", laws.difference));
+    let other = |law: &FitLaw| {
+        let unsure = if law.converged { "" } else { ", not converged" };
+        let text = match (law.difference, &law.refused) {
+            (Some(difference), _) if difference.is_finite() => format!("{difference:.1}{unsure}"),
+            (_, Some(why)) => format!("no fit: {why}"),
+            _ => "no measured forces".to_owned(),
+        };
+        (format!("ΔAIC of {}", law.law), text)
+    };
+    std::iter::once(own).chain(laws.others.iter().map(other)).collect()
 }
 
 /// A probability with two digits.

@@ -47,7 +47,7 @@ pub struct Correlation {
     pub coefficient: f64,
 }
 
-/// The readings as the fit describes them.
+/// The readings of a curve as the fit describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Readings {
     /// Positions X of the slider.
@@ -77,8 +77,8 @@ pub struct Estimates {
     pub misfit: Option<Misfit>,
     /// The standard deviation of the independent error of a reading.
     pub reading: f64,
-    /// The readings as described.
-    pub readings: Readings,
+    /// The readings of each curve as described.
+    pub readings: Vec<Readings>,
     pub(super) ended: Ended,
 }
 
@@ -95,28 +95,28 @@ impl Estimates {
         self.parameters.iter().find(|estimate| estimate.name == name)
     }
 
-    /// The contacts of the estimated numbers.
+    /// The contacts of the estimated numbers, of curve 0 where curves differ.
     pub fn equation(&self) -> &MasterEquation {
-        &self.expected().equation
+        &self.expected(0).contacts.equation
     }
 
-    /// The machine of the estimated numbers.
-    pub fn machine(&self) -> Machine {
-        self.expected().machine
+    /// The machine of the estimated numbers, of curve `curve`.
+    pub fn machine(&self, curve: usize) -> Machine {
+        self.expected(curve).machine
     }
 
-    /// What was measured.
-    pub fn measurement(&self) -> &Measurement {
-        &self.ended.likelihood.fit.measurement
+    /// What was measured: the curves.
+    pub fn curves(&self) -> &[Measurement] {
+        &self.ended.likelihood.fit.curves
     }
 
-    /// The pull of the estimated contacts.
-    pub fn pull(&self) -> &Pull {
-        &self.expected().pull
+    /// The pull of the estimated contacts of curve `curve`; if they are common to all curves, it ends with the longest of them.
+    pub fn pull(&self, curve: usize) -> &Pull {
+        &self.expected(curve).contacts.pull
     }
 
-    fn expected(&self) -> &ExpectedReadings {
-        &self.ended.optimum.trial.readings
+    fn expected(&self, curve: usize) -> &ExpectedReadings {
+        &self.ended.optimum.trial.curves[curve].readings
     }
 
     /// Coefficients above 0.5, without sign, between the errors of two estimates.
@@ -250,17 +250,21 @@ impl Ended {
             covariance: rows.map(|(i, j)| natural[(i, j)]).collect(),
             converged: optimum.converged,
             solutions: optimum.solutions,
-            misfit: (!likelihood.fit.measurement.forces.is_empty()).then(|| self.misfit()),
-            reading: optimum.trial.sizes.reading * self.bias().sqrt(),
-            readings: self.readings(),
+            misfit: (!likelihood.fit.is_planned()).then(|| self.misfit()),
+            reading: optimum.trial.reading() * self.bias().sqrt(),
+            readings: (0..likelihood.fit.curves.len()).map(|curve| self.readings(curve)).collect(),
             ended: self,
         })
     }
 
+    /// Number of readings.
+    fn count(&self) -> usize {
+        self.likelihood.fit.curves.iter().map(|curve| curve.positions.len()).sum()
+    }
+
     /// What the most probable variance of independent errors, the mean of the squared residuals, lacks.
     fn bias(&self) -> f64 {
-        let (n, p) =
-            (self.likelihood.fit.measurement.positions.len() as f64, self.likelihood.free.len() as f64);
+        let (n, p) = (self.count() as f64, self.likelihood.free.len() as f64);
         if matches!(self.likelihood.errors, Errors::ProfiledWhite) { n / (n - p) } else { 1.0 }
     }
 
@@ -301,7 +305,7 @@ impl Ended {
         let low = parameter.logarithmic && optimum.at_bound[k] && u <= parameter.bounds[0];
         let vague = parameter.is_of_errors() && parameter.logarithmic && (error.is_nan() || error > VAGUE);
         let limited = (low || vague) && parameter.role != Role::DriftLength;
-        let planned = likelihood.fit.measurement.forces.is_empty();
+        let planned = likelihood.fit.is_planned();
         let limit = if limited && !planned {
             Some(interval::upper_limit((likelihood, optimum), k, monitor)?)
         } else {
@@ -318,11 +322,11 @@ impl Ended {
         })
     }
 
-    fn readings(&self) -> Readings {
-        let trial = &self.optimum.trial;
+    fn readings(&self, curve: usize) -> Readings {
+        let trial = &self.optimum.trial.curves[curve];
         let sizes = trial.sizes;
         let noise = match &self.likelihood.errors {
-            Errors::Modelled(Some(noise)) => Some(&noise.covariance),
+            Errors::Modelled(Some(noise)) => Some(&noise.covariances[curve]),
             _ => None,
         };
         let white = sizes.reading * sizes.reading * self.bias() + sizes.drift[0] * sizes.drift[0];
@@ -345,19 +349,20 @@ impl Ended {
 
     fn misfit(&self) -> Misfit {
         let Self { likelihood, optimum } = self;
-        let chi_squared = optimum.trial.whitened.squared_norm_l2();
+        let chi_squared = optimum.trial.chi_squared();
         let of_curve = likelihood.free.iter().filter(|parameter| !parameter.is_of_errors()).count();
-        let degrees_of_freedom = optimum.trial.whitened.nrows() - of_curve;
+        let degrees_of_freedom = self.count() - of_curve;
         let profiled = matches!(likelihood.errors, Errors::ProfiledWhite);
         let estimated =
             profiled || self.divides_noise() || likelihood.free.iter().any(FreeParameter::is_of_errors);
         let deviance = optimum.trial.deviance;
+        let whitened: Vec<_> = optimum.trial.curves.iter().map(|curve| &curve.whitened).collect();
         let count = likelihood.free.len() + usize::from(profiled);
         Misfit {
             chi_squared,
             degrees_of_freedom,
             probability: (!estimated).then(|| misfit::probability(chi_squared, degrees_of_freedom)),
-            whiteness: misfit::whiteness(&optimum.trial.whitened),
+            whiteness: misfit::whiteness(&whitened),
             deviance,
             akaike: deviance + 2.0 * count as f64,
         }

@@ -1,23 +1,32 @@
-//! The readings that contacts and a machine lead to, and their derivatives.
+//! The readings that contacts and machines lead to, and their derivatives.
+
+use std::sync::Arc;
 
 use faer::Mat;
 
 use super::free::{FreeParameter, Role};
 use super::measurement::{Machine, Measurement};
 use crate::Result;
-use crate::master::{Covariance, MasterEquation, Pull};
+use crate::master::{Covariance, Gradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
 use crate::numerics::roots::brent_root;
 
 /// Cells in which the position of the slider is sought for a position of the drive.
 const CELLS: usize = 2048;
 
-/// The readings expected at some values of the free numbers.
+/// The contacts at some values of the free numbers, and their pull up to the last reading of the curves that they describe.
 #[derive(Debug)]
-pub(super) struct ExpectedReadings {
+pub(super) struct FittedContacts {
     pub equation: MasterEquation,
-    pub machine: Machine,
     pub pull: Pull,
+}
+
+/// The readings of one curve expected at some values of the free numbers.
+#[derive(Debug, Clone)]
+pub(super) struct ExpectedReadings {
+    /// The contacts; curves without free numbers of the contacts of their own share them.
+    pub contacts: Arc<FittedContacts>,
+    pub machine: Machine,
     /// Positions of the slider.
     pub positions: Vec<f64>,
     /// The expected forces.
@@ -26,64 +35,168 @@ pub(super) struct ExpectedReadings {
     pub followed: Vec<f64>,
 }
 
-impl ExpectedReadings {
-    /// The readings at `values` of `free`; `None` where the machine of this compliance slips.
+/// The free numbers with their values.
+pub(super) type Values<'a> = (&'a [FreeParameter], &'a [f64]);
+
+impl FittedContacts {
+    /// The contacts of one curve and all with the same free numbers, and their pull over `distance`.
     ///
     /// # Errors
     /// A value outside of its range; errors of the solver; stopped by the monitor.
-    pub fn new(
-        (equation, measurement): (&MasterEquation, &Measurement),
-        (free, values): (&[FreeParameter], &[f64]),
+    fn new(
+        equation: &MasterEquation,
+        (curve, distance): (usize, f64),
+        (free, values): Values<'_>,
         monitor: &mut dyn Monitor,
-    ) -> Result<Option<Self>> {
-        let machine = machine(measurement.machine, free, values);
-        let of_contacts = free.iter().zip(values).filter(|(parameter, _)| parameter.role == Role::Contacts);
-        let values: Vec<_> =
-            of_contacts.map(|(parameter, &value)| (parameter.name.as_str(), value)).collect();
+    ) -> Result<Self> {
+        let values: Vec<_> = free
+            .iter()
+            .zip(values)
+            .filter(|(parameter, _)| parameter.role == Role::Contacts && parameter.applies_to(curve))
+            .map(|(parameter, &value)| (parameter.quantity.as_str(), value))
+            .collect();
         let equation = equation.with_parameters(&values, &mut Part::new(monitor, 0.0, 0.5))?;
-        let last = measurement.positions[measurement.positions.len() - 1] - machine.origin;
-        let distance = last.max(f64::MIN_POSITIVE);
         let pull = equation.pull_with(distance, TOLERANCE, &mut Part::new(monitor, 0.5, 0.5))?;
-        let drive: Vec<f64> = measurement.positions.iter().map(|y| y - machine.origin).collect();
-        let Some(positions) = slider(&pull, machine.compliance, drive) else { return Ok(None) };
-        let forces = positions.iter().zip(&measurement.positions);
-        let forces = forces.map(|(&x, &y)| force(&pull, x) + machine.offset + machine.trend * y).collect();
+        Ok(Self { equation, pull })
+    }
+}
+
+/// The readings of all curves at `values` of `free`; `None` where a machine of this compliance slips.
+///
+/// # Errors
+/// A value outside of its range; errors of the solver; stopped by the monitor.
+pub(super) fn expected_readings(
+    (equation, curves): (&MasterEquation, &[Measurement]),
+    (free, values): Values<'_>,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<Vec<ExpectedReadings>>> {
+    let machines: Vec<Machine> = curves
+        .iter()
+        .enumerate()
+        .map(|(c, measured)| machine((c, measured.machine), (free, values)))
+        .collect();
+    let distance = |c: usize| {
+        let last = curves[c].positions[curves[c].positions.len() - 1] - machines[c].origin;
+        last.max(f64::MIN_POSITIVE)
+    };
+    let has_own = |c: usize| {
+        free.iter().any(|parameter| parameter.role == Role::Contacts && parameter.curve == Some(c))
+    };
+    let mut shared: Option<Arc<FittedContacts>> = None;
+    let mut all = Vec::with_capacity(curves.len());
+    let share = 1.0 / curves.len() as f64;
+    for (c, measured) in curves.iter().enumerate() {
+        let contacts = if let (Some(shared), false) = (&shared, has_own(c)) {
+            shared.clone()
+        } else {
+            let same = (0..curves.len()).filter(|&other| other == c || !has_own(c) && !has_own(other));
+            let farthest = same.map(distance).fold(0.0, f64::max);
+            let part = &mut Part::new(monitor, c as f64 * share, share);
+            Arc::new(FittedContacts::new(equation, (c, farthest), (free, values), part)?)
+        };
+        if !has_own(c) {
+            shared = Some(contacts.clone());
+        }
+        let Some(readings) = ExpectedReadings::new(contacts, machines[c], measured) else { return Ok(None) };
+        all.push(readings);
+    }
+    Ok(Some(all))
+}
+
+/// The derivative of each reading of all curves by the coordinate of each free number; columns of errors are 0.
+///
+/// At a fixed position of the drive ∂F/∂θ = F_θ/(1 + cF') and ∂F/∂c = −F F'/(1 + cF').
+///
+/// # Errors
+/// Those of [`Pull::gradients`].
+pub(super) fn derivatives(
+    (readings, curves): (&[&ExpectedReadings], &[Measurement]),
+    values: Values<'_>,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<Mat<f64>>> {
+    let share = 1.0 / curves.len() as f64;
+    let mut known: Option<(&Arc<FittedContacts>, Vec<Gradient>)> = None;
+    let mut all = Vec::with_capacity(curves.len());
+    for (c, (readings, measured)) in readings.iter().zip(curves).enumerate() {
+        let gradients = match known.take() {
+            Some((contacts, gradients)) if Arc::ptr_eq(contacts, &readings.contacts) => gradients,
+            _ => readings.gradients((c, values.0), &mut Part::new(monitor, c as f64 * share, share))?,
+        };
+        all.push(readings.derivatives((c, &measured.positions), &gradients, values));
+        known = Some((&readings.contacts, gradients));
+    }
+    Ok(all)
+}
+
+impl ExpectedReadings {
+    /// The readings of a curve; `None` where the machine slips.
+    fn new(contacts: Arc<FittedContacts>, machine: Machine, measured: &Measurement) -> Option<Self> {
+        let pull = &contacts.pull;
+        let drive: Vec<f64> = measured.positions.iter().map(|y| y - machine.origin).collect();
+        let positions = slider(pull, machine.compliance, drive)?;
+        let forces = positions.iter().zip(&measured.positions);
+        let forces = forces.map(|(&x, &y)| force(pull, x) + machine.offset + machine.trend * y).collect();
         let followed = positions.iter().map(|&x| 1.0 / (1.0 + machine.compliance * pull.slope(x.max(0.0))));
         let followed = followed.collect();
-        Ok(Some(Self { equation, machine, pull, positions, forces, followed }))
+        Some(Self { contacts, machine, positions, forces, followed })
     }
 
-    /// The derivative of each reading by the coordinate of each free number; columns of errors are 0.
+    /// The readings of curve `curve` alone, at other positions; `None` where the machine slips.
     ///
-    /// At a fixed position of the drive ∂F/∂θ = F_θ/(1 + cF') and ∂F/∂c = −F F'/(1 + cF').
+    /// # Errors
+    /// A value outside of its range; errors of the solver; stopped by the monitor.
+    pub fn of_curve(
+        (curve, measured): (usize, &Measurement),
+        equation: &MasterEquation,
+        numbers: Values<'_>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Self>> {
+        let machine = machine((curve, measured.machine), numbers);
+        let last = measured.positions[measured.positions.len() - 1] - machine.origin;
+        let distance = last.max(f64::MIN_POSITIVE);
+        let contacts = FittedContacts::new(equation, (curve, distance), numbers, monitor)?;
+        Ok(Self::new(Arc::new(contacts), machine, measured))
+    }
+
+    /// The derivatives of the force by the free numbers of the contacts of curve `curve`.
     ///
     /// # Errors
     /// Those of [`Pull::gradients`].
+    pub fn gradients(
+        &self,
+        (curve, free): (usize, &[FreeParameter]),
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Gradient>> {
+        let of_contacts =
+            free.iter().filter(|parameter| parameter.role == Role::Contacts && parameter.applies_to(curve));
+        let names: Vec<&str> = of_contacts.map(|parameter| parameter.quantity.as_str()).collect();
+        self.contacts.pull.gradients_with(&names, monitor)
+    }
+
+    /// The derivatives of the readings of curve `curve` at the positions `measured`, with the `gradients` of its contacts.
     pub fn derivatives(
         &self,
-        measured: &[f64],
-        (free, values): (&[FreeParameter], &[f64]),
-        monitor: &mut dyn Monitor,
-    ) -> Result<Mat<f64>> {
-        let names: Vec<&str> = free
-            .iter()
-            .filter(|parameter| parameter.role == Role::Contacts)
-            .map(|parameter| parameter.name.as_str())
-            .collect();
-        let mut gradients = self.pull.gradients_with(&names, monitor)?.into_iter();
+        (curve, measured): (usize, &[f64]),
+        gradients: &[Gradient],
+        (free, values): Values<'_>,
+    ) -> Mat<f64> {
+        let pull = &self.contacts.pull;
+        let mut gradients = gradients.iter();
         let mut derivatives = Mat::zeros(self.positions.len(), free.len());
         for (k, (parameter, &value)) in free.iter().zip(values).enumerate() {
+            if !parameter.applies_to(curve) {
+                continue;
+            }
             let gradient = (parameter.role == Role::Contacts).then(|| gradients.next()).flatten();
             let slope = if parameter.logarithmic { value } else { 1.0 };
             for (i, &x) in self.positions.iter().enumerate() {
-                let steepness = self.pull.slope(x.max(0.0)) * self.followed[i];
+                let steepness = pull.slope(x.max(0.0)) * self.followed[i];
                 derivatives[(i, k)] = slope
                     * match parameter.role {
                         Role::Contacts => {
-                            gradient.as_ref().map_or(0.0, |gradient| gradient.at(x.max(0.0)))
-                                * self.followed[i]
+                            gradient.map_or(0.0, |gradient| gradient.at(x.max(0.0))) * self.followed[i]
                         }
-                        Role::Compliance => -force(&self.pull, x) * steepness,
+                        Role::Compliance => -force(pull, x) * steepness,
                         Role::Offset => 1.0,
                         Role::Trend => measured[i],
                         Role::Origin => -steepness,
@@ -91,7 +204,7 @@ impl ExpectedReadings {
                     };
             }
         }
-        Ok(derivatives)
+        derivatives
     }
 
     /// The covariance of the forces that follows from the finite number of contacts.
@@ -100,8 +213,9 @@ impl ExpectedReadings {
     /// Those of [`Pull::covariance`].
     pub fn noise(&self, monitor: &mut dyn Monitor) -> Result<Mat<f64>> {
         let inside: Vec<f64> = self.positions.iter().map(|x| x.max(0.0)).collect();
-        let size = self.equation.contacts().count;
-        let covariance: Covariance = self.pull.covariance_with(&inside, size, monitor)?;
+        let FittedContacts { equation, pull } = &*self.contacts;
+        let size = equation.contacts().count;
+        let covariance: Covariance = pull.covariance_with(&inside, size, monitor)?;
         let n = inside.len();
         Ok(Mat::from_fn(n, n, |i, j| covariance.at(i, j) * self.followed[i] * self.followed[j]))
     }
@@ -110,9 +224,9 @@ impl ExpectedReadings {
 /// Error of F/(N_c⟨k⟩) aimed at, relative to the mean threshold; as in a pull.
 const TOLERANCE: Option<f64> = None;
 
-/// The machine at `values` of `free`.
-fn machine(mut machine: Machine, free: &[FreeParameter], values: &[f64]) -> Machine {
-    for (parameter, &value) in free.iter().zip(values) {
+/// The machine of a curve at `values` of `free`.
+fn machine((curve, mut machine): (usize, Machine), (free, values): Values<'_>) -> Machine {
+    for (parameter, &value) in free.iter().zip(values).filter(|(free, _)| free.applies_to(curve)) {
         match parameter.role {
             Role::Compliance => machine.compliance = value,
             Role::Offset => machine.offset = value,

@@ -1,9 +1,9 @@
-//! Which numbers a fit varies, and in which coordinate.
+//! Which numbers a fit varies, for which of its curves, and in which coordinate.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Fit;
+use super::{Fit, Measurement};
 use crate::{Error, Result};
 
 /// The numbers of the sizes of errors, which are free where they are not given.
@@ -43,7 +43,12 @@ pub(super) enum Role {
 /// A number that a fit varies.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FreeParameter {
+    /// Its name: that of its quantity, or `curve.1.` and that of its quantity.
     pub name: String,
+    /// What it is the value of, such as `thresholds.mean` or `offset`.
+    pub quantity: String,
+    /// The curve that it belongs to; `None` for all of them.
+    pub curve: Option<usize>,
     pub role: Role,
     /// Whether it is varied by its logarithm, since it is above 0.
     pub logarithmic: bool,
@@ -58,7 +63,14 @@ pub(super) struct FreeParameter {
 impl FreeParameter {
     fn new(name: &str, role: Role, logarithmic: bool, start: f64) -> Self {
         let bounds = [f64::NEG_INFINITY, f64::INFINITY];
-        Self { name: name.to_owned(), role, logarithmic, start, bounds, prior: None }
+        let (curve, quantity) = of_curve(name);
+        let quantity = quantity.to_owned();
+        Self { name: name.to_owned(), quantity, curve, role, logarithmic, start, bounds, prior: None }
+    }
+
+    /// Whether it is a number of this curve.
+    pub fn applies_to(&self, curve: usize) -> bool {
+        self.curve.is_none_or(|own| own == curve)
     }
 
     /// The value at a coordinate.
@@ -83,12 +95,19 @@ impl FreeParameter {
 
     /// By how much the logarithm of the covariance of the noise of contacts changes with its logarithm: N⟨k⟩².
     pub fn noise_power(&self) -> f64 {
-        match self.name.as_str() {
+        match self.quantity.as_str() {
             "count" => 1.0,
             "stiffness" => 2.0,
             _ => 0.0,
         }
     }
+}
+
+/// The curve that a name belongs to, if it begins with `curve.` and its number, and the name of the quantity.
+fn of_curve(name: &str) -> (Option<usize>, &str) {
+    let own = name.strip_prefix("curve.").and_then(|rest| rest.split_once('.'));
+    own.and_then(|(curve, quantity)| Some((curve.parse().ok()?, quantity)))
+        .map_or((None, name), |(curve, quantity)| (Some(curve), quantity))
 }
 
 impl Fit {
@@ -100,14 +119,24 @@ impl Fit {
         let known = self.equation.parameters();
         let mut free: Vec<FreeParameter> = Vec::new();
         for (i, name) in self.free.iter().enumerate() {
-            if free.iter().any(|other| other.name == *name) {
-                return Err(Error::invalid(format!("free.{i}"), "each key once", name));
-            }
-            free.push(self.free_parameter(name, &known).ok_or_else(|| {
+            let parameter = self.free_parameter(name, &known).ok_or_else(|| {
                 let names: Vec<&str> =
                     known.iter().map(|parameter| parameter.name.as_ref()).chain(MACHINE).collect();
-                Error::invalid(format!("free.{i}"), format!("one of {}", names.join(", ")), name)
-            })??);
+                let of_curves =
+                    if self.curves.len() > 1 { ", each with curve.0., curve.1., … before it" } else { "" };
+                Error::invalid(format!("free.{i}"), format!("one of {}{of_curves}", names.join(", ")), name)
+            })??;
+            let same = |other: &FreeParameter| {
+                let both =
+                    other.curve.is_none() || parameter.curve.is_none() || other.curve == parameter.curve;
+                other.quantity == parameter.quantity && both
+            };
+            if let Some(other) = free.iter().find(|other| same(other)) {
+                let expected = "each key once, for all curves or for one of them";
+                let found = format!("{name} beside {}", other.name);
+                return Err(Error::invalid(format!("free.{i}"), expected, found));
+            }
+            free.push(parameter);
         }
         if free.is_empty() {
             return Err(Error::invalid("free", "at least one key", "none"));
@@ -123,16 +152,17 @@ impl Fit {
     }
 
     fn free_parameter(&self, name: &str, known: &[crate::law::Parameter]) -> Option<Result<FreeParameter>> {
-        let machine = &self.measurement.machine;
-        let (role, start) = match name {
+        let (curve, quantity) = of_curve(name);
+        let machine = &self.curves.get(curve.unwrap_or(0))?.machine;
+        let (role, start) = match quantity {
             "compliance" => (Role::Compliance, machine.compliance),
             "offset" => (Role::Offset, machine.offset),
             "trend" => (Role::Trend, machine.trend),
             "origin" => (Role::Origin, machine.origin),
-            _ => (Role::Contacts, known.iter().find(|parameter| parameter.name == name)?.value),
+            _ => (Role::Contacts, known.iter().find(|parameter| parameter.name == quantity)?.value),
         };
         let logarithmic = match role {
-            Role::Contacts => self.equation.is_positive(name),
+            Role::Contacts => self.equation.is_positive(quantity),
             role => Ok(role == Role::Compliance),
         };
         Some(logarithmic.and_then(|logarithmic| {
@@ -152,7 +182,7 @@ impl Fit {
     pub(super) fn free_errors(&self, reading: f64, drift: f64) -> Vec<FreeParameter> {
         /// Smallest errors, in multiples of the largest force.
         const SMALLEST: f64 = 1e-5;
-        let smallest = SMALLEST * self.measurement.scale();
+        let smallest = SMALLEST * self.scale();
         let of_force = |name: &str, role, start: f64| FreeParameter {
             bounds: [smallest.ln(), f64::INFINITY],
             ..FreeParameter::new(name, role, true, start.max(2.0 * smallest))
@@ -162,7 +192,8 @@ impl Fit {
             free.push(of_force("reading", Role::Reading, reading));
         }
         if let Some(longest) = self.errors.drift {
-            let spacing = self.measurement.range() / (self.measurement.positions.len() - 1) as f64;
+            let spacing = |curve: &Measurement| curve.range() / (curve.positions.len() - 1) as f64;
+            let spacing = self.curves.iter().map(spacing).fold(f64::INFINITY, f64::min);
             free.push(of_force("drift.amplitude", Role::DriftAmplitude, drift));
             free.push(FreeParameter {
                 bounds: [spacing.min(DRIFT_LENGTH * longest).ln(), longest.ln()],

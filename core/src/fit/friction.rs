@@ -29,16 +29,17 @@ pub struct FrictionEstimates {
 }
 
 impl Estimates {
-    /// F_s, F_k, X* and K_c, with the errors gᵀVg of the covariance V of the estimates, g the derivatives of
+    /// F_s, F_k, X* and K_c of the contacts (of curve 0 where curves differ), with the errors gᵀVg of the covariance V of the estimates, g the derivatives of
     /// [`crate::master::Pull::friction_gradients`].
     ///
     /// # Errors
     /// Those of [`crate::master::Pull::friction_gradients`].
     pub fn friction(&self, monitor: &mut dyn Monitor) -> Result<FrictionEstimates> {
         let (free, count) = (&self.ended.likelihood.free, self.parameters.len());
-        let of_contacts: Vec<usize> = (0..count).filter(|&k| free[k].role == Role::Contacts).collect();
-        let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].name.as_str()).collect();
-        let gradients = self.pull().friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
+        let of_contacts: Vec<usize> =
+            (0..count).filter(|&k| free[k].role == Role::Contacts && free[k].applies_to(0)).collect();
+        let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].quantity.as_str()).collect();
+        let gradients = self.pull(0).friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
         let relaxation = self.equation().relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
         let steady = self.equation().steady_state();
         let with_error = |value: f64, of: &dyn Fn(&FrictionGradient) -> f64| {
@@ -49,13 +50,13 @@ impl Estimates {
             // Rounding may make the variance of what does not vary negative.
             WithError { value, error: if variance.is_nan() { f64::NAN } else { variance.max(0.0).sqrt() } }
         };
-        let peak = self.pull().static_friction();
+        let peak = self.pull(0).static_friction();
         let at_peak = |gradient: &FrictionGradient| gradient.static_friction.unwrap_or(f64::NAN);
         Ok(FrictionEstimates {
             static_friction: peak.map(|peak| with_error(peak.value, &at_peak)),
             kinetic_friction: with_error(steady.kinetic_friction(), &|gradient| gradient.kinetic_friction),
             relaxation_length: with_error(relaxation.length(), &|gradient| gradient.relaxation_length),
-            critical_stiffness: with_error(self.pull().critical_stiffness(), &|gradient| {
+            critical_stiffness: with_error(self.pull(0).critical_stiffness(), &|gradient| {
                 gradient.critical_stiffness
             }),
         })

@@ -1,10 +1,10 @@
-//! The likelihood of a measured curve, its slope and the expected information.
+//! The likelihood of measured curves, its slope and the expected information. Errors of different curves are independent.
 
 use faer::Mat;
 
 use super::Fit;
 use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes};
-use super::expected::ExpectedReadings;
+use super::expected::{self, ExpectedReadings};
 use super::free::{FreeParameter, Role};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -13,7 +13,7 @@ use crate::{Error, Result};
 /// which are not normal.
 const UNREAD: f64 = 1e-8;
 
-/// The likelihood of a measured curve as a function of the coordinates of the free numbers.
+/// The likelihood of the measured curves as a function of the coordinates of the free numbers.
 #[derive(Debug)]
 pub(super) struct Likelihood {
     pub fit: Fit,
@@ -30,16 +30,26 @@ pub(super) enum Errors {
     Modelled(Option<ContactNoise>),
 }
 
-/// The covariance of the noise of contacts, as it is at some values of the free numbers. Elsewhere it is scaled by N⟨k⟩².
+/// The covariance of the noise of contacts in each curve, as it is at some values of the free numbers. Elsewhere it is scaled by
+/// N⟨k⟩².
 #[derive(Debug)]
 pub(super) struct ContactNoise {
-    pub covariance: Mat<f64>,
+    pub covariances: Vec<Mat<f64>>,
     pub coordinates: Vec<f64>,
 }
 
 /// A point of the likelihood.
 #[derive(Debug)]
 pub(super) struct LikelihoodPoint {
+    /// What belongs to each curve.
+    pub curves: Vec<CurvePoint>,
+    /// −2 ln L, priors included.
+    pub deviance: f64,
+}
+
+/// The part of one curve in a point of the likelihood.
+#[derive(Debug)]
+pub(super) struct CurvePoint {
     pub readings: ExpectedReadings,
     pub covariance: ErrorCovariance,
     /// Measured minus expected forces, as a column.
@@ -47,8 +57,18 @@ pub(super) struct LikelihoodPoint {
     /// The same whitened: L⁻¹r.
     pub whitened: Mat<f64>,
     pub sizes: ErrorSizes,
-    /// −2 ln L, priors included.
-    pub deviance: f64,
+}
+
+impl LikelihoodPoint {
+    /// rᵀΣ⁻¹r.
+    pub fn chi_squared(&self) -> f64 {
+        self.curves.iter().map(|curve| curve.whitened.squared_norm_l2()).sum()
+    }
+
+    /// The standard deviation of the independent error of a reading.
+    pub fn reading(&self) -> f64 {
+        self.curves[0].sizes.reading
+    }
 }
 
 /// Derivatives of half the deviance.
@@ -71,61 +91,95 @@ impl Likelihood {
     /// Errors of the solver; stopped by the monitor.
     pub fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<LikelihoodPoint>> {
         let values = self.values(coordinates);
-        let (measurement, free) = (&self.fit.measurement, &self.free);
-        let readings =
-            match ExpectedReadings::new((&self.fit.equation, measurement), (free, &values), monitor) {
-                Err(Error::Invalid { .. } | Error::TooLarge { .. }) => return Ok(None),
-                readings => readings?,
-            };
+        let (curves, numbers) = (&self.fit.curves, (self.free.as_slice(), values.as_slice()));
+        let readings = match expected::expected_readings((&self.fit.equation, curves), numbers, monitor) {
+            Err(Error::Invalid { .. } | Error::TooLarge { .. }) => return Ok(None),
+            readings => readings?,
+        };
         let Some(readings) = readings else { return Ok(None) };
-        let n = measurement.positions.len();
-        let residual = |i: usize| measurement.forces.get(i).map_or(0.0, |force| force - readings.forces[i]);
-        let residuals = Mat::from_fn(n, 1, |i, _| residual(i));
-        let sizes = self.sizes(coordinates, &residuals);
-        let noise = match &self.errors {
-            Errors::Modelled(noise) => noise.as_ref().map(|noise| &noise.covariance),
-            Errors::ProfiledWhite => None,
+        let residuals: Vec<Mat<f64>> = readings
+            .iter()
+            .zip(curves)
+            .map(|(readings, measured)| {
+                let residual =
+                    |i: usize| measured.forces.get(i).map_or(0.0, |force| force - readings.forces[i]);
+                Mat::from_fn(measured.positions.len(), 1, |i, _| residual(i))
+            })
+            .collect();
+        let reading = self.reading(coordinates, &residuals);
+        let points = readings.into_iter().zip(residuals).enumerate();
+        let points = points.map(|(c, (readings, residuals))| {
+            let sizes = self.sizes((c, coordinates), reading);
+            self.point((c, readings), residuals, sizes)
+        });
+        let Some(points) = points.collect::<Option<Vec<CurvePoint>>>() else { return Ok(None) };
+        let of_curve = |point: &CurvePoint| {
+            let n = point.residuals.nrows();
+            point.whitened.squared_norm_l2()
+                + point.covariance.log_determinant(n)
+                + n as f64 * std::f64::consts::TAU.ln()
         };
-        let Some(covariance) = ErrorCovariance::new(&measurement.positions, noise, sizes) else {
-            return Ok(None);
-        };
-        let mut whitened = residuals.clone();
-        covariance.whiten(&mut whitened);
-        let deviance = whitened.squared_norm_l2()
-            + covariance.log_determinant(n)
-            + n as f64 * std::f64::consts::TAU.ln()
-            + self.prior(coordinates);
-        let trial = LikelihoodPoint { readings, covariance, residuals, whitened, sizes, deviance };
-        Ok(deviance.is_finite().then_some(trial))
+        let deviance = points.iter().map(of_curve).sum::<f64>() + self.prior(coordinates);
+        Ok(deviance.is_finite().then_some(LikelihoodPoint { curves: points, deviance }))
     }
 
-    /// The sizes of errors at coordinates.
-    fn sizes(&self, coordinates: &[f64], residuals: &Mat<f64>) -> ErrorSizes {
-        let value = |role: Role| {
-            let found = self.free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
-            found.map(|(parameter, &u)| parameter.value(u))
+    /// The part of curve `curve`; `None` where its covariance is not positive definite.
+    fn point(
+        &self,
+        (curve, readings): (usize, ExpectedReadings),
+        residuals: Mat<f64>,
+        sizes: ErrorSizes,
+    ) -> Option<CurvePoint> {
+        let noise = match &self.errors {
+            Errors::Modelled(noise) => noise.as_ref().map(|noise| &noise.covariances[curve]),
+            Errors::ProfiledWhite => None,
         };
-        let n = residuals.nrows() as f64;
-        let smallest = UNREAD * self.fit.measurement.scale();
+        let covariance = ErrorCovariance::new(&self.fit.curves[curve].positions, noise, sizes)?;
+        let mut whitened = residuals.clone();
+        covariance.whiten(&mut whitened);
+        Some(CurvePoint { readings, covariance, residuals, whitened, sizes })
+    }
+
+    /// The value of a free number of the errors.
+    fn of_errors(&self, role: Role, coordinates: &[f64]) -> Option<f64> {
+        let found = self.free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
+        found.map(|(parameter, &u)| parameter.value(u))
+    }
+
+    /// The standard deviation of the independent error of a reading at coordinates.
+    fn reading(&self, coordinates: &[f64], residuals: &[Mat<f64>]) -> f64 {
         let reading = match self.errors {
-            Errors::ProfiledWhite => residuals.norm_l2() / n.sqrt(),
-            Errors::Modelled(_) => value(Role::Reading).or(self.fit.errors.reading).unwrap_or(0.0),
+            Errors::ProfiledWhite => {
+                let n: usize = residuals.iter().map(Mat::nrows).sum();
+                let squares: f64 = residuals.iter().map(|r| r.squared_norm_l2()).sum();
+                (squares / n as f64).sqrt()
+            }
+            Errors::Modelled(_) => {
+                self.of_errors(Role::Reading, coordinates).or(self.fit.errors.reading).unwrap_or(0.0)
+            }
         };
+        reading.max(UNREAD * self.fit.scale())
+    }
+
+    /// The sizes of errors of a curve at coordinates.
+    fn sizes(&self, (curve, coordinates): (usize, &[f64]), reading: f64) -> ErrorSizes {
+        let drift = |role| self.of_errors(role, coordinates);
         ErrorSizes {
-            noise: self.noise_factor(coordinates),
-            reading: reading.max(smallest),
-            drift: [value(Role::DriftAmplitude).unwrap_or(0.0), value(Role::DriftLength).unwrap_or(1.0)],
+            noise: self.noise_factor(curve, coordinates),
+            reading,
+            drift: [drift(Role::DriftAmplitude).unwrap_or(0.0), drift(Role::DriftLength).unwrap_or(1.0)],
         }
     }
 
-    /// Factor of the covariance of the noise of contacts.
-    fn noise_factor(&self, coordinates: &[f64]) -> f64 {
+    /// Factor of the covariance of the noise of contacts in a curve.
+    fn noise_factor(&self, curve: usize, coordinates: &[f64]) -> f64 {
         let Errors::Modelled(Some(noise)) = &self.errors else { return 0.0 };
-        let powers = self.free.iter().map(FreeParameter::noise_power);
         let moved = coordinates.iter().zip(&noise.coordinates).map(|(u, before)| u - before);
-        powers
+        self.free
+            .iter()
             .zip(moved)
-            .map(|(power, moved)| if power == 0.0 { 0.0 } else { power * moved })
+            .filter(|(parameter, _)| parameter.noise_power() != 0.0 && parameter.applies_to(curve))
+            .map(|(parameter, moved)| parameter.noise_power() * moved)
             .sum::<f64>()
             .exp()
     }
@@ -149,25 +203,17 @@ impl Likelihood {
         trial: &LikelihoodPoint,
         monitor: &mut dyn Monitor,
     ) -> Result<Score> {
-        let measured = &self.fit.measurement.positions;
         let values = self.values(coordinates);
-        let mut derivatives = trial.readings.derivatives(measured, (&self.free, &values), monitor)?;
-        trial.covariance.whiten(&mut derivatives);
-        let mut slope = derivatives.transpose() * &trial.whitened * faer::Scale(-1.0);
-        let mut information = derivatives.transpose() * &derivatives;
-        let shares = self.shares();
-        if !shares.is_empty() {
-            let mut parts: Vec<ErrorPart> = shares.iter().map(|share| share.1).collect();
-            parts.dedup();
-            let of_errors = trial.covariance.derivatives(measured, &parts, &trial.residuals);
-            let number = |part: ErrorPart| parts.iter().position(|other| *other == part).unwrap_or(0);
-            for &(a, part, power) in &shares {
-                slope[(a, 0)] += power * of_errors.slope[number(part)];
-                for &(b, other, other_power) in &shares {
-                    information[(a, b)] +=
-                        power * other_power * of_errors.information[(number(part), number(other))];
-                }
-            }
+        let numbers = (self.free.as_slice(), values.as_slice());
+        let readings: Vec<&ExpectedReadings> = trial.curves.iter().map(|curve| &curve.readings).collect();
+        let derivatives = expected::derivatives((&readings, &self.fit.curves), numbers, monitor)?;
+        let count = self.free.len();
+        let (mut slope, mut information) = (Mat::zeros(count, 1), Mat::zeros(count, count));
+        for (c, (point, mut derivatives)) in trial.curves.iter().zip(derivatives).enumerate() {
+            point.covariance.whiten(&mut derivatives);
+            slope -= derivatives.transpose() * &point.whitened;
+            information += derivatives.transpose() * &derivatives;
+            self.add_errors((c, point), &mut slope, &mut information);
         }
         for (k, (parameter, u)) in self.free.iter().zip(coordinates).enumerate() {
             if let Some([mean, std]) = parameter.prior {
@@ -178,15 +224,42 @@ impl Likelihood {
         Ok(Score { slope, information })
     }
 
-    /// Which free numbers change which part of Σ, and by which power of its size; sorted by part.
-    fn shares(&self) -> Vec<(usize, ErrorPart, f64)> {
+    /// Adds what the sizes of the errors of a curve contribute to the slope and to the information.
+    fn add_errors(
+        &self,
+        (curve, point): (usize, &CurvePoint),
+        slope: &mut Mat<f64>,
+        information: &mut Mat<f64>,
+    ) {
+        let shares = self.shares(curve);
+        if shares.is_empty() {
+            return;
+        }
+        let mut parts: Vec<ErrorPart> = shares.iter().map(|share| share.1).collect();
+        parts.dedup();
+        let positions = &self.fit.curves[curve].positions;
+        let of_errors = point.covariance.derivatives(positions, &parts, &point.residuals);
+        let number = |part: ErrorPart| parts.iter().position(|other| *other == part).unwrap_or(0);
+        for &(a, part, power) in &shares {
+            slope[(a, 0)] += power * of_errors.slope[number(part)];
+            for &(b, other, other_power) in &shares {
+                information[(a, b)] +=
+                    power * other_power * of_errors.information[(number(part), number(other))];
+            }
+        }
+    }
+
+    /// Which free numbers change which part of Σ of a curve, and by which power of its size; sorted by part.
+    fn shares(&self, curve: usize) -> Vec<(usize, ErrorPart, f64)> {
         let Errors::Modelled(noise) = &self.errors else { return Vec::new() };
         let of = |part: ErrorPart, role: Role| {
             let found = self.free.iter().position(|parameter| parameter.role == role);
             found.map(|k| (k, part, 1.0))
         };
-        let noisy = self.free.iter().enumerate().filter(|(_, parameter)| parameter.noise_power() != 0.0);
-        let noisy = noisy.map(|(k, parameter)| (k, ErrorPart::Noise, parameter.noise_power()));
+        let noisy = self.free.iter().enumerate();
+        let noisy = noisy
+            .filter(|(_, parameter)| parameter.noise_power() != 0.0 && parameter.applies_to(curve))
+            .map(|(k, parameter)| (k, ErrorPart::Noise, parameter.noise_power()));
         noisy
             .filter(|_| noise.is_some())
             .chain(of(ErrorPart::Reading, Role::Reading))

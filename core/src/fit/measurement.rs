@@ -80,6 +80,19 @@ impl Measurement {
         Ok(Self { positions: means(&self.positions), forces: means(&self.forces), machine: self.machine })
     }
 
+    /// A first value of a compliance that is not known, for contacts of the stiffness N⟨k⟩ = K together: the steepest mean slope s
+    /// over a tenth of the readings is about K/(1 + cK), so that c = 1/s − 1/K; a hundredth of 1/K where this is not above it.
+    pub fn first_compliance(&self, stiffness: f64) -> f64 {
+        let (n, least) = (self.positions.len(), 0.01 / stiffness);
+        let apart = (n / 10).max(1);
+        let slope = |i: usize| {
+            (self.forces[i + apart] - self.forces[i]) / (self.positions[i + apart] - self.positions[i])
+        };
+        let steepest = (0..self.forces.len().saturating_sub(apart)).map(slope).fold(0.0, f64::max);
+        let found = 1.0 / steepest - 1.0 / stiffness;
+        if found.is_finite() { found.max(least) } else { least }
+    }
+
     /// From the first position to the last.
     pub(super) fn range(&self) -> f64 {
         self.positions[self.positions.len() - 1] - self.positions[0]

@@ -37,17 +37,24 @@ impl Misfit {
 }
 
 /// The probability that independent residuals are more autocorrelated (G. M. Ljung and G. E. P. Box, Biometrika 65, 297
-/// (1978)).
-pub(super) fn whiteness(whitened: &Mat<f64>) -> f64 {
-    let n = whitened.nrows();
+/// (1978)), within each curve.
+pub(super) fn whiteness(curves: &[&Mat<f64>]) -> f64 {
+    let n: usize = curves.iter().map(|whitened| whitened.nrows()).sum();
     let lags = LAGS.min(n / 5).max(1);
-    let total = whitened.squared_norm_l2();
+    let total: f64 = curves.iter().map(|whitened| whitened.squared_norm_l2()).sum();
     if total == 0.0 {
         return 1.0;
     }
-    let correlation =
-        |lag: usize| (lag..n).map(|i| whitened[(i, 0)] * whitened[(i - lag, 0)]).sum::<f64>() / total;
-    let sum: f64 = (1..=lags).map(|lag| correlation(lag).powi(2) / (n - lag) as f64).sum();
+    let products = |whitened: &Mat<f64>, lag: usize| {
+        (lag..whitened.nrows()).map(|i| whitened[(i, 0)] * whitened[(i - lag, 0)]).sum::<f64>()
+    };
+    let correlation = |lag: usize| curves.iter().map(|whitened| products(whitened, lag)).sum::<f64>() / total;
+    let pairs =
+        |lag: usize| curves.iter().map(|whitened| whitened.nrows().saturating_sub(lag)).sum::<usize>();
+    let sum: f64 = (1..=lags)
+        .filter(|&lag| pairs(lag) > 0)
+        .map(|lag| correlation(lag).powi(2) / pairs(lag) as f64)
+        .sum();
     gammq(0.5 * lags as f64, 0.5 * n as f64 * (n + 2) as f64 * sum)
 }
 

@@ -1,11 +1,12 @@
-//! Fits of the parameters of contacts to a measured curve of force, with errors that count the noise of the contacts.
+//! Fits of the parameters of contacts to measured curves of force, with errors that count the noise of the contacts.
 //!
 //! The readings are y = F(X) + machine + errors ([`Machine`], [`ErrorModel`]). Their errors are normal with the covariance Σ =
 //! (covariance of the force of N_c contacts, [`Pull::covariance`](crate::master::Pull::covariance)) + reading² + drift, so that
 //! −2 ln L = rᵀΣ⁻¹r + ln|Σ| + n ln 2π with the residuals r. The search is Fisher scoring with the damping of Levenberg and
 //! Marquardt; numbers above 0 are varied by their logarithms. The covariance of the contacts is computed at the estimates of a
 //! fit with independent errors, scaled by N⟨k⟩² in the search, and renewed up to three times. Errors of the estimates are the
-//! inverse of the expected information.
+//! inverse of the expected information. Several curves share their numbers but for those that are free for one of them; their
+//! errors are independent.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -51,12 +52,15 @@ pub use measurement::{ErrorModel, Machine, Measurement};
 pub use misfit::Misfit;
 pub use prediction::Prediction;
 
+use faer::Mat;
+
+use crate::law::SharedLaw;
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
 use estimates::Ended;
 use free::FreeParameter;
-use likelihood::{ContactNoise, Errors, Likelihood, LikelihoodPoint};
+use likelihood::{ContactNoise, CurvePoint, Errors, Likelihood, LikelihoodPoint};
 use search::{Optimum, search};
 
 /// Most readings with the covariance of the contacts, or with a drift.
@@ -66,11 +70,11 @@ const RENEWALS: usize = 3;
 /// It is not, where no estimate has moved by this many of its errors.
 const SETTLED: f64 = 0.1;
 
-/// A fit of some numbers of contacts, and of the machine, to a measured curve of force.
+/// A fit of some numbers of contacts, and of the machine, to one or more measured curves of force.
 #[derive(Debug, Clone)]
 pub struct Fit {
     equation: MasterEquation,
-    measurement: Measurement,
+    curves: Vec<Measurement>,
     errors: ErrorModel,
     free: Vec<String>,
     priors: Vec<(String, Prior)>,
@@ -79,10 +83,19 @@ pub struct Fit {
 impl Fit {
     /// A fit whose first values are those of `equation`, with nothing free so far.
     pub fn new(equation: MasterEquation, measurement: Measurement) -> Self {
-        Self { equation, measurement, errors: ErrorModel::default(), free: Vec::new(), priors: Vec::new() }
+        let (curves, errors) = (vec![measurement], ErrorModel::default());
+        Self { equation, curves, errors, free: Vec::new(), priors: Vec::new() }
     }
 
-    /// The numbers to vary: names of [`MasterEquation::parameters`], and `compliance`, `offset`, `trend`, `origin`.
+    /// Another curve of the same contacts, with errors of the same sizes and the noise of other contacts.
+    #[must_use]
+    pub fn curve(mut self, measurement: Measurement) -> Self {
+        self.curves.push(measurement);
+        self
+    }
+
+    /// The numbers to vary: names of [`MasterEquation::parameters`], and `compliance`, `offset`, `trend`, `origin`. A name after
+    /// `curve.0.`, `curve.1.`, … is that of a number of one curve, all others are common to the curves.
     #[must_use]
     pub fn free<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.free = names.into_iter().map(Into::into).collect();
@@ -103,9 +116,36 @@ impl Fit {
         self
     }
 
-    /// What was measured.
-    pub fn measurement(&self) -> &Measurement {
-        &self.measurement
+    /// What was measured: the curves.
+    pub fn curves(&self) -> &[Measurement] {
+        &self.curves
+    }
+
+    /// Whether forces are to be measured yet.
+    fn is_planned(&self) -> bool {
+        self.curves.iter().all(|curve| curve.forces.is_empty())
+    }
+
+    /// The largest force: the scale of forces.
+    fn scale(&self) -> f64 {
+        self.curves.iter().map(Measurement::scale).fold(0.0, f64::max)
+    }
+
+    /// The same fit with thresholds of another law, all numbers of which are free in place of those of the present one; priors of
+    /// numbers of thresholds are left out.
+    ///
+    /// # Errors
+    /// Errors of the solver; stopped by the monitor.
+    pub fn with_thresholds(&self, law: SharedLaw, monitor: &mut dyn Monitor) -> Result<Self> {
+        let of_thresholds = |name: &str| name.starts_with("thresholds.");
+        let own = law.parameters().into_iter().map(|parameter| format!("thresholds.{}", parameter.name));
+        let others = self.free.iter().filter(|name| !of_thresholds(name)).cloned();
+        Ok(Self {
+            free: own.chain(others).collect(),
+            priors: self.priors.iter().filter(|(name, _)| !of_thresholds(name)).cloned().collect(),
+            equation: self.equation.with_thresholds(law, monitor)?,
+            ..self.clone()
+        })
     }
 
     /// Checks all values.
@@ -136,7 +176,7 @@ impl Fit {
     pub fn run_with(&self, monitor: &mut dyn Monitor) -> Result<Estimates> {
         let free = self.checked()?;
         let monitor = &mut Rising::new(monitor);
-        if self.measurement.forces.is_empty() {
+        if self.is_planned() {
             return self.planned(free, monitor);
         }
         let coordinates: Vec<f64> =
@@ -164,7 +204,7 @@ impl Fit {
         monitor: &mut dyn Monitor,
     ) -> Result<Estimates> {
         let Optimum { mut coordinates, mut trial, mut solutions, .. } = first;
-        free.extend(self.free_errors(0.02 * roughness(&trial), 0.5 * trial.sizes.reading));
+        free.extend(self.free_errors(0.02 * roughness(&trial), 0.5 * trial.reading()));
         let errors = free[coordinates.len()..].iter().map(|parameter| parameter.coordinate(parameter.start));
         let errors: Vec<f64> = errors.collect();
         coordinates.extend(errors);
@@ -227,14 +267,32 @@ impl Fit {
         if !self.errors.contacts {
             return Ok(None);
         }
-        let covariance = trial.readings.noise(monitor)?;
-        Ok(Some(ContactNoise { covariance, coordinates: coordinates.to_vec() }))
+        let share = 1.0 / trial.curves.len() as f64;
+        let of_curve = |(c, point): (usize, &CurvePoint)| {
+            point.readings.noise(&mut Part::new(monitor, c as f64 * share, share))
+        };
+        let covariances = trial.curves.iter().enumerate().map(of_curve).collect::<Result<_>>()?;
+        Ok(Some(ContactNoise { covariances, coordinates: coordinates.to_vec() }))
     }
 
     /// The free numbers, after all checks.
     fn checked(&self) -> Result<Vec<FreeParameter>> {
-        self.measurement.check()?;
-        self.errors.check(self.measurement.range())?;
+        for (c, curve) in self.curves.iter().enumerate() {
+            let of_curve =
+                |error: Error| if self.curves.len() > 1 { error.under(&format!("curve.{c}")) } else { error };
+            curve.check().map_err(of_curve)?;
+            self.errors.check(curve.range())?;
+            let n = curve.positions.len();
+            if n > MOST && (self.errors.contacts || self.errors.drift.is_some()) {
+                let expected =
+                    format!("at most {MOST} readings with correlated errors: average neighbouring ones");
+                return Err(of_curve(Error::invalid("position", expected, n)));
+            }
+            if curve.forces.is_empty() != self.is_planned() {
+                let expected = "forces for all curves, or for none";
+                return Err(Error::invalid("force", expected, format!("none for curve {c}")));
+            }
+        }
         let free = self.free_parameters()?;
         let is_free = |name: &str| free.iter().any(|parameter| parameter.name == name);
         if !self.errors.contacts && is_free("count") && is_free("stiffness") {
@@ -242,14 +300,9 @@ impl Fit {
                 "one of count and stiffness: without the noise of contacts only their product is known";
             return Err(Error::invalid("free", expected, "both"));
         }
-        let n = self.measurement.positions.len();
+        let n: usize = self.curves.iter().map(|curve| curve.positions.len()).sum();
         if n < free.len() + 2 {
             let expected = format!("{} readings or more for {} free numbers", free.len() + 2, free.len());
-            return Err(Error::invalid("position", expected, n));
-        }
-        if n > MOST && (self.errors.contacts || self.errors.drift.is_some()) {
-            let expected =
-                format!("at most {MOST} readings with correlated errors: average neighbouring ones");
             return Err(Error::invalid("position", expected, n));
         }
         Ok(free)
@@ -258,10 +311,14 @@ impl Fit {
 
 /// The size of independent errors, from the second differences of the residuals.
 fn roughness(trial: &LikelihoodPoint) -> f64 {
-    let r = &trial.residuals;
-    let n = r.nrows();
-    let second = |i: usize| r[(i, 0)] - 2.0 * r[(i + 1, 0)] + r[(i + 2, 0)];
-    let squares: f64 = (0..n.saturating_sub(2)).map(|i| second(i).powi(2)).sum();
+    let of_curve = |curve: &CurvePoint| {
+        let r = &curve.residuals;
+        let second = |i: usize| r[(i, 0)] - 2.0 * r[(i + 1, 0)] + r[(i + 2, 0)];
+        let squares: f64 = (0..r.nrows().saturating_sub(2)).map(|i| second(i).powi(2)).sum();
+        (squares, r.nrows())
+    };
+    let (squares, n) =
+        trial.curves.iter().map(of_curve).fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
     (squares / (6.0 * n as f64)).sqrt()
 }
 
@@ -274,8 +331,9 @@ fn divide_noise(
 ) {
     let place = |name: &str| free.iter().position(|parameter| parameter.name == name);
     let (Some(count), Some(stiffness)) = (place("count"), place("stiffness")) else { return };
-    let expected: f64 = (0..trial.residuals.nrows()).map(|i| noise.covariance[(i, i)]).sum();
-    let ratio = trial.residuals.squared_norm_l2() / expected;
+    let trace = |covariance: &Mat<f64>| (0..covariance.nrows()).map(|i| covariance[(i, i)]).sum::<f64>();
+    let expected: f64 = noise.covariances.iter().map(trace).sum();
+    let ratio = trial.curves.iter().map(|curve| curve.residuals.squared_norm_l2()).sum::<f64>() / expected;
     if ratio.is_finite() && ratio > 0.0 {
         coordinates[count] -= ratio.ln();
         coordinates[stiffness] += ratio.ln();

@@ -1,7 +1,7 @@
 //! What the fitted contacts would show at any positions.
 
 use super::Estimates;
-use super::expected::ExpectedReadings;
+use super::expected::{ExpectedReadings, Values};
 use super::likelihood::Errors;
 use super::measurement::Measurement;
 use crate::monitor::{Monitor, Part};
@@ -19,15 +19,24 @@ pub struct Prediction {
 }
 
 impl Estimates {
-    /// The readings that are expected at positions, in any order, as they are measured: with offset, trend, origin and
-    /// compliance of the machine.
+    /// The readings of curve `curve` that are expected at positions, in any order, as they are measured: with offset, trend, origin
+    /// and compliance of the machine.
     ///
     /// With J the derivatives of the expected force by the free numbers, and V the covariance of their estimates, the standard
     /// error is √(J V Jᵀ).
     ///
     /// # Errors
-    /// Positions that are not finite; one before which the machine slips; errors of the solver; stopped by the monitor.
-    pub fn predict(&self, positions: &[f64], monitor: &mut dyn Monitor) -> Result<Prediction> {
+    /// A number that no curve has; positions that are not finite; one before which the machine slips; errors of the solver; stopped
+    /// by the monitor.
+    pub fn predict(&self, curve: usize, positions: &[f64], monitor: &mut dyn Monitor) -> Result<Prediction> {
+        let count = self.curves().len();
+        if curve >= count {
+            return Err(Error::invalid(
+                "curve",
+                format!("a number below {count}, that of the curves"),
+                curve,
+            ));
+        }
         if let Some(i) = positions.iter().position(|y| !y.is_finite()) {
             return Err(Error::invalid(format!("position.{i}"), "a finite number", positions[i]));
         }
@@ -38,17 +47,22 @@ impl Estimates {
         let values = likelihood.values(coordinates);
         let numbers = (likelihood.free.as_slice(), values.as_slice());
         let rising = order.iter().map(|&i| positions[i]).collect();
-        let asked =
-            Measurement { positions: rising, forces: Vec::new(), machine: self.measurement().machine };
+        let machine = self.curves()[curve].machine;
+        let asked = Measurement { positions: rising, forces: Vec::new(), machine };
         let part = &mut Part::new(monitor, 0.0, 0.5);
-        let found = ExpectedReadings::new((&likelihood.fit.equation, &asked), numbers, part)?;
+        let found = ExpectedReadings::of_curve((curve, &asked), &likelihood.fit.equation, numbers, part)?;
         let found = found.ok_or_else(|| {
             let expected = "positions up to which the machine does not slip";
             Error::invalid("position", expected, positions[last])
         })?;
         let sorted = Prediction {
             std: self.deviations(&found, &mut Part::new(monitor, 0.5, 0.2))?,
-            error: self.errors_of(&found, &asked.positions, numbers.1, &mut Part::new(monitor, 0.7, 0.3))?,
+            error: self.errors_of(
+                &found,
+                (curve, &asked.positions),
+                numbers,
+                &mut Part::new(monitor, 0.7, 0.3),
+            )?,
             forces: found.forces,
         };
         Ok(sorted.at_places(&order))
@@ -56,12 +70,13 @@ impl Estimates {
 
     /// The standard deviations of readings.
     fn deviations(&self, found: &ExpectedReadings, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
-        let drift = self.ended.optimum.trial.sizes.drift[0];
+        let drift = self.ended.optimum.trial.curves[0].sizes.drift[0];
         let slow = self.reading.hypot(drift);
         if !matches!(self.ended.likelihood.errors, Errors::Modelled(Some(_))) {
             return Ok(vec![slow; found.positions.len()]);
         }
-        let noise = found.pull.force_std_with(found.equation.contacts().count, monitor)?;
+        let contacts = &found.contacts;
+        let noise = contacts.pull.force_std_with(contacts.equation.contacts().count, monitor)?;
         let at = |(&x, followed): (&f64, &f64)| (noise(x.max(0.0)) * followed).hypot(slow);
         Ok(found.positions.iter().zip(&found.followed).map(at).collect())
     }
@@ -70,12 +85,12 @@ impl Estimates {
     fn errors_of(
         &self,
         found: &ExpectedReadings,
-        measured: &[f64],
-        values: &[f64],
+        (curve, measured): (usize, &[f64]),
+        (free, values): Values<'_>,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<f64>> {
-        let free = &self.ended.likelihood.free;
-        let derivatives = found.derivatives(measured, (free, values), monitor)?;
+        let gradients = found.gradients((curve, free), monitor)?;
+        let derivatives = found.derivatives((curve, measured), &gradients, (free, values));
         let count = free.len();
         let slopes: Vec<f64> =
             free.iter().zip(values).map(|(n, &value)| n.slope(n.coordinate(value))).collect();

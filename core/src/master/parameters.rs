@@ -187,6 +187,16 @@ impl MasterEquation {
         all?.equation(monitor)
     }
 
+    /// The same contacts with another distribution of thresholds.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`] and [`Self::at`]; stopped by the monitor.
+    pub fn with_thresholds(&self, law: SharedLaw, monitor: &mut dyn Monitor) -> Result<Self> {
+        let mut all = self.description();
+        all.contacts.thresholds = law;
+        all.equation(monitor)
+    }
+
     /// Whether a parameter is above 0 by its meaning.
     ///
     /// # Errors

@@ -1,17 +1,19 @@
-//! `[fit]`: numbers of the scenario from a measured curve.
+//! `[fit]`: numbers of the scenario from measured curves.
 
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Compare, Model, Pull, Scenario, Start, exactly_one, positive};
-use crate::fit::{ERRORS, ErrorModel, MACHINE, Machine, Measurement, Prior};
+use super::law::ParametricFamily;
+use super::{Compare, FitCompliance, FitCurve, FitSource, Law, Model, Pull, Scenario, Start, positive};
+use crate::fit::{ERRORS, ErrorModel, MACHINE, Prior};
+use crate::law;
 use crate::master::MasterEquation;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
-/// Finds the numbers of a scenario for which its force agrees best with a measured curve, with their errors.
+/// Finds the numbers of a scenario for which its force agrees best with a measured curve, or several, with their errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Fit {
@@ -19,6 +21,9 @@ pub struct Fit {
     /// relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The file that the curve was read from; results state it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<FitSource>,
     /// Positions of the slider at the readings, rising, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length"))]
@@ -31,8 +36,12 @@ pub struct Fit {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
     pub force: Option<Vec<f64>>,
+    /// Several curves of the same contacts, fitted together, instead of the one above; each with the noise of other contacts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curve: Vec<FitCurve>,
     /// The keys whose numbers are found, such as `contacts.thresholds.gaussian.mean`, `contacts.count`, `fit.offset`; the
-    /// numbers of the scenario are the first values.
+    /// numbers of the scenario are the first values. A key after `fit.curve.0.`, `fit.curve.1.`, … is that of a number of one
+    /// curve: `fit.curve.0.offset`, `fit.curve.0.contacts.count`.
     pub free: Vec<String>,
     /// `"contacts"`: readings have the noise of a finite number `contacts.count` of contacts, in addition to `fit.reading` and
     /// `fit.drift`; `"white"`: without it.
@@ -45,10 +54,11 @@ pub struct Fit {
     /// there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift: Option<FitDrift>,
-    /// Displacement of the drive against the slider per force, above 0; required where positions are those of the drive.
+    /// Displacement of the drive against the slider per force, above 0, or `"free"`; required where positions are those of the
+    /// drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length/force"))]
-    pub compliance: Option<f64>,
+    pub compliance: Option<FitCompliance>,
     /// Reading of the force where there is none.
     #[schemars(extend("x-dimension" = "force"))]
     pub offset: f64,
@@ -69,6 +79,10 @@ pub struct Fit {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(extend("x-dimension" = "any"))]
     pub prior: BTreeMap<String, Prior>,
+    /// Names of distributions of the thresholds, such as `"gamma"` and `"lognormal"`: the same fit with each of them, all numbers
+    /// of which are free instead of those of `contacts.thresholds`, for a comparison by Akaike's criterion.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub laws: Vec<String>,
     /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
@@ -102,9 +116,11 @@ impl Default for Fit {
     fn default() -> Self {
         Self {
             file: None,
+            source: None,
             position: None,
             drive: None,
             force: None,
+            curve: Vec::new(),
             free: Vec::new(),
             noise: FitNoise::Contacts,
             reading: None,
@@ -116,6 +132,7 @@ impl Default for Fit {
             range: None,
             average: 1,
             prior: BTreeMap::new(),
+            laws: Vec::new(),
             start: Start::Conditional,
             velocity: None,
         }
@@ -128,64 +145,81 @@ impl Fit {
     /// # Errors
     /// The first invalid value.
     pub fn check(&self) -> Result<()> {
-        let given = [
+        let alone = [
             ("file", self.file.is_some()),
             ("position", self.position.is_some()),
             ("drive", self.drive.is_some()),
+            ("force", self.force.is_some()),
         ];
-        exactly_one("", "one of file, position and drive", &given)?;
-        if self.file.is_some() {
-            return Err(Error::invalid("file", "a curve read from it", "an unread file"));
+        if let (false, Some((key, _))) = (self.curve.is_empty(), alone.iter().find(|(_, given)| *given)) {
+            return Err(Error::invalid(*key, "none beside [[fit.curve]]", "one"));
+        }
+        for (c, curve) in self.curves().iter().enumerate() {
+            let checked = curve.check(self.reading.is_some());
+            checked.map_err(|error| self.of_curve(c, error))?;
         }
         self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;
-        self.compliance.map(|compliance| positive("compliance", compliance)).transpose()?;
-        match (&self.drive, self.compliance) {
-            (Some(_), None) => {
-                let expected = "the compliance of the machine, since positions are those of the drive";
-                return Err(Error::invalid("compliance", expected, "none"));
-            }
-            (None, Some(compliance)) => {
-                let expected = "no compliance: positions are those of the slider (those of the drive have the heading drive)";
-                return Err(Error::invalid("compliance", expected, compliance));
-            }
-            _ => {}
-        }
-        if self.force.is_none() && self.reading.is_none() {
-            let expected = "forces; or fit.reading, for the errors of a measurement that is only planned";
-            return Err(Error::invalid("force", expected, "neither"));
-        }
-        if self.free.is_empty() {
+        if self.free.is_empty() && !self.curves().iter().any(FitCurve::has_free_compliance) {
             return Err(Error::invalid("free", "at least one key", "none"));
+        }
+        for (i, name) in self.laws.iter().enumerate() {
+            family(&format!("laws.{i}"), name)?;
         }
         if self.average == 0 {
             return Err(Error::invalid("average", "1 reading or more", 0));
         }
-        if self.range.is_some_and(|[from, to]| from >= to || !(to - from).is_finite()) {
-            let expected = "two positions, the first below the second";
-            return Err(Error::invalid("range", expected, format!("{:?}", self.range.unwrap_or_default())));
-        }
         Ok(())
     }
 
-    /// The measured curve: the readings in the range, averaged, and the machine.
-    ///
-    /// # Errors
-    /// No reading in the range.
-    pub(crate) fn measurement(&self) -> Result<Measurement> {
-        let positions = self.position.as_ref().or(self.drive.as_ref()).cloned().unwrap_or_default();
-        let machine = Machine {
-            compliance: self.compliance.unwrap_or(0.0),
-            offset: self.offset,
-            trend: self.trend,
-            origin: self.origin,
+    /// The curves, each with all that the table says of it.
+    pub fn curves(&self) -> Vec<FitCurve> {
+        let own = FitCurve {
+            file: self.file.clone(),
+            source: self.source.clone(),
+            position: self.position.clone(),
+            drive: self.drive.clone(),
+            force: self.force.clone(),
+            ..FitCurve::default()
         };
-        let all = Measurement { positions, forces: self.force.clone().unwrap_or_default(), machine };
-        all.check()?;
-        let inside = self.range.map_or_else(|| all.clone(), |range| all.within(range));
-        if inside.positions.is_empty() {
-            return Err(Error::invalid("range", "one that holds readings", format!("{:?}", self.range)));
+        let given = if self.curve.is_empty() { vec![own] } else { self.curve.clone() };
+        given.into_iter().map(|curve| self.completed(curve)).collect()
+    }
+
+    /// A curve with the numbers of the table where it has none.
+    fn completed(&self, curve: FitCurve) -> FitCurve {
+        FitCurve {
+            compliance: curve.compliance.or(self.compliance),
+            offset: curve.offset.or(Some(self.offset)),
+            trend: curve.trend.or(Some(self.trend)),
+            origin: curve.origin.or(Some(self.origin)),
+            range: curve.range.or(self.range),
+            ..curve
         }
-        inside.average(self.average)
+    }
+
+    /// An error of curve `c`, with the key of the curve if there are several.
+    fn of_curve(&self, c: usize, error: Error) -> Error {
+        if self.curve.is_empty() { error } else { error.under(&format!("curve.{c}")) }
+    }
+
+    /// The keys of free numbers, a free compliance among them.
+    fn free_keys(&self) -> Vec<String> {
+        let mut keys = self.free.clone();
+        let curves = self.curves();
+        let mut add = |key: String| {
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        };
+        if curves.iter().all(FitCurve::has_free_compliance)
+            && !self.curve.iter().any(|curve| curve.compliance.is_some())
+        {
+            add("fit.compliance".to_owned());
+        } else {
+            let free = (0..curves.len()).filter(|&c| curves[c].has_free_compliance());
+            free.for_each(|c| add(format!("fit.curve.{c}.compliance")));
+        }
+        keys
     }
 
     /// The fit of the core that this table describes, ready to run, and the keys of its numbers.
@@ -204,14 +238,25 @@ impl Fit {
             None => MasterEquation::new_with(contacts.clone(), initial, monitor)?,
         };
         let keys = FitKeys::new(model, &equation);
-        let names = self.free.iter().enumerate().map(|(i, key)| keys.name(&format!("fit.free.{i}"), key));
+        let free = self.free_keys();
+        let names = free.iter().enumerate().map(|(i, key)| keys.name(&format!("fit.free.{i}"), key));
         let names = names.collect::<Result<Vec<_>>>()?;
-        let measurement = self.measurement().map_err(|error| error.under("fit"))?;
-        let mut fit = crate::fit::Fit::new(equation, measurement).free(names).errors(self.errors());
+        let mut measured = Vec::new();
+        let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
+        for (c, curve) in self.curves().iter().enumerate() {
+            let found = curve.measurement(self.average, stiffness);
+            measured.push(found.map_err(|error| self.of_curve(c, error).under("fit"))?);
+        }
+        let mut measured = measured.into_iter();
+        let Some(first) = measured.next() else {
+            return Err(Error::invalid("fit.curve", "at least one curve", "none"));
+        };
+        let fit = crate::fit::Fit::new(equation, first).free(names).errors(self.errors());
+        let mut fit = measured.fold(fit, crate::fit::Fit::curve);
         for (key, prior) in &self.prior {
             let place = format!("fit.prior.{key}");
-            if !self.free.contains(key) {
-                let expected = format!("priors of the keys in fit.free: {}", self.free.join(", "));
+            if !free.contains(key) {
+                let expected = format!("priors of the keys in fit.free: {}", free.join(", "));
                 return Err(Error::invalid(place, expected, "another key"));
             }
             fit = fit.prior(&keys.name(&place, key)?, *prior);
@@ -220,9 +265,27 @@ impl Fit {
         Ok((fit, keys))
     }
 
+    /// The fit of the core with other thresholds, those of the distribution `name` with mean and standard deviation near those of
+    /// `thresholds`, and the keys of its numbers.
+    ///
+    /// # Errors
+    /// Errors of the solver; stopped by the monitor.
+    pub(crate) fn of_law(
+        fit: &crate::fit::Fit,
+        keys: &FitKeys,
+        (name, thresholds): (&str, &dyn law::Law),
+        monitor: &mut dyn Monitor,
+    ) -> Result<(crate::fit::Fit, FitKeys)> {
+        let member = family("laws", name)?.member;
+        let law = member(thresholds.mean(), thresholds.std() / thresholds.mean()).build()?;
+        let keys = keys.with_thresholds(name, law.as_ref());
+        Ok((fit.with_thresholds(law, monitor)?, keys))
+    }
+
     /// An error of a fit, with the key that gave its argument.
     pub(crate) fn keyed(error: Error) -> Error {
-        const ARGUMENTS: [&str; 7] = ["free", "prior", "position", "force", "drift", "reading", "compliance"];
+        const ARGUMENTS: [&str; 8] =
+            ["free", "prior", "position", "force", "drift", "reading", "compliance", "curve"];
         match &error {
             Error::Invalid { key, .. } if ARGUMENTS.contains(&key.split('.').next().unwrap_or_default()) => {
                 error.under("fit")
@@ -242,22 +305,42 @@ impl Fit {
 
 impl Scenario {
     /// The same scenario with other values of some of its numbers, by their keys, and with a `[pull]` over `distance` instead of
-    /// the fit; `compare` is the measured curve.
-    pub fn fitted(&self, values: &[(String, f64)], distance: f64, compare: Option<Compare>) -> Self {
+    /// the fit; `compare` is the measured curve `curve`.
+    pub fn fitted(
+        &self,
+        values: &[(String, f64)],
+        (curve, distance): (usize, f64),
+        compare: Option<Compare>,
+    ) -> Self {
         let mut fitted = self.clone();
         let Some(fit) = fitted.fit.take() else { return fitted };
+        let value = |key: &str| {
+            let own = format!("fit.curve.{curve}.{key}");
+            values.iter().find(|(known, _)| *known == key || *known == own).map(|(_, value)| *value)
+        };
         for number in fitted.numbers() {
-            if let Some((_, value)) = values.iter().find(|(key, _)| *key == number.key) {
-                *number.value = *value;
+            if let Some(value) = value(&number.key) {
+                *number.value = value;
             }
         }
-        let velocity = values.iter().find(|(key, _)| key == "fit.velocity").map(|(_, value)| *value);
-        let velocity = velocity.or(fit.velocity);
+        let velocity = value("fit.velocity").or(fit.velocity);
         fitted.pull = Some(Pull { distance, start: fit.start, velocity, ..Pull::default() });
         fitted.compare = compare;
         fitted
     }
 }
+
+/// The family of distributions of this name that a threshold may be drawn from: those with a density.
+fn family(place: &str, name: &str) -> Result<&'static ParametricFamily> {
+    let with_density = || Law::FAMILIES.iter().filter(|family| family.widths[1] > 0.0);
+    with_density().find(|family| family.name == name).ok_or_else(|| {
+        let names: Vec<&str> = with_density().map(|family| family.name).collect();
+        Error::invalid(place, format!("one of {}", names.join(", ")), format!("\"{name}\""))
+    })
+}
+
+/// Before the number of a curve, in the key of a number of that curve.
+const OF_CURVE: &str = "fit.curve.";
 
 /// The keys of numbers that a fit may find, and the names that the core has for them.
 #[derive(Debug)]
@@ -276,9 +359,28 @@ impl FitKeys {
         Self(of_contacts.chain(named).chain(of_machine).collect())
     }
 
+    /// The same with the thresholds of another distribution.
+    fn with_thresholds(&self, name: &str, law: &dyn law::Law) -> Self {
+        let others = self.0.iter().filter(|(_, known)| !known.starts_with("thresholds.")).cloned();
+        let own = law.parameters().into_iter().map(|parameter| {
+            let inner = &parameter.name;
+            (format!("contacts.thresholds.{name}.{inner}"), format!("thresholds.{inner}"))
+        });
+        Self(own.chain(others).collect())
+    }
+
     /// The name for a key; `place` is where the key is given.
     fn name(&self, place: &str, key: &str) -> Result<String> {
         let free = self.0.iter().filter(|(_, name)| !ERRORS.contains(&name.as_str()));
+        let own = |(known, name): &&(String, String)| {
+            let (curve, quantity) = key.strip_prefix(OF_CURVE)?.split_once('.')?;
+            let short = known.strip_prefix("fit.").unwrap_or(known);
+            let same = curve.parse::<usize>().is_ok() && (quantity == known || quantity == short);
+            same.then(|| format!("curve.{curve}.{name}"))
+        };
+        if let Some(name) = free.clone().find_map(|number| own(&number)) {
+            return Ok(name);
+        }
         match free.clone().find(|(known, _)| known == key) {
             Some((_, name)) => Ok(name.clone()),
             None => {
@@ -290,6 +392,10 @@ impl FitKeys {
 
     /// The key for a name.
     pub fn key(&self, name: &str) -> String {
+        if let Some((curve, quantity)) = name.strip_prefix("curve.").and_then(|rest| rest.split_once('.')) {
+            let key = self.key(quantity);
+            return format!("{OF_CURVE}{curve}.{}", key.strip_prefix("fit.").unwrap_or(&key));
+        }
         let found = self.0.iter().find(|(_, known)| known == name);
         found.map_or_else(|| name.to_owned(), |(key, _)| key.clone())
     }

@@ -2,13 +2,15 @@
 
 use super::Output;
 use super::accuracy::ForceAccuracy;
-use super::summary::{Extended, FitFriction, FitNumber, FitNumbers, FitSummary, Uncertain};
-use crate::Result;
-use crate::fit::{Correlation, Estimate, Estimates, WithError};
+use super::summary::{Extended, FitFriction, FitLaw, FitLaws, FitNumber, FitNumbers, FitSummary, Uncertain};
+use crate::fit::{Correlation, Estimate, Estimates, Fit, Measurement, Readings, WithError};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, FitKeys, Model};
+use crate::{Error, Result};
 
+const CURVE: Column =
+    Column::new("reading_curve", "number of the curve", Quantity::Number, &["reading_position"]);
 const POSITION: Column =
     Column::new("reading_position", "measured position", Quantity::Length, &["reading_position"]);
 const SLIDER: Column =
@@ -31,12 +33,12 @@ const WHITENED: Column = Column::new(
 );
 
 /// The variables of the task.
-const COLUMNS: [Column; 6] = [POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED];
+const COLUMNS: [Column; 7] = [CURVE, POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED];
 
 /// Its tables in CSV.
 pub(super) const TABLES: &[CsvTable] = &[CsvTable {
     file: "fit.csv",
-    columns: &[POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED],
+    columns: &[CURVE, POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED],
     needed: EXPECTED,
 }];
 
@@ -55,30 +57,19 @@ pub(super) fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<Output<FitNumbers>> {
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
-    let measurement = fit.measurement().clone();
-    let found = fit.run_with(&mut Part::new(monitor, 0.05, 0.85)).map_err(scenario::Fit::keyed)?;
+    let share = 0.85 / (1 + task.laws.len()) as f64;
+    let found = fit.run_with(&mut Part::new(monitor, 0.05, share)).map_err(scenario::Fit::keyed)?;
+    let laws = laws(task, (&fit, &keys), &found, &mut Part::new(monitor, 0.05 + share, 0.85 - share))?;
     let friction = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
-    let mut record = Record::default();
-    record.add(POSITION, measurement.positions);
-    if measurement.machine.compliance > 0.0 {
-        record.add(SLIDER, found.readings.positions.clone());
-    }
-    if !measurement.forces.is_empty() {
-        record.add(MEASURED, measurement.forces);
-    }
-    record.add(EXPECTED, found.readings.expected.clone());
-    record.add(STD, found.readings.std.clone());
-    if found.misfit.is_some() {
-        record.add(WHITENED, found.readings.whitened.clone());
-    }
+    let record = record(&found);
     let error = |of: WithError| Uncertain { value: Extended(of.value), error: Extended(of.error) };
     let summary = FitSummary {
         converged: found.converged,
-        readings: found.readings.positions.len(),
+        readings: found.readings.iter().map(|curve| curve.positions.len()).sum(),
         solutions: found.solutions,
         numbers: found.parameters.iter().map(|estimate| number(&keys, estimate)).collect(),
         reading: found.reading,
-        distance: found.pull().distance(),
+        distances: (0..found.curves().len()).map(|curve| found.pull(curve).distance()).collect(),
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),
         misfit: found.misfit,
         correlations: correlations(&keys, &found),
@@ -88,6 +79,8 @@ pub(super) fn run(
             relaxation_length: error(friction.relaxation_length),
             critical_stiffness: error(friction.critical_stiffness),
         },
+        laws,
+        sources: task.curves().into_iter().filter_map(|curve| curve.source).collect(),
     };
     let mut warnings = Vec::new();
     if !found.converged {
@@ -96,9 +89,84 @@ pub(super) fn run(
                 .into(),
         );
     }
-    let accuracy = ForceAccuracy::new(model, found.pull().error_estimate(), found.equation().life().mean());
+    let accuracy = ForceAccuracy::new(model, found.pull(0).error_estimate(), found.equation().life().mean());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
     accuracy.of(model, "the force of the fit", output)
+}
+
+/// The same fit with each of the distributions of `fit.laws`, from the mean and the standard deviation of the fitted thresholds.
+///
+/// # Errors
+/// Stopped by the monitor. Another error of a distribution is told in its place.
+fn laws(
+    task: &scenario::Fit,
+    (fit, keys): (&Fit, &FitKeys),
+    found: &Estimates,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<FitLaws>> {
+    if task.laws.is_empty() {
+        return Ok(None);
+    }
+    let thresholds = &found.equation().contacts().thresholds;
+    let share = 1.0 / task.laws.len() as f64;
+    let akaike = |found: &Estimates| found.misfit.map_or(f64::INFINITY, |misfit| misfit.akaike);
+    let mut lowest = akaike(found);
+    let mut others = Vec::new();
+    for (i, name) in task.laws.iter().enumerate() {
+        let monitor = &mut Part::new(monitor, i as f64 * share, share);
+        let part = &mut Part::new(monitor, 0.0, 0.1);
+        let other = scenario::Fit::of_law(fit, keys, (name, thresholds.as_ref()), part);
+        let part = &mut Part::new(monitor, 0.1, 0.9);
+        let other = other.and_then(|(fit, keys)| Ok((fit.run_with(part)?, keys)));
+        others.push(match other {
+            Err(Error::Stopped) => return Err(Error::Stopped),
+            Err(error) => FitLaw {
+                law: name.clone(),
+                difference: None,
+                converged: false,
+                numbers: Vec::new(),
+                refused: Some(error.to_string()),
+            },
+            Ok((found, keys)) => {
+                lowest = lowest.min(akaike(&found));
+                FitLaw {
+                    law: name.clone(),
+                    difference: Some(akaike(&found)),
+                    converged: found.converged,
+                    numbers: found.parameters.iter().map(|estimate| number(&keys, estimate)).collect(),
+                    refused: None,
+                }
+            }
+        });
+    }
+    others.iter_mut().filter_map(|law| law.difference.as_mut()).for_each(|akaike| *akaike -= lowest);
+    Ok(Some(FitLaws { difference: akaike(found) - lowest, others }))
+}
+
+/// The readings of all curves, one curve after the other.
+fn record(found: &Estimates) -> Record {
+    let mut record = Record::default();
+    let (curves, readings) = (found.curves(), &found.readings);
+    if curves.len() > 1 {
+        let number = |(c, curve): (usize, &Measurement)| vec![c as f64; curve.positions.len()];
+        record.add(CURVE, curves.iter().enumerate().flat_map(number).collect::<Vec<f64>>());
+    }
+    record.add(POSITION, curves.iter().flat_map(|curve| curve.positions.clone()).collect::<Vec<f64>>());
+    let all = |of: fn(&Readings) -> &Vec<f64>| {
+        readings.iter().flat_map(|curve| of(curve).clone()).collect::<Vec<f64>>()
+    };
+    if (0..curves.len()).any(|curve| found.machine(curve).compliance > 0.0) {
+        record.add(SLIDER, all(|curve| &curve.positions));
+    }
+    if found.misfit.is_some() {
+        record.add(MEASURED, curves.iter().flat_map(|curve| curve.forces.clone()).collect::<Vec<f64>>());
+    }
+    record.add(EXPECTED, all(|curve| &curve.expected));
+    record.add(STD, all(|curve| &curve.std));
+    if found.misfit.is_some() {
+        record.add(WHITENED, all(|curve| &curve.whitened));
+    }
+    record
 }
 
 fn number(keys: &FitKeys, estimate: &Estimate) -> FitNumber {

@@ -16,7 +16,7 @@ pub struct Fault {
     pub expected: String,
     pub found: String,
     /// The most similar known name.
-    pub nearest: Option<&'static str>,
+    pub nearest: Option<String>,
     /// Whether the key itself is wrong, not its value.
     pub on_key: bool,
     /// Keys in the table at `path` that exclude one another.
@@ -34,11 +34,23 @@ impl Fault {
         self
     }
 
+    /// A value that is none of the names that were expected, if these are listed after "one of".
+    pub fn among_names(expected: &str, found: &str) -> Self {
+        let names = expected.strip_prefix("one of ").map(|names| names.split(", "));
+        let nearest = names.and_then(|names| nearest(found.trim_matches('"'), names));
+        Self { nearest, ..Self::new(expected, found) }
+    }
+
     fn wrong_name(name: &str, known: &[&'static str]) -> Self {
-        let nearest = known.iter().copied().max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
-        let nearest = nearest.filter(|known| likeness(name, known) > 0.5);
+        let nearest = nearest(name, known.iter().copied());
         Self { nearest, on_key: true, ..Self::new(&one_of(known), &format!("\"{}\"", short(name))) }
     }
+}
+
+/// The known name that is most similar to `name`, if it is similar at all.
+fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    let nearest = known.max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
+    nearest.filter(|known| likeness(name, known) > 0.5).map(str::to_owned)
 }
 
 fn likeness(a: &str, b: &str) -> f64 {

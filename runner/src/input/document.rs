@@ -100,7 +100,7 @@ impl Document {
             key: fault.path.join("."),
             expected: fault.expected.clone(),
             found: fault.found.clone(),
-            help: fault.nearest.map(|name| format!("did you mean {name}?")).or(with),
+            help: fault.nearest.as_ref().map(|name| format!("did you mean {name}?")).or(with),
             source: Some(Source { name: name.clone(), text: text.clone(), marks }),
         })
     }

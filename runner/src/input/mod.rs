@@ -62,7 +62,9 @@ impl Input {
     /// The diagnostic for an error of the core.
     pub fn diagnose(&self, error: &asperity::Error) -> Box<Diagnostic> {
         self.document.draw(match error {
-            asperity::Error::Invalid { key, expected, found } => Fault::new(expected, found).under(key),
+            asperity::Error::Invalid { key, expected, found } => {
+                Fault::among_names(expected, found).under(key)
+            }
             asperity::Error::TooLarge { key, what, needed, allowed } => {
                 let found = format!("{what}: {} or more", amount(*needed));
                 Fault::new(&format!("what fits in {}", amount(*allowed)), &found).under(key)

@@ -1,8 +1,10 @@
 //! The files named in a scenario, read and inserted in place of their names.
 
+use std::fs;
 use std::path::Path;
 
-use asperity::scenario::{Protocol, Scenario, Step, Tabulated};
+use asperity::scenario::{FitCurve, FitSource, Protocol, Scenario, Step, Tabulated};
+use sha2::{Digest, Sha256};
 
 use super::deserialise::Fault;
 use super::{short, text};
@@ -21,15 +23,20 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
         let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
         (compare.position, compare.force) = (Some(position), Some(force));
     }
-    if let Some(fit) = &mut scenario.fit
-        && let Some(file) = fit.file.take_if(|_| fit.position.is_none() && fit.drive.is_none())
-    {
-        let layouts: [&[&str]; 2] = [&["position", "force"], &["drive", "force"]];
-        let found = read_one_of(&directory.join(file), &layouts);
-        let (layout, columns) = found.map_err(|fault| fault.under("fit.file"))?;
-        let [position, force] = exactly(columns);
-        *(if layout == 0 { &mut fit.position } else { &mut fit.drive }) = Some(position);
-        fit.force = Some(force);
+    if let Some(fit) = &mut scenario.fit {
+        let own = Measured {
+            file: &mut fit.file,
+            source: &mut fit.source,
+            position: &mut fit.position,
+            drive: &mut fit.drive,
+            force: &mut fit.force,
+        };
+        own.inline(directory).map_err(|fault| fault.under("fit.file"))?;
+        for (c, curve) in fit.curve.iter_mut().enumerate() {
+            let FitCurve { file, source, position, drive, force, .. } = curve;
+            let measured = Measured { file, source, position, drive, force };
+            measured.inline(directory).map_err(|fault| fault.under(&format!("fit.curve.{c}.file")))?;
+        }
     }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
     if let Some(scales) = scales
@@ -46,6 +53,34 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
         scenario.protocol = Some(Protocol(steps));
     }
     Ok(())
+}
+
+/// A measured curve in the scenario, which a file may give.
+struct Measured<'a> {
+    file: &'a mut Option<String>,
+    source: &'a mut Option<FitSource>,
+    position: &'a mut Option<Vec<f64>>,
+    drive: &'a mut Option<Vec<f64>>,
+    force: &'a mut Option<Vec<f64>>,
+}
+
+impl Measured<'_> {
+    /// Replaces the file by its content, and notes which file it was.
+    fn inline(self, directory: &Path) -> Result<(), Fault> {
+        let Some(file) = self.file.take_if(|_| self.position.is_none() && self.drive.is_none()) else {
+            return Ok(());
+        };
+        let path = directory.join(&file);
+        let layouts: [&[&str]; 2] = [&["position", "force"], &["drive", "force"]];
+        let (layout, columns) = read_one_of(&path, &layouts)?;
+        let [position, force] = exactly(columns);
+        *(if layout == 0 { self.position } else { self.drive }) = Some(position);
+        *self.force = Some(force);
+        let bytes = fs::read(&path).map_err(|why| Fault::new("a file that can be read", &why.to_string()))?;
+        let digits = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        *self.source = Some(FitSource { file, sha256: digits });
+        Ok(())
+    }
 }
 
 /// The steps of a protocol, one per row.

@@ -1,31 +1,57 @@
-//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside the measured curve.
+//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside each measured curve.
 
 use asperity::scenario::{Compare, Scenario};
 
 use super::Outcome;
 use crate::input;
 
-/// The text of the fitted scenario; `None` for other tasks.
-pub fn fitted(outcome: &Outcome) -> Option<String> {
-    let found = outcome.summary.numbers.fit()?;
-    let scenario: Scenario = toml::from_str(&outcome.scenario).ok()?;
-    let fit = scenario.fit.as_ref()?;
+/// The texts of the fitted scenarios, one for each curve with the name of its file; none for other tasks.
+pub fn fitted(outcome: &Outcome) -> Vec<(String, String)> {
+    let (Some(found), Ok(scenario)) =
+        (outcome.summary.numbers.fit(), toml::from_str::<Scenario>(&outcome.scenario))
+    else {
+        return Vec::new();
+    };
     let values: Vec<(String, f64)> =
         found.numbers.iter().map(|number| (number.key.clone(), number.value)).collect();
-    let number = |key: &str, fixed: f64| {
-        values.iter().find(|(known, _)| known == key).map_or(fixed, |(_, value)| *value)
+    let count = found.distances.len();
+    let one = |(curve, &distance): (usize, &f64)| {
+        let name = if count == 1 { "fitted.toml".to_owned() } else { format!("fitted-{curve}.toml") };
+        let compare = compared(outcome, (&scenario, curve), &values)?;
+        Some((name, input::to_text(&scenario.fitted(&values, (curve, distance), compare))))
+    };
+    found.distances.iter().enumerate().filter_map(one).collect()
+}
+
+/// The measured curve, without offset, trend and origin; `None` within if none was measured.
+fn compared(
+    outcome: &Outcome,
+    (scenario, curve): (&Scenario, usize),
+    values: &[(String, f64)],
+) -> Option<Option<Compare>> {
+    let fit = scenario.fit.as_ref()?;
+    let given = fit.curves().into_iter().nth(curve)?;
+    let number = |name: &str, fixed: Option<f64>| {
+        let keys = [format!("fit.{name}"), format!("fit.curve.{curve}.{name}")];
+        let found = values.iter().find(|(known, _)| keys.contains(known));
+        found.map_or(fixed.unwrap_or(0.0), |(_, value)| *value)
     };
     let [offset, trend, origin] =
-        [("fit.offset", fit.offset), ("fit.trend", fit.trend), ("fit.origin", fit.origin)]
-            .map(|(key, fixed)| number(key, fixed));
-    let measured = outcome.record.values("reading_position")?;
-    let compare = outcome.record.values("measured_force").map(|forces| Compare {
-        position: Some(match outcome.record.values("slider_position") {
-            Some(slider) => slider.to_vec(),
+        [("offset", given.offset), ("trend", given.trend), ("origin", given.origin)]
+            .map(|(name, fixed)| number(name, fixed));
+    let numbers = outcome.record.values("reading_curve");
+    let of_curve = |name: &str| -> Option<Vec<f64>> {
+        let values = outcome.record.values(name)?.iter().enumerate();
+        let own = |i: usize| numbers.is_none_or(|numbers| numbers[i] == curve as f64);
+        Some(values.filter(|(i, _)| own(*i)).map(|(_, value)| *value).collect())
+    };
+    let measured = of_curve("reading_position")?;
+    Some(of_curve("measured_force").map(|forces| Compare {
+        position: Some(match of_curve("slider_position") {
+            Some(slider) => slider,
             None => measured.iter().map(|y| y - origin).collect(),
         }),
-        force: Some(forces.iter().zip(measured).map(|(force, y)| force - offset - trend * y).collect()),
+        force: Some(forces.iter().zip(&measured).map(|(force, y)| force - offset - trend * y).collect()),
         file: None,
-    });
-    Some(input::to_text(&scenario.fitted(&values, found.distance, compare)))
+    }))
 }

@@ -54,7 +54,7 @@ pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Resul
         ("summary.json".to_owned(), json(&outcome.summary)),
     ];
     files.extend(csv::tables(&outcome.record).map(|(name, text)| (name.to_owned(), text.into_bytes())));
-    files.extend(fitted::fitted(outcome).map(|text| ("fitted.toml".to_owned(), text.into_bytes())));
+    files.extend(fitted::fitted(outcome).into_iter().map(|(name, text)| (name, text.into_bytes())));
     files.push(("result.nc".to_owned(), netcdf::encode(outcome)?));
     let borrowed = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
     let attached = attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice()));

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Extended;
 use crate::fit::{Correlation, Misfit};
+use crate::scenario::FitSource;
 
 /// What a fit has found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,8 +19,8 @@ pub struct FitSummary {
     pub numbers: Vec<FitNumber>,
     /// Standard deviation of the independent error of a reading.
     pub reading: f64,
-    /// Displacement of the slider up to the last reading.
-    pub distance: f64,
+    /// Displacement of the slider up to the last reading, of each curve.
+    pub distances: Vec<f64>,
     /// How well the curve is described; absent for a measurement that is only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Misfit>,
@@ -29,6 +30,39 @@ pub struct FitSummary {
     pub correlations: Vec<Correlation>,
     /// Friction of the fitted contacts.
     pub friction: FitFriction,
+    /// The comparison with other distributions of thresholds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laws: Option<FitLaws>,
+    /// The files that the curves were read from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<FitSource>,
+}
+
+/// A comparison of distributions of thresholds by Akaike's criterion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitLaws {
+    /// The criterion for the distribution of the scenario less the lowest of all.
+    pub difference: f64,
+    /// The same fit with other distributions, in the order of `fit.laws`.
+    pub others: Vec<FitLaw>,
+}
+
+/// A fit with another distribution of thresholds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitLaw {
+    /// The name of the distribution.
+    pub law: String,
+    /// Akaike's criterion less the lowest of all distributions, the scenario's own included; above about 10 a distribution is
+    /// hardly the one that made the curve. Absent where there is no such fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub difference: Option<f64>,
+    /// Whether the search has converged.
+    pub converged: bool,
+    /// The estimates.
+    pub numbers: Vec<FitNumber>,
+    /// Why there is no fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
 }
 
 /// An estimate.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use crate::rate_state::Fitted;
 pub use catalogue::{Catalogue, Largest, PowerLaw};
-pub use fit::{FitFriction, FitNumber, FitSummary, Uncertain};
+pub use fit::{FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
 pub use time::{CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, Stability};
 
