@@ -587,7 +587,7 @@ class Estimates:
     def _repr_html_(self, /) -> str: ...
     @property
     def contacts(self, /) -> Contacts:
-        """The contacts of the estimated numbers."""
+        """The contacts of the estimated numbers; of the first curve where curves differ."""
 
     @property
     def converged(self, /) -> bool:
@@ -610,6 +610,12 @@ class Estimates:
 
         name: a name of `params`.
         progress: as for MasterEquation.pull.
+        """
+
+    @property
+    def laws(self, /) -> dict[str, Estimates]:
+        """The same fit with other distributions of thresholds, by their names: a dict of Estimates. Misfit.akaike compares them:
+        a distribution is hardly the one that made the curve where it is more than 10 above the lowest.
         """
 
     def log_likelihood(self, /, values: ArrayLike) -> tuple[float, _Array]:
@@ -642,10 +648,11 @@ class Estimates:
         expected force. A planned measurement is plotted on the first of them only.
         """
 
-    def predict(self, /, position: ArrayLike) -> Prediction:
+    def predict(self, /, position: ArrayLike, curve: SupportsIndex = 0) -> Prediction:
         """The readings that are expected at positions, as they are measured, with their scatter and their errors.
 
         position: a list of positions in any order, within the range of the measured ones or beyond it.
+        curve: the number of the curve.
         """
 
     def profile(
@@ -662,7 +669,7 @@ class Estimates:
 
     @property
     def pull(self, /) -> Pull:
-        """The pull of the estimated contacts, up to the last reading."""
+        """The pull of the estimated contacts, up to the last reading; of the first curve where curves differ."""
 
     @property
     def reading(self, /) -> float:
@@ -675,7 +682,8 @@ class Estimates:
         `position` and `force` are the measured ones, after averaging; `slider_position` is X; `expected` is the expected
         force and `std` the standard deviation of a reading about it; `residual` is the measured minus the expected
         force, and `whitened` the whitened residuals, which are independent and of variance 1 if the description
-        holds. A planned measurement has no `force`, `residual` and `whitened`.
+        holds. A planned measurement has no `force`, `residual` and `whitened`. Several curves follow one another; `curve` is
+        the number of the curve then.
         """
 
     @property
@@ -2019,33 +2027,37 @@ def fit(
     noise: Literal["contacts", "white"] = "contacts",
     reading: _Number | None = None,
     drift: _Number | None = None,
-    compliance: _Number = 0.0,
+    compliance: _Number | Literal["free"] = 0.0,
     offset: _Number = 0.0,
     trend: _Number = 0.0,
     origin: _Number = 0.0,
     prior: Mapping[str, tuple[float, float]] | None = None,
     average: SupportsIndex = 1,
+    laws: Sequence[str] = (),
     progress: _Progress = None,
 ) -> Estimates:
-    """Fits numbers of contacts, and of the machine, to a measured curve of force.
+    """Fits numbers of contacts, and of the machine, to one or more measured curves of force.
 
     A reading of the force at the position y is F(X) + offset + trend y + an error, where y = origin + X + compliance
     F(X) and F(X) is the force of the contacts on a pull. The most probable values are found by Fisher scoring, and
     their errors follow from the expected information.
 
     contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
-    position: positions y of the n readings, rising: of the slider, or of the drive if compliance is above 0.
-    force: the n measured forces; or None for a planned measurement, for which the result has the errors that the
-    free numbers would have, at their first values.
+    position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
+    lists for several curves, whose noise is that of different contacts.
+    force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
+    errors that the free numbers would have, at their first values.
     free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-    "count" and "stiffness", and "compliance", "offset", "trend" and "origin".
+    "count" and "stiffness", and "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
+    "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
     noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
     number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
     be free.
     reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
     drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
     size and its length are then estimated. No drift if None.
-    compliance: displacement of the drive against the slider per force, of slider and machine together.
+    compliance: displacement of the drive against the slider per force, of slider and machine together; "free" if it is to
+    be found, from a first value that follows from the steepest slope of the curve.
     offset: the reading of the force where there is none.
     trend: the change of that reading per length.
     origin: the reading of the position at X = 0.
@@ -2053,6 +2065,8 @@ def fit(
     logarithm for numbers above 0.
     average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
     4000 may remain.
+    laws: names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made with
+    all its numbers free instead of those of contacts.thresholds: Estimates.laws.
     progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
     Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not

@@ -44,6 +44,12 @@ def rows(fit: "Estimates") -> dict[str, str]:
             f"{misfit.chi_squared:.1f} for {misfit.degrees_of_freedom} degrees of freedom, {of}"
         )
         rows["whiteness of the residuals"] = f"p = {misfit.whiteness:.2g}"
+        lowest = min(one.misfit.akaike for one in (fit, *fit.laws.values()) if one.misfit is not None)
+        if fit.laws:
+            rows["ΔAIC of the fitted thresholds"] = f"{misfit.akaike - lowest:.1f}"
+        for name, other in fit.laws.items():
+            if other.misfit is not None:
+                rows[f"ΔAIC of {name}"] = f"{other.misfit.akaike - lowest:.1f}"
     return rows
 
 

@@ -55,10 +55,21 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
     axes = tuple(axes) if axes is not None else new_panels(2 if measured else 1)
     position, expected, reach = readings["position"], readings["expected"], 2 * readings["std"]
     above = axes[0]
-    line = curve(readings, above, {"position": "position", "expected": "force"}, **style)
-    above.fill_between(
-        position, expected - reach, expected + reach, color=line.get_color(), alpha=0.2, linewidth=0
-    )
+    numbers = readings["curve"] if "curve" in readings else 0 * position
+    for number in sorted(set(numbers.tolist())):
+        of = numbers == number
+        (line,) = above.plot(position[of], expected[of], **style)
+        style = {**style, "color": line.get_color()}
+        above.fill_between(
+            position[of],
+            (expected - reach)[of],
+            (expected + reach)[of],
+            color=line.get_color(),
+            alpha=0.2,
+            linewidth=0,
+        )
+    above.set_xlabel(axis("position", readings.labels["position"].units))
+    above.set_ylabel(axis("force", readings.labels["expected"].units))
     if not measured:
         return axes[:1]
     above.plot(position, readings["force"], "k.", markersize=2)

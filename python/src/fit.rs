@@ -1,13 +1,13 @@
-//! Fits of contacts to a measured curve of force.
+//! Fits of contacts to measured curves of force.
 
 use std::collections::BTreeMap;
 
 use asperity::Error;
 use asperity::contacts::Stiffness;
-use asperity::fit::{ErrorModel, Fit, Machine, Measurement, Prior};
+use asperity::fit::{ErrorModel, Fit, Machine, Measurement, Prior, Readings};
 use asperity::law::Parameter;
 use asperity::master;
-use asperity::monitor::Part;
+use asperity::monitor::{Monitor, Part};
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use pyo3::prelude::*;
@@ -18,31 +18,35 @@ use crate::convert::{self, Domain, Whole};
 use crate::description::{Interface, Solved};
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, set_parameter};
+use crate::measured::{self, Compliance};
 use crate::model::interface;
 use crate::pull::Pull;
 use crate::record::Record;
 use crate::watch::watched;
 use crate::{error, typed, values};
 
-/// Fits numbers of contacts, and of the machine, to a measured curve of force.
+/// Fits numbers of contacts, and of the machine, to one or more measured curves of force.
 ///
 /// A reading of the force at the position y is F(X) + offset + trend y + an error, where y = origin + X + compliance
 /// F(X) and F(X) is the force of the contacts on a pull. The most probable values are found by Fisher scoring, and
 /// their errors follow from the expected information.
 ///
 /// contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
-/// position: positions y of the n readings, rising: of the slider, or of the drive if compliance is above 0.
-/// force: the n measured forces; or None for a planned measurement, for which the result has the errors that the
-/// free numbers would have, at their first values.
+/// position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
+/// lists for several curves, whose noise is that of different contacts.
+/// force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
+/// errors that the free numbers would have, at their first values.
 /// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-/// "count" and "stiffness", and "compliance", "offset", "trend" and "origin".
+/// "count" and "stiffness", and "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
+/// "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
 /// noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
 /// number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
 /// be free.
 /// reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
 /// drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
 /// size and its length are then estimated. No drift if None.
-/// compliance: displacement of the drive against the slider per force, of slider and machine together.
+/// compliance: displacement of the drive against the slider per force, of slider and machine together; "free" if it is to
+/// be found, from a first value that follows from the steepest slope of the curve.
 /// offset: the reading of the force where there is none.
 /// trend: the change of that reading per length.
 /// origin: the reading of the position at X = 0.
@@ -50,6 +54,8 @@ use crate::{error, typed, values};
 /// logarithm for numbers above 0.
 /// average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
 /// 4000 may remain.
+/// laws: names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made with
+/// all its numbers free instead of those of contacts.thresholds: Estimates.laws.
 /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
 /// Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
@@ -59,11 +65,11 @@ use crate::{error, typed, values};
     signature = (
         contacts, position: "ArrayLike", force: "ArrayLike | None", *, free: "Sequence[str]", initial = None,
         start: "Literal['conditional', 'relaxed']" = "conditional", velocity = None,
-        noise: "Literal['contacts', 'white']" = "contacts", reading = None, drift = None, compliance = 0.0, offset = 0.0,
-        trend = 0.0, origin = 0.0, prior: "Mapping[str, tuple[float, float]] | None" = None, average = Whole::new(1),
-        progress: "_Progress" = None
+        noise: "Literal['contacts', 'white']" = "contacts", reading = None, drift = None,
+        compliance = Compliance::Known(0.0), offset = 0.0, trend = 0.0, origin = 0.0, prior: "Mapping[str, tuple[float, float]] | None" = None, average = Whole::new(1),
+        laws: "Sequence[str]" = Vec::new(), progress: "_Progress" = None
     ),
-    text_signature = "(contacts, position, force, *, free, initial=None, start='conditional', velocity=None, noise='contacts', reading=None, drift=None, compliance=0.0, offset=0.0, trend=0.0, origin=0.0, prior=None, average=1, progress=None)"
+    text_signature = "(contacts, position, force, *, free, initial=None, start='conditional', velocity=None, noise='contacts', reading=None, drift=None, compliance=0.0, offset=0.0, trend=0.0, origin=0.0, prior=None, average=1, laws=(), progress=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn fit(
@@ -78,45 +84,75 @@ pub fn fit(
     noise: &str,
     reading: Option<f64>,
     drift: Option<f64>,
-    compliance: f64,
+    compliance: Compliance,
     offset: f64,
     trend: f64,
     origin: f64,
     prior: Option<BTreeMap<String, (f64, f64)>>,
     average: Whole,
+    laws: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Estimates> {
     let interface = interface(contacts, initial, start)?;
-    let machine = Machine { compliance, offset, trend, origin };
-    let measured = measurement(position, force, machine, average)?;
+    let known = if let Compliance::Known(compliance) = compliance { compliance } else { 0.0 };
+    let machine = Machine { compliance: known, offset, trend, origin };
+    let measured =
+        measured::curves(position, force, (machine, &compliance), (average, together(&interface)?))?;
+    let mut names = free;
+    if matches!(compliance, Compliance::Free) && !names.iter().any(|name| name == "compliance") {
+        names.push("compliance".to_owned());
+    }
     let errors = ErrorModel { contacts: noise_of_contacts(noise)?, reading, drift };
     let prior = prior.unwrap_or_default();
-    let found = watched(progress, py, |monitor| {
+    let families: Vec<_> = laws
+        .iter()
+        .enumerate()
+        .map(|(i, name)| scenario::threshold_family(&format!("laws.{i}"), name).map_err(error::core))
+        .collect::<PyResult<_>>()?;
+    let (found, others) = watched(progress, py, |monitor| {
         let first = MasterEquation::build(&interface, velocity, &mut Part::new(monitor, 0.0, 0.05))?;
-        let fit = Fit::new(first.equation, measured).free(free.iter().cloned()).errors(errors);
+        let mut measured = measured.into_iter();
+        let fit = Fit::new(first.equation, measured.next().expect("a list has at least one curve"));
+        let fit = measured.fold(fit, Fit::curve).free(names).errors(errors);
         let fit = prior
             .into_iter()
             .fold(fit, |fit, (name, (value, error))| fit.prior(&name, Prior { value, error }));
-        fit.run_with(&mut Part::new(monitor, 0.05, 0.95)).map_err(of_argument)
+        let share = 0.95 / (1 + families.len()) as f64;
+        let found = fit.run_with(&mut Part::new(monitor, 0.05, share)).map_err(of_argument)?;
+        let others = families.iter().enumerate().map(|(i, family)| {
+            let start = 0.05 + (i + 1) as f64 * share;
+            of_family(&fit, &found, family, &mut Part::new(monitor, start, share))
+        });
+        let others = others.collect::<asperity::Result<Vec<_>>>()?;
+        Ok((found, others))
     })?;
-    Estimates::new(py, found, (interface, velocity), &free)
+    let compared = PyDict::new(py);
+    for (name, (law, found)) in laws.iter().zip(others) {
+        let mut interface = interface.clone();
+        interface.contacts.thresholds = Some(law);
+        compared.set_item(name, Estimates::new(py, found, (interface, velocity), PyDict::new(py))?)?;
+    }
+    Estimates::new(py, found, (interface, velocity), compared)
 }
 
-/// The measured curve, averaged.
-fn measurement(
-    position: &Bound<'_, PyAny>,
-    force: Option<&Bound<'_, PyAny>>,
-    machine: Machine,
-    average: Whole,
-) -> PyResult<Measurement> {
-    let positions = convert::list("position", position)?;
-    let forces = force.map_or(Ok(Vec::new()), |force| convert::list("force", force))?;
-    if force.is_some() && forces.is_empty() {
-        let expected = "measured forces, or None for a planned measurement";
-        return Err(error::invalid("force", expected, "an empty list"));
-    }
-    let measured = Measurement { positions, forces, machine };
-    measured.average(average.get("average")?).map_err(error::core)
+/// The fit with thresholds of another family, from the mean and the standard deviation of the fitted ones.
+fn of_family(
+    fit: &Fit,
+    found: &asperity::fit::Estimates,
+    family: &scenario::ParametricFamily,
+    monitor: &mut dyn Monitor,
+) -> asperity::Result<(scenario::Law, asperity::fit::Estimates)> {
+    let thresholds = &found.equation().contacts().thresholds;
+    let law = (family.member)(thresholds.mean(), thresholds.std() / thresholds.mean());
+    let fit = fit.with_thresholds(law.build()?, &mut Part::new(monitor, 0.0, 0.1))?;
+    Ok((law, fit.run_with(&mut Part::new(monitor, 0.1, 0.9))?))
+}
+
+/// N⟨k⟩ of the first contacts.
+fn together(interface: &Interface) -> PyResult<f64> {
+    let built = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start);
+    let (contacts, _) = built.map_err(error::core)?;
+    Ok(contacts.count * contacts.stiffness.of(contacts.thresholds.mean()))
 }
 
 /// Whether errors contain the noise of contacts.
@@ -147,6 +183,7 @@ pub struct Estimates {
     model: Py<MasterEquation>,
     pull: Py<Pull>,
     readings: Py<Record>,
+    laws: Py<PyDict>,
 }
 
 impl Estimates {
@@ -154,18 +191,18 @@ impl Estimates {
         py: Python<'_>,
         found: asperity::fit::Estimates,
         (first, velocity): (Interface, Option<f64>),
-        free: &[String],
+        laws: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let parameters = found.equation().parameters();
-        let (interface, velocity) = fitted((first, velocity), &found, &parameters, free);
+        let (interface, velocity) = fitted((first, velocity), &found, &parameters);
         let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
             .map_err(error::core)?;
         let model = MasterEquation { equation: found.equation().clone(), initial };
         let solved = Solved { own: scenario::MasterEquation::default(), velocity };
         let model = Bound::new(py, model.described(interface, solved))?;
-        let pull = Pull::computed(model.clone(), found.pull().clone())?;
+        let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        Ok(Self { found, model: model.unbind(), pull, readings })
+        Ok(Self { found, model: model.unbind(), pull, readings, laws: laws.unbind() })
     }
 }
 
@@ -214,7 +251,14 @@ impl Estimates {
         self.found.reading
     }
 
-    /// The contacts of the estimated numbers.
+    /// The same fit with other distributions of thresholds, by their names: a dict of Estimates. Misfit.akaike compares them:
+    /// a distribution is hardly the one that made the curve where it is more than 10 above the lowest.
+    #[getter]
+    fn laws<'py>(&self, py: Python<'py>) -> typed::Laws<'py> {
+        typed::Laws(self.laws.bind(py).clone().into_any())
+    }
+
+    /// The contacts of the estimated numbers; of the first curve where curves differ.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Contacts>> {
         self.model.bind(py).getattr("contacts")?.cast_into().map_err(PyErr::from)
@@ -226,7 +270,7 @@ impl Estimates {
         self.model.clone_ref(py)
     }
 
-    /// The pull of the estimated contacts, up to the last reading.
+    /// The pull of the estimated contacts, up to the last reading; of the first curve where curves differ.
     #[getter]
     fn pull(&self, py: Python<'_>) -> Py<Pull> {
         self.pull.clone_ref(py)
@@ -237,7 +281,8 @@ impl Estimates {
     /// `position` and `force` are the measured ones, after averaging; `slider_position` is X; `expected` is the expected
     /// force and `std` the standard deviation of a reading about it; `residual` is the measured minus the expected
     /// force, and `whitened` the whitened residuals, which are independent and of variance 1 if the description
-    /// holds. A planned measurement has no `force`, `residual` and `whitened`.
+    /// holds. A planned measurement has no `force`, `residual` and `whitened`. Several curves follow one another; `curve` is
+    /// the number of the curve then.
     #[getter]
     fn readings(&self, py: Python<'_>) -> Py<Record> {
         self.readings.clone_ref(py)
@@ -246,14 +291,17 @@ impl Estimates {
     /// The readings that are expected at positions, as they are measured, with their scatter and their errors.
     ///
     /// position: a list of positions in any order, within the range of the measured ones or beyond it.
-    #[pyo3(signature = (position: "ArrayLike"))]
+    /// curve: the number of the curve.
+    #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
     fn predict<'py>(
         &self,
         py: Python<'py>,
         position: &Bound<'py, PyAny>,
+        curve: Whole,
     ) -> PyResult<typed::Prediction<'py>> {
-        let positions = convert::list("position", position)?;
-        values::prediction(py, watched(None, py, |monitor| self.found.predict(&positions, monitor))?)
+        let (positions, curve) = (convert::list("position", position)?, curve.get("curve")?);
+        let predicted = watched(None, py, |monitor| self.found.predict(curve, &positions, monitor))?;
+        values::prediction(py, predicted)
     }
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
@@ -354,24 +402,36 @@ impl Estimates {
     }
 }
 
-/// The readings as columns.
+/// The readings as columns, one curve after the other.
 fn columns(found: &asperity::fit::Estimates) -> record::Record {
-    let (measured, described) = (found.measurement(), &found.readings);
+    let (curves, described) = (found.curves(), &found.readings);
     let mut record = record::Record::default();
-    let mut add = |name, words, quantity, values: &[f64]| {
-        record.push(name, words, quantity, &["reading"], values.to_vec());
+    let mut add = |name, words, quantity, values: Vec<f64>| {
+        record.push(name, words, quantity, &["reading"], values);
     };
-    add("position", "measured position", Quantity::Length, &measured.positions);
-    let known = !measured.forces.is_empty();
-    if known {
-        add("force", "measured force", Quantity::Force, &measured.forces);
+    let measured = |of: fn(&Measurement) -> &Vec<f64>| curves.iter().flat_map(of).copied().collect();
+    let all = |of: fn(&Readings) -> &Vec<f64>| described.iter().flat_map(of).copied().collect();
+    if curves.len() > 1 {
+        let number = |(c, curve): (usize, &Measurement)| vec![c as f64; curve.positions.len()];
+        let numbers = curves.iter().enumerate().flat_map(number).collect();
+        add("curve", "number of the curve", Quantity::Number, numbers);
     }
-    add("slider_position", "position X of the slider's base", Quantity::Length, &described.positions);
-    add("expected", "expected force", Quantity::Force, &described.expected);
-    add("std", "standard deviation of a reading", Quantity::Force, &described.std);
+    add("position", "measured position", Quantity::Length, measured(|curve| &curve.positions));
+    let known = found.misfit.is_some();
     if known {
-        add("residual", "measured minus expected force", Quantity::Force, &described.residuals);
-        add("whitened", "whitened residual", Quantity::Number, &described.whitened);
+        add("force", "measured force", Quantity::Force, measured(|curve| &curve.forces));
+    }
+    add(
+        "slider_position",
+        "position X of the slider's base",
+        Quantity::Length,
+        all(|curve| &curve.positions),
+    );
+    add("expected", "expected force", Quantity::Force, all(|curve| &curve.expected));
+    add("std", "standard deviation of a reading", Quantity::Force, all(|curve| &curve.std));
+    if known {
+        add("residual", "measured minus expected force", Quantity::Force, all(|curve| &curve.residuals));
+        add("whitened", "whitened residual", Quantity::Number, all(|curve| &curve.whitened));
     }
     record
 }
@@ -381,13 +441,15 @@ fn fitted(
     (mut interface, mut velocity): (Interface, Option<f64>),
     found: &asperity::fit::Estimates,
     parameters: &[Parameter],
-    free: &[String],
 ) -> (Interface, Option<f64>) {
+    // The description is that of the first curve.
+    let names = found.parameters.iter().map(|estimate| estimate.name.as_str());
+    let free: Vec<&str> = names.map(|name| name.strip_prefix("curve.0.").unwrap_or(name)).collect();
     let owner = |name: &str| LAWS.into_iter().find(|owner| is_of(name, owner));
     for Parameter { name, value } in parameters {
         let owner = owner(name);
         // The weights of a mixture change together.
-        let changed = free.iter().any(|free| free == name || owner.is_some_and(|owner| is_of(free, owner)));
+        let changed = free.iter().any(|free| *free == name || owner.is_some_and(|owner| is_of(free, owner)));
         match owner {
             _ if !changed => {}
             Some(owner) => set_of_law(&mut interface, owner, &name[owner.len() + 1..], *value),
@@ -395,7 +457,7 @@ fn fitted(
         }
     }
     if let Some(areas) = &mut interface.contacts.areas
-        && free.iter().any(|free| ["thresholds.factor", "stiffness_per_threshold"].contains(&free.as_str()))
+        && free.iter().any(|free| ["thresholds.factor", "stiffness_per_threshold"].contains(free))
     {
         set_areas(areas, found.equation());
     }

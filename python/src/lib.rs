@@ -12,6 +12,7 @@ mod exact;
 mod fit;
 mod interface;
 mod law;
+mod measured;
 mod model;
 mod pull;
 mod rate_state;

@@ -75,6 +75,7 @@ objects! {
     StretchDensity: "StretchDensity",
     StaticFriction: "StaticFriction",
     Estimates: "dict[str, Estimate]",
+    Laws: "dict[str, Estimates]",
     Correlations: "list[Correlation]",
     Misfit: "Misfit",
     FrictionEstimates: "FrictionEstimates",

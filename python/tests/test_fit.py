@@ -503,3 +503,61 @@ def test_progress_rises_to_one() -> None:
     assert told == sorted(told)
     FOUND.profile("count", [1800.0, 2200.0], progress=told.append)
     assert told[-1] == 1.0
+
+
+def test_several_curves_share_their_numbers_but_for_those_of_one_curve() -> None:
+    longer = np.linspace(0.05, 6.0, 200)
+    pull = asp.MasterEquation(TRUE).pull(6.0)
+    found = asp.fit(
+        GUESS,
+        [POSITION, longer],
+        [pull(POSITION), pull(longer) + 40.0],
+        free=("thresholds.mean", "thresholds.std", "count", "curve.1.offset"),
+        noise="white",
+    )
+    values = {name: one.value for name, one in found.params.items()}
+    # There is no noise; errors of the solution and of its derivatives remain.
+    truth = {"thresholds.mean": 1.0, "thresholds.std": 0.12, "count": 2000.0, "curve.1.offset": 40.0}
+    assert values == pytest.approx(truth, rel=1e-6)
+    assert found.contacts.count == values["count"]
+    np.testing.assert_array_equal(found.readings["curve"], np.repeat([0, 1], [150, 200]))
+    difference = found.predict([2.0], 1).force - found.predict([2.0]).force
+    assert difference == pytest.approx(values["curve.1.offset"])
+    with pytest.raises(ValueError, match=r"^curve: expected a number below 2"):
+        found.predict([2.0], 2)
+    with pytest.raises(ValueError, match=r"^force: expected the forces of 2 curves, got those of 1"):
+        asp.fit(GUESS, [POSITION, longer], pull(POSITION), free=("count",))
+    axes = found.plot()
+    assert len([line for line in axes[0].get_lines() if line.get_linestyle() == "-"]) == 2
+
+
+def test_distributions_of_thresholds_are_compared() -> None:
+    found = asp.fit(GUESS, POSITION, SIMULATED, free=NAMES, laws=("exponential", "lognormal"))
+    assert list(found.laws) == ["exponential", "lognormal"]
+    assert isinstance(found.laws["lognormal"].contacts.thresholds, asp.Lognormal)
+    own, exponential = found.misfit, found.laws["exponential"].misfit
+    assert own is not None
+    assert exponential is not None
+    # 10 counts as decisive (Burnham and Anderson, 2002).
+    assert exponential.akaike > own.akaike + 10
+    assert "ΔAIC of exponential" in found.summary()
+    with pytest.raises(ValueError, match=r"^laws\.0: expected one of gaussian, gamma"):
+        asp.fit(GUESS, POSITION, SIMULATED, free=NAMES, laws=("gama",))
+
+
+def test_an_unknown_compliance_is_found() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.3), REFORMING, count=2000.0)
+    slider = np.linspace(0.03, 4.5, 150)
+    force = asp.MasterEquation(contacts).pull(4.5)(slider)
+    found = asp.fit(
+        contacts.replace(count=1800.0),
+        slider + 1e-4 * force,
+        force,
+        free=("thresholds.mean", "thresholds.std", "count"),
+        noise="white",
+        compliance="free",
+    )
+    # As without noise above.
+    assert found.params["compliance"].value == pytest.approx(1e-4, rel=1e-5)
+    with pytest.raises(ValueError, match=r"^compliance: expected a number or \"free\", got"):
+        asp.fit(contacts, slider, force, free=("count",), compliance="fre")  # type: ignore[arg-type]

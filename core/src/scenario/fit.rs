@@ -163,7 +163,7 @@ impl Fit {
             return Err(Error::invalid("free", "at least one key", "none"));
         }
         for (i, name) in self.laws.iter().enumerate() {
-            family(&format!("laws.{i}"), name)?;
+            threshold_family(&format!("laws.{i}"), name)?;
         }
         if self.average == 0 {
             return Err(Error::invalid("average", "1 reading or more", 0));
@@ -276,7 +276,7 @@ impl Fit {
         (name, thresholds): (&str, &dyn law::Law),
         monitor: &mut dyn Monitor,
     ) -> Result<(crate::fit::Fit, FitKeys)> {
-        let member = family("laws", name)?.member;
+        let member = threshold_family("laws", name)?.member;
         let law = member(thresholds.mean(), thresholds.std() / thresholds.mean()).build()?;
         let keys = keys.with_thresholds(name, law.as_ref());
         Ok((fit.with_thresholds(law, monitor)?, keys))
@@ -330,8 +330,12 @@ impl Scenario {
     }
 }
 
-/// The family of distributions of this name that a threshold may be drawn from: those with a density.
-fn family(place: &str, name: &str) -> Result<&'static ParametricFamily> {
+/// The family of this name of distributions that thresholds may have in a comparison: those with a density. `place` is where the
+/// name is given.
+///
+/// # Errors
+/// Another name.
+pub fn threshold_family(place: &str, name: &str) -> Result<&'static ParametricFamily> {
     let with_density = || Law::FAMILIES.iter().filter(|family| family.widths[1] > 0.0);
     with_density().find(|family| family.name == name).ok_or_else(|| {
         let names: Vec<&str> = with_density().map(|family| family.name).collect();

@@ -46,7 +46,7 @@ pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
 pub(crate) use fit::FitKeys;
-pub use fit::{Fit, FitDrift, FitNoise};
+pub use fit::{Fit, FitDrift, FitNoise, threshold_family};
 pub use fit_curve::{FitCompliance, FitCurve, FitSource};
 pub use hold_curve::HoldCurve;
 pub use interface::{Interface, PerCell, Scales};
