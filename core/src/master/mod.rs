@@ -21,6 +21,7 @@ mod solved_branches;
 mod spectrum;
 mod steady;
 mod stepping;
+mod threshold_response;
 mod tolerance;
 mod transport;
 mod unloading;
@@ -34,6 +35,7 @@ pub use pull::Pull;
 pub use relaxation::Relaxation;
 pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
+pub use threshold_response::ThresholdResponse;
 pub use tolerance::Tolerance;
 pub use transport::{Slider, StepResponse, Trace, Transport};
 
