@@ -3,6 +3,7 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard rate P = P_c/S (O. M. Braun and M.
 //! Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation: see [`Pull`].
 
+mod against_drive;
 mod covariance;
 mod distribution;
 mod force_after_break;
@@ -26,6 +27,7 @@ mod tolerance;
 mod transport;
 mod unloading;
 
+pub use against_drive::AgainstDrive;
 pub use covariance::Covariance;
 pub use friction_gradient::FrictionGradient;
 pub use gradient::Gradient;
