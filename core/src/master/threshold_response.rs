@@ -72,6 +72,16 @@ impl ThresholdResponse {
         self.stiffness * (own + at_once - at(&self.others[one.others], position))
     }
 
+    /// The response at several positions: one row for each threshold.
+    ///
+    /// # Errors
+    /// Positions outside of the pull; stopped by the monitor.
+    pub fn rows_with(&self, positions: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<Vec<f64>>> {
+        self.inside(positions)?;
+        let row = |_: &mut (), index: usize| positions.iter().map(|&x| self.at(index, x)).collect();
+        Watch::new(monitor).share(self.thresholds.len(), || (), row)
+    }
+
     /// The derivatives of L = Σ w_i F(X_i) by the probability of each threshold, Σ w_i δF(X_i)/δP_c(ξ), for weights w_i and
     /// positions X_i. They may also be the derivatives ∂L/∂F(X_i) of a function of the forces.
     ///
@@ -99,14 +109,19 @@ impl ThresholdResponse {
             let expected = format!("as many as positions, {}", positions.len());
             return Err(Error::invalid("weights", expected, weights.len()));
         }
-        let outside = |x: &&f64| !(0.0..=self.distance * (1.0 + 1e-12)).contains(*x);
-        if let Some(x) = positions.iter().find(outside) {
-            return Err(Error::invalid("positions", format!("positions from 0 to {}", self.distance), x));
-        }
+        self.inside(positions)?;
         let sum = |_: &mut (), index: usize| -> f64 {
             positions.iter().zip(weights).map(|(&x, weight)| weight * self.at(index, x)).sum()
         };
         Watch::new(monitor).share(self.thresholds.len(), || (), sum)
+    }
+
+    fn inside(&self, positions: &[f64]) -> Result<()> {
+        let outside = |x: &&f64| !(0.0..=self.distance * (1.0 + 1e-12)).contains(*x);
+        match positions.iter().find(outside) {
+            Some(x) => Err(Error::invalid("positions", format!("positions from 0 to {}", self.distance), x)),
+            None => Ok(()),
+        }
     }
 }
 
