@@ -101,6 +101,7 @@ __all__ = [
     "StickSlip",
     "Tabulated",
     "Temperature",
+    "ThresholdResponse",
     "Transport",
     "VelocityStep",
     "Weibull",
@@ -1317,6 +1318,12 @@ class Pull(Record):
         parameter: as in `gradient`.
         """
 
+    def friction_gradients(self, /, parameters: Sequence[str]) -> list[FrictionGradient]:
+        """The derivatives of F_s, F_k, X* and K_c by several of `parameters()`, with one computation.
+
+        parameters: a list of names, as for `gradient`.
+        """
+
     def gradient(self, /, parameter: str) -> Gradient:
         """The derivative of the force by one of `parameters()`, as a function of the position.
 
@@ -1404,6 +1411,16 @@ class Pull(Record):
 
         The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
         the position, or a list of them for a list of positions.
+        """
+
+    def threshold_response(self, /, thresholds: ArrayLike) -> ThresholdResponse:
+        """The response of the force to the probability of single thresholds, as a function of the position.
+
+        thresholds: a list of n thresholds, lengths of 0 or above.
+
+        It is the derivative of F for thresholds drawn from (1 - ε) P_c + ε δ(x_s - ξ) by ε at 0. A change of P_c that
+        keeps its total changes the force by the integral of the response times this change. Contacts with temperature,
+        ageing or a delay, or whose stiffness depends on the threshold, are refused.
         """
 
 @disjoint_base
@@ -1882,6 +1899,26 @@ class Temperature(Description):
         *,
         barrier: Literal["elastic", "bell", "catastrophe"] = "elastic",
     ) -> Temperature: ...
+
+@final
+class ThresholdResponse:
+    """The response of the force on a pull to the probability of n single thresholds, a force per unit of probability.
+
+    Called with a position it is an array of shape (n,), with a list of m positions one of shape (n, m).
+    """
+
+    def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __repr__(self, /) -> str: ...
+    def adjoint(self, /, position: ArrayLike, weights: ArrayLike) -> _Array:
+        """The derivatives of a scalar by the probability of each threshold, shape (n,).
+
+        position: a list of m positions from 0 to the distance of the pull.
+        weights: the derivatives of the scalar by the forces at these positions.
+        """
+
+    @property
+    def thresholds(self, /) -> _Array:
+        """The thresholds, shape (n,)."""
 
 @final
 class Transport(Model):

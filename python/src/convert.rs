@@ -184,21 +184,43 @@ pub fn evaluate_all<'py>(
     function: impl Fn(&[f64], &mut dyn Monitor) -> asperity::Result<Vec<f64>> + Send + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = at.py();
+    let (values, shape) = flat(key, at, domain)?;
+    let found = watched(None, py, |monitor| function(&values, monitor))?;
+    let Some(shape) = shape else { return found[0].into_bound_py_any(py) };
+    let array = ArrayD::from_shape_vec(IxDyn(&shape), found).expect("as many numbers as the shape has");
+    Ok(array.into_pyarray(py).into_any())
+}
+
+/// Applies a function that gives `count` rows of as many numbers: an array of the shape (count,) for a number, and of
+/// (count, …) for an array.
+pub fn evaluate_rows<'py>(
+    (key, at): (&str, &Bound<'py, PyAny>),
+    domain: &Domain,
+    count: usize,
+    function: impl Fn(&[f64], &mut dyn Monitor) -> asperity::Result<Vec<Vec<f64>>> + Send + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = at.py();
+    let (values, shape) = flat(key, at, domain)?;
+    let rows = watched(None, py, |monitor| function(&values, monitor))?;
+    let mut whole = vec![count];
+    whole.extend(shape.unwrap_or_default());
+    array(py, &whole, rows.concat())
+}
+
+/// The numbers of a domain in a number or an array, and the shape of an array.
+fn flat(key: &str, at: &Bound<'_, PyAny>, domain: &Domain) -> PyResult<(Vec<f64>, Option<Vec<usize>>)> {
     let (values, shape) = match Numbers::read(key, at)? {
         Numbers::One(value) => (vec![value], None),
         Numbers::Many(array) => {
             let array = array.as_array();
-            (array.iter().copied().collect(), Some(array.raw_dim()))
+            (array.iter().copied().collect(), Some(array.shape().to_vec()))
         }
     };
-    if let Some((place, &value)) = values.iter().enumerate().find(|(_, value)| !domain.contains(**value)) {
-        let key = if shape.is_some() { format!("{key}.{place}") } else { key.to_owned() };
-        return Err(domain.refuse(&key, value));
+    match values.iter().enumerate().find(|(_, value)| !domain.contains(**value)) {
+        Some((place, &value)) if shape.is_some() => Err(domain.refuse(&format!("{key}.{place}"), value)),
+        Some((_, &value)) => Err(domain.refuse(key, value)),
+        None => Ok((values, shape)),
     }
-    let found = watched(None, py, |monitor| function(&values, monitor))?;
-    let Some(shape) = shape else { return found[0].into_bound_py_any(py) };
-    let array = ArrayD::from_shape_vec(shape, found).expect("as many numbers as the shape has");
-    Ok(array.into_pyarray(py).into_any())
 }
 
 /// Applies `function` to each of the values.

@@ -62,7 +62,7 @@ mod _core {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::pull::{FrictionGradient, Gradient, Pull};
+    use crate::pull::{FrictionGradient, Gradient, Pull, ThresholdResponse};
     #[pymodule_export]
     use crate::rate_state::{Healing, VelocityStep, read_healing, read_velocity_step};
     #[pymodule_export]

@@ -329,6 +329,33 @@ impl Pull {
         Ok(FrictionGradient { gradient })
     }
 
+    /// The derivatives of F_s, F_k, X* and K_c by several of `parameters()`, with one computation.
+    ///
+    /// parameters: a list of names, as for `gradient`.
+    fn friction_gradients(&self, py: Python<'_>, parameters: Vec<String>) -> PyResult<Vec<FrictionGradient>> {
+        let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
+        let gradients = watched(None, py, |monitor| self.pull.friction_gradients_with(&names, monitor))?;
+        Ok(gradients.into_iter().map(|gradient| FrictionGradient { gradient }).collect())
+    }
+
+    /// The response of the force to the probability of single thresholds, as a function of the position.
+    ///
+    /// thresholds: a list of n thresholds, lengths of 0 or above.
+    ///
+    /// It is the derivative of F for thresholds drawn from (1 - ε) P_c + ε δ(x_s - ξ) by ε at 0. A change of P_c that
+    /// keeps its total changes the force by the integral of the response times this change. Contacts with temperature,
+    /// ageing or a delay, or whose stiffness depends on the threshold, are refused.
+    #[pyo3(signature = (thresholds: "ArrayLike"))]
+    fn threshold_response(
+        &self,
+        py: Python<'_>,
+        thresholds: &Bound<'_, PyAny>,
+    ) -> PyResult<ThresholdResponse> {
+        let thresholds = convert::list("thresholds", thresholds)?;
+        let response = watched(None, py, |monitor| self.pull.threshold_response_with(&thresholds, monitor))?;
+        Ok(ThresholdResponse { response, distance: self.pull.distance() })
+    }
+
     /// The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
     ///
     /// at: a position, or a list of m of them.
@@ -382,6 +409,61 @@ impl Gradient {
 
     fn __repr__(&self) -> String {
         format!("<derivative of the force by {}>", self.parameter)
+    }
+}
+
+/// The response of the force on a pull to the probability of n single thresholds, a force per unit of probability.
+///
+/// Called with a position it is an array of shape (n,), with a list of m positions one of shape (n, m).
+#[pyclass(frozen, module = "asperity")]
+pub struct ThresholdResponse {
+    response: master::ThresholdResponse,
+    distance: f64,
+}
+
+impl ThresholdResponse {
+    fn positions(&self) -> Domain {
+        Domain::positions(self.distance)
+    }
+}
+
+#[pymethods]
+impl ThresholdResponse {
+    /// The thresholds, shape (n,).
+    #[getter]
+    fn thresholds<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        convert::row(py, self.response.thresholds().collect()).map(typed::Array)
+    }
+
+    #[pyo3(signature = (position: "ArrayLike"))]
+    fn __call__<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<typed::Array<'py>> {
+        let count = self.response.thresholds().len();
+        let rows = |positions: &[f64], monitor: &mut dyn Monitor| self.response.rows_with(positions, monitor);
+        convert::evaluate_rows(("position", position), &self.positions(), count, rows).map(typed::Array)
+    }
+
+    /// The derivatives of a scalar by the probability of each threshold, shape (n,).
+    ///
+    /// position: a list of m positions from 0 to the distance of the pull.
+    /// weights: the derivatives of the scalar by the forces at these positions.
+    #[pyo3(signature = (position: "ArrayLike", weights: "ArrayLike"))]
+    fn adjoint<'py>(
+        &self,
+        py: Python<'py>,
+        position: &Bound<'py, PyAny>,
+        weights: &Bound<'py, PyAny>,
+    ) -> PyResult<typed::Array<'py>> {
+        let positions = convert::list_within("position", position, &self.positions())?;
+        let weights = convert::list("weights", weights)?;
+        let found = watched(None, py, |monitor| self.response.adjoint_with(&positions, &weights, monitor))?;
+        convert::row(py, found).map(typed::Array)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<response of the force to the probability of {} thresholds>",
+            self.response.thresholds().len()
+        )
     }
 }
 

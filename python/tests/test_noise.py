@@ -101,3 +101,33 @@ def test_derivatives_of_exponential_thresholds() -> None:
     for wrong in ("mean", "thresholds.std", "reforming.at"):
         with pytest.raises(ValueError, match="expected"):
             pull.gradient(wrong)
+
+
+def test_response_to_thresholds() -> None:
+    pull = EQUATION.pull(5.0)
+    thresholds = np.array([0.5, 2.0, 9.0])
+    response = pull.threshold_response(thresholds)
+    np.testing.assert_array_equal(response.thresholds, thresholds)
+    x = np.linspace(0.0, 5.0, 12).reshape(3, 4)
+    xi = thresholds[:, None, None]
+    exact = SCALE * np.where(x < xi, x**2 / 2, xi**2 / 2 - xi)
+    np.testing.assert_allclose(response(x), exact, atol=1e-9 * SCALE)
+    assert response(1.0).shape == (3,)
+    weights = np.linspace(-1.0, 1.0, 12)
+    np.testing.assert_allclose(
+        response.adjoint(x.ravel(), weights), response(x.ravel()) @ weights, atol=1e-9 * SCALE
+    )
+    assert "3 thresholds" in repr(response)
+    with pytest.raises(ValueError, match=r"position\.0"):
+        response([5.1])
+    with pytest.raises(ValueError, match="weights"):
+        response.adjoint([1.0], [1.0, 2.0])
+    with pytest.raises(ValueError, match="thresholds"):
+        pull.threshold_response([-1.0])
+
+
+def test_friction_gradients_together() -> None:
+    pull = EQUATION.pull(5.0)
+    names = list(pull.parameters())
+    for name, found in zip(names, pull.friction_gradients(names), strict=True):
+        assert found.kinetic_friction == pytest.approx(pull.friction_gradient(name).kinetic_friction, rel=1e-9)

@@ -333,7 +333,7 @@ impl Ended {
         let std = |i: usize| (noise.map_or(0.0, |noise| sizes.noise * noise[(i, i)]) + white).sqrt();
         let n = trial.whitened.nrows();
         Readings {
-            positions: trial.readings.positions.clone(),
+            positions: trial.readings.driven.positions.clone(),
             expected: trial.readings.forces.clone(),
             residuals: (0..n).map(|i| trial.residuals[(i, 0)]).collect(),
             std: (0..n).map(std).collect(),

@@ -7,12 +7,8 @@ use faer::Mat;
 use super::free::{FreeParameter, Role};
 use super::measurement::{Machine, Measurement};
 use crate::Result;
-use crate::master::{Covariance, Gradient, MasterEquation, Pull};
+use crate::master::{AgainstDrive, Covariance, Gradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
-use crate::numerics::roots::brent_root;
-
-/// Cells in which the position of the slider is sought for a position of the drive.
-const CELLS: usize = 2048;
 
 /// The contacts at some values of the free numbers, and their pull up to the last reading of the curves that they describe.
 #[derive(Debug)]
@@ -27,12 +23,10 @@ pub(super) struct ExpectedReadings {
     /// The contacts; curves without free numbers of the contacts of their own share them.
     pub contacts: Arc<FittedContacts>,
     pub machine: Machine,
-    /// Positions of the slider.
-    pub positions: Vec<f64>,
-    /// The expected forces.
+    /// The forces of the contacts, and where the slider is.
+    pub driven: AgainstDrive,
+    /// The expected readings: forces with offset and trend.
     pub forces: Vec<f64>,
-    /// 1/(1 + cF'): the change of X with the position of the drive.
-    pub followed: Vec<f64>,
 }
 
 /// The free numbers with their values.
@@ -105,7 +99,7 @@ pub(super) fn expected_readings(
 
 /// The derivative of each reading of all curves by the coordinate of each free number; columns of errors are 0.
 ///
-/// At a fixed position of the drive ∂F/∂θ = F_θ/(1 + cF') and ∂F/∂c = −F F'/(1 + cF').
+/// Those of the contacts and of the compliance are at a fixed position of the drive: see [`AgainstDrive`].
 ///
 /// # Errors
 /// Those of [`Pull::gradients`].
@@ -131,14 +125,11 @@ pub(super) fn derivatives(
 impl ExpectedReadings {
     /// The readings of a curve; `None` where the machine slips.
     fn new(contacts: Arc<FittedContacts>, machine: Machine, measured: &Measurement) -> Option<Self> {
-        let pull = &contacts.pull;
         let drive: Vec<f64> = measured.positions.iter().map(|y| y - machine.origin).collect();
-        let positions = slider(pull, machine.compliance, drive)?;
-        let forces = positions.iter().zip(&measured.positions);
-        let forces = forces.map(|(&x, &y)| force(pull, x) + machine.offset + machine.trend * y).collect();
-        let followed = positions.iter().map(|&x| 1.0 / (1.0 + machine.compliance * pull.slope(x.max(0.0))));
-        let followed = followed.collect();
-        Some(Self { contacts, machine, positions, forces, followed })
+        let driven = contacts.pull.against_drive(machine.compliance, &drive)?;
+        let forces = driven.forces.iter().zip(&measured.positions);
+        let forces = forces.map(|(force, &y)| force + machine.offset + machine.trend * y).collect();
+        Some(Self { contacts, machine, driven, forces })
     }
 
     /// The readings of curve `curve` alone, at other positions; `None` where the machine slips.
@@ -180,29 +171,25 @@ impl ExpectedReadings {
         gradients: &[Gradient],
         (free, values): Values<'_>,
     ) -> Mat<f64> {
-        let pull = &self.contacts.pull;
         let mut gradients = gradients.iter();
-        let mut derivatives = Mat::zeros(self.positions.len(), free.len());
+        let count = measured.len();
+        let mut derivatives = Mat::zeros(count, free.len());
         for (k, (parameter, &value)) in free.iter().zip(values).enumerate() {
             if !parameter.applies_to(curve) {
                 continue;
             }
-            let gradient = (parameter.role == Role::Contacts).then(|| gradients.next()).flatten();
+            let column = match parameter.role {
+                Role::Contacts => {
+                    gradients.next().map_or_else(Vec::new, |gradient| self.driven.by_parameter(gradient))
+                }
+                Role::Compliance => self.driven.by_compliance(),
+                Role::Offset => vec![1.0; count],
+                Role::Trend => measured.to_vec(),
+                Role::Origin => self.driven.by_drive().into_iter().map(|slope| -slope).collect(),
+                Role::Reading | Role::DriftAmplitude | Role::DriftLength => continue,
+            };
             let slope = if parameter.logarithmic { value } else { 1.0 };
-            for (i, &x) in self.positions.iter().enumerate() {
-                let steepness = pull.slope(x.max(0.0)) * self.followed[i];
-                derivatives[(i, k)] = slope
-                    * match parameter.role {
-                        Role::Contacts => {
-                            gradient.map_or(0.0, |gradient| gradient.at(x.max(0.0))) * self.followed[i]
-                        }
-                        Role::Compliance => -force(pull, x) * steepness,
-                        Role::Offset => 1.0,
-                        Role::Trend => measured[i],
-                        Role::Origin => -steepness,
-                        Role::Reading | Role::DriftAmplitude | Role::DriftLength => 0.0,
-                    };
-            }
+            column.iter().enumerate().for_each(|(i, entry)| derivatives[(i, k)] = slope * entry);
         }
         derivatives
     }
@@ -212,12 +199,12 @@ impl ExpectedReadings {
     /// # Errors
     /// Those of [`Pull::covariance`].
     pub fn noise(&self, monitor: &mut dyn Monitor) -> Result<Mat<f64>> {
-        let inside: Vec<f64> = self.positions.iter().map(|x| x.max(0.0)).collect();
+        let inside: Vec<f64> = self.driven.positions.iter().map(|x| x.max(0.0)).collect();
         let FittedContacts { equation, pull } = &*self.contacts;
-        let size = equation.contacts().count;
-        let covariance: Covariance = pull.covariance_with(&inside, size, monitor)?;
+        let covariance: Covariance = pull.covariance_with(&inside, equation.contacts().count, monitor)?;
         let n = inside.len();
-        Ok(Mat::from_fn(n, n, |i, j| covariance.at(i, j) * self.followed[i] * self.followed[j]))
+        let followed = &self.driven.followed;
+        Ok(Mat::from_fn(n, n, |i, j| covariance.at(i, j) * followed[i] * followed[j]))
     }
 }
 
@@ -236,34 +223,4 @@ fn machine((curve, mut machine): (usize, Machine), (free, values): Values<'_>) -
         }
     }
     machine
-}
-
-/// F(X); before X = 0 contacts are moved back without breaking, as the first slope continues.
-fn force(pull: &Pull, position: f64) -> f64 {
-    if position >= 0.0 { pull.force(position) } else { pull.force(0.0) + position * pull.slope(0.0) }
-}
-
-/// The positions X of the slider for rising positions X + cF(X) of the drive; `None` where it slips on the way.
-fn slider(pull: &Pull, compliance: f64, drive: Vec<f64>) -> Option<Vec<f64>> {
-    if compliance == 0.0 {
-        return Some(drive);
-    }
-    let last = pull.distance();
-    let at = |cell: usize| last * (cell as f64 / CELLS as f64);
-    let lead = |x: f64| x + compliance * force(pull, x);
-    let (mut low, mut high) = (0, 1);
-    let mut found = Vec::with_capacity(drive.len());
-    for &top in &drive {
-        while high < CELLS && lead(at(high)) < top {
-            if lead(at(high)) <= lead(at(low)) {
-                return None;
-            }
-            (low, high) = (high, high + 1);
-        }
-        // Before the start, the drive unloads contacts that do not break.
-        let before = -(last + compliance * force(pull, 0.0).abs());
-        let start = if low == 0 { before } else { at(low) };
-        found.push(brent_root(|x| lead(x) - top, start, at(high), 1e-14 * last)?);
-    }
-    Some(found)
 }

@@ -73,12 +73,12 @@ impl Estimates {
         let drift = self.ended.optimum.trial.curves[0].sizes.drift[0];
         let slow = self.reading.hypot(drift);
         if !matches!(self.ended.likelihood.errors, Errors::Modelled(Some(_))) {
-            return Ok(vec![slow; found.positions.len()]);
+            return Ok(vec![slow; found.forces.len()]);
         }
         let contacts = &found.contacts;
         let noise = contacts.pull.force_std_with(contacts.equation.contacts().count, monitor)?;
         let at = |(&x, followed): (&f64, &f64)| (noise(x.max(0.0)) * followed).hypot(slow);
-        Ok(found.positions.iter().zip(&found.followed).map(at).collect())
+        Ok(found.driven.positions.iter().zip(&found.driven.followed).map(at).collect())
     }
 
     /// The standard errors of the expected forces.

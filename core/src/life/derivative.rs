@@ -150,7 +150,7 @@ impl StartingContacts<'_> {
     }
 
     /// Ends of cells on which the distribution of starts, and the thresholds of contacts there, are smooth.
-    fn ends(&self, layer: &Layer, hazards: &[Breakpoint]) -> Vec<f64> {
+    pub(super) fn ends(&self, layer: &Layer, hazards: &[Breakpoint]) -> Vec<f64> {
         let mut ends = layer.density.boundaries.clone();
         ends.extend(layer.point_masses.iter().map(|mass| mass.position));
         ends.extend(self.starts.breakpoints().iter().map(|b| b.position));
@@ -230,7 +230,7 @@ impl StartingContacts<'_> {
 }
 
 /// What is integrated over the starts as functions of the stretch y = r + u: S, P_c and the S_θ.
-struct Integrands<'a> {
+pub(super) struct Integrands<'a> {
     law: &'a dyn Law,
     by: LawDerivatives<'a>,
     table: Vec<Piecewise>,
@@ -238,7 +238,7 @@ struct Integrands<'a> {
 
 impl<'a> Integrands<'a> {
     /// With a table up to `highest`.
-    fn new(law: &'a dyn Law, by: LawDerivatives<'a>, highest: f64) -> Self {
+    pub(super) fn new(law: &'a dyn Law, by: LawDerivatives<'a>, highest: f64) -> Self {
         let mut integrands = Self { law, by, table: Vec::new() };
         if highest > 0.0 {
             let stops: Vec<f64> = with_atoms(law).iter().map(|b| b.position).collect();
@@ -259,7 +259,7 @@ impl<'a> Integrands<'a> {
     }
 
     /// The values at the first `count` of 16 stretches.
-    fn values(&self, y: &Nodal, count: usize) -> Vec<Nodal> {
+    pub(super) fn values(&self, y: &Nodal, count: usize) -> Vec<Nodal> {
         let mut values = vec![[0.0; NODES]; 2 + self.by.thresholds.len()];
         for j in 0..count {
             values.iter_mut().zip(self.at(y[j])).for_each(|(values, value)| values[j] = value);
@@ -268,7 +268,7 @@ impl<'a> Integrands<'a> {
     }
 
     /// The values at 16 stretches from the table.
-    fn tabulated(&self, y: &Nodal) -> Vec<Nodal> {
+    pub(super) fn tabulated(&self, y: &Nodal) -> Vec<Nodal> {
         self.table.iter().map(|curve| curve.values(y)).collect()
     }
 
@@ -314,7 +314,7 @@ fn largest(samples: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
 
 /// The curves of several parameters, survival and force of each, on the cells of a life, bisected where the survival of
 /// one of them needs it.
-fn resolved(
+pub(super) fn resolved(
     life: &Life,
     values: impl Fn(f64) -> Vec<f64>,
     monitor: &mut dyn Monitor,

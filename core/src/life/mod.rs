@@ -20,6 +20,7 @@ mod panels;
 mod running_maximum;
 mod smoluchowski;
 mod start_quadrature;
+mod starts_below;
 mod thermal_hazard;
 mod timed;
 

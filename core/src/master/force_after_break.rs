@@ -94,7 +94,7 @@ impl ForceAfterBreak {
 
 /// F of a solution, with the points at which it is not smooth. F' = 1 − E_Γ + r̄Γ: where the breaking rate has a
 /// breakpoint, the force has one of an exponent that is higher by 1.
-fn force_kernel(renewal: &RenewalSolution) -> Kernel {
+pub(super) fn force_kernel(renewal: &RenewalSolution) -> Kernel {
     let smoother = |b: &Breakpoint| Breakpoint { exponent: b.exponent + 1.0, ..*b };
     let breakpoints = renewal.solution.breakpoints.iter().map(smoother).collect();
     Kernel::new(renewal.force.clone(), breakpoints)

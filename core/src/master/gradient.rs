@@ -23,6 +23,15 @@ impl Gradient {
     pub fn at(&self, position: f64) -> f64 {
         self.stiffness * at(&self.curve, position)
     }
+
+    /// The same, before X = 0 as the first slope continues.
+    pub(super) fn continued(&self, position: f64) -> f64 {
+        if position >= 0.0 {
+            return self.at(position);
+        }
+        let [value, slope] = self.curve.jet_in::<2>(0, 0.0);
+        self.stiffness * (value + position * slope)
+    }
 }
 
 impl Pull {
@@ -85,7 +94,6 @@ impl Pull {
         changes: &[LifeChange],
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Gradient>> {
-        let (solution, life) = (&self.renewal.solution, &self.renewal.reformed);
         let (mut sources, mut direct) = (Vec::new(), Vec::new());
         let share = 0.5 / changes.len().max(1) as f64;
         for (k, change) in changes.iter().enumerate() {
@@ -100,15 +108,29 @@ impl Pull {
                 *direct = direct.plus(-change.wait, &slope);
             }
         }
-        let breaks = solution.respond(&sources, life.breaking(), &mut Part::new(monitor, 0.5, 0.25))?;
-        let carried =
-            solution.convolve_functions(&breaks, &force_slope(life), &mut Part::new(monitor, 0.75, 0.25))?;
-        let start = life.force().curve().value(0.0);
-        let terms = changes.iter().zip(direct).zip(breaks.iter().zip(&carried));
-        let curve = |((change, direct), (breaks, carried)): ((&LifeChange, Piecewise), _)| {
-            direct.plus(1.0, carried).plus(start, breaks).plus(change.scale, &self.renewal.force)
+        let carried = self.carried(&sources, direct, &mut Part::new(monitor, 0.5, 0.5))?;
+        let scaled = |(change, curve): (&LifeChange, Piecewise)| Gradient {
+            curve: curve.plus(change.scale, &self.renewal.force),
+            stiffness: self.stiffness,
         };
-        Ok(terms.map(|term| Gradient { curve: curve(term), stiffness: self.stiffness }).collect())
+        Ok(changes.iter().zip(carried).map(scaled).collect())
+    }
+
+    /// The changes of the force that follow from the changes b = source + φ∗b of the number of breaks, per unit stiffness:
+    /// those in `direct` plus b m(0) + ∫b m'. All are on the mesh of the solution.
+    pub(super) fn carried(
+        &self,
+        sources: &[Piecewise],
+        direct: Vec<Piecewise>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Piecewise>> {
+        let (solution, life) = (&self.renewal.solution, &self.renewal.reformed);
+        let breaks = solution.respond(sources, life.breaking(), &mut Part::new(monitor, 0.0, 0.5))?;
+        let later =
+            solution.convolve_functions(&breaks, &force_slope(life), &mut Part::new(monitor, 0.5, 0.5))?;
+        let start = life.force().curve().value(0.0);
+        let terms = direct.into_iter().zip(breaks.iter().zip(&later));
+        Ok(terms.map(|(direct, (breaks, later))| direct.plus(1.0, later).plus(start, breaks)).collect())
     }
 
     /// Sum over all contacts of a derivative of their lives.

@@ -3,6 +3,7 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard rate P = P_c/S (O. M. Braun and M.
 //! Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation: see [`Pull`].
 
+mod against_drive;
 mod covariance;
 mod distribution;
 mod force_after_break;
@@ -21,10 +22,12 @@ mod solved_branches;
 mod spectrum;
 mod steady;
 mod stepping;
+mod threshold_response;
 mod tolerance;
 mod transport;
 mod unloading;
 
+pub use against_drive::AgainstDrive;
 pub use covariance::Covariance;
 pub use friction_gradient::FrictionGradient;
 pub use gradient::Gradient;
@@ -34,6 +37,7 @@ pub use pull::Pull;
 pub use relaxation::Relaxation;
 pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
+pub use threshold_response::ThresholdResponse;
 pub use tolerance::Tolerance;
 pub use transport::{Slider, StepResponse, Trace, Transport};
 

@@ -1,0 +1,88 @@
+//! The force on a pull against the position of a drive, which is connected to the slider by a machine of finite
+//! stiffness.
+
+use super::gradient::Gradient;
+use super::pull::Pull;
+use crate::numerics::roots::brent_root;
+
+/// Cells in which the position of the slider is sought for a position of the drive.
+const CELLS: usize = 2048;
+
+/// The force at positions X_T = X + cF(X) of the drive, with c the compliance of the machine (a length per force) and X the
+/// position of the slider.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgainstDrive {
+    /// Positions X of the slider.
+    pub positions: Vec<f64>,
+    /// The forces F(X).
+    pub forces: Vec<f64>,
+    /// dX/dX_T = 1/(1 + cF').
+    pub followed: Vec<f64>,
+    /// F'(X).
+    slopes: Vec<f64>,
+}
+
+impl Pull {
+    /// The force at rising positions of the drive, in the stable sliding from X = 0. Before X = 0 contacts are moved back
+    /// without breaking: F continues with its first slope. `None` where the slider slips on the way, at X_T' = 1 + cF' = 0,
+    /// or where it would be beyond the distance of the pull.
+    pub fn against_drive(&self, compliance: f64, drive: &[f64]) -> Option<AgainstDrive> {
+        let positions = self.slider(compliance, drive)?;
+        let slopes: Vec<f64> = positions.iter().map(|&x| self.slope(x.max(0.0))).collect();
+        Some(AgainstDrive {
+            forces: positions.iter().map(|&x| self.continued(x)).collect(),
+            followed: slopes.iter().map(|slope| 1.0 / (1.0 + compliance * slope)).collect(),
+            positions,
+            slopes,
+        })
+    }
+
+    /// F(X), before X = 0 as the first slope continues.
+    fn continued(&self, position: f64) -> f64 {
+        if position >= 0.0 { self.force(position) } else { self.force(0.0) + position * self.slope(0.0) }
+    }
+
+    /// The positions X of the slider for rising positions X + cF(X) of the drive.
+    fn slider(&self, compliance: f64, drive: &[f64]) -> Option<Vec<f64>> {
+        let last = self.distance();
+        if compliance == 0.0 {
+            let reached = drive.iter().all(|&x| x <= last * (1.0 + 1e-12));
+            return reached.then(|| drive.to_vec());
+        }
+        let at = |cell: usize| last * (cell as f64 / CELLS as f64);
+        let lead = |x: f64| x + compliance * self.continued(x);
+        let (mut low, mut high) = (0, 1);
+        let mut found = Vec::with_capacity(drive.len());
+        for &top in drive {
+            while high < CELLS && lead(at(high)) < top {
+                if lead(at(high)) <= lead(at(low)) {
+                    return None;
+                }
+                (low, high) = (high, high + 1);
+            }
+            // Before the start, the drive unloads contacts that do not break.
+            let before = -(top.abs() + last + compliance * self.force(0.0).abs());
+            let start = if low == 0 { before } else { at(low) };
+            found.push(brent_root(|x| lead(x) - top, start, at(high), 1e-14 * last)?);
+        }
+        Some(found)
+    }
+}
+
+impl AgainstDrive {
+    /// ∂F/∂θ at fixed positions of the drive, F_θ/(1 + cF') with F_θ that at fixed X.
+    pub fn by_parameter(&self, gradient: &Gradient) -> Vec<f64> {
+        let places = self.positions.iter().zip(&self.followed);
+        places.map(|(&x, followed)| gradient.continued(x) * followed).collect()
+    }
+
+    /// ∂F/∂c at fixed positions of the drive, −F F'/(1 + cF').
+    pub fn by_compliance(&self) -> Vec<f64> {
+        self.by_drive().into_iter().zip(&self.forces).map(|(slope, force)| -force * slope).collect()
+    }
+
+    /// dF/dX_T = F'/(1 + cF').
+    pub fn by_drive(&self) -> Vec<f64> {
+        self.slopes.iter().zip(&self.followed).map(|(slope, followed)| slope * followed).collect()
+    }
+}
