@@ -10,7 +10,7 @@ use super::likelihood::{Errors, Likelihood};
 use super::matrix;
 use super::measurement::{Machine, Measurement};
 use super::misfit::{self, Misfit};
-use super::search::Optimum;
+use super::search::{Objective, Optimum};
 use crate::master::{MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
 use crate::{Error, Result};
@@ -121,18 +121,7 @@ impl Estimates {
 
     /// Coefficients above 0.5, without sign, between the errors of two estimates.
     pub fn correlations(&self) -> Vec<Correlation> {
-        let n = self.parameters.len();
-        let coefficient = |i: usize, j: usize| {
-            self.covariance[i * n + j] / (self.parameters[i].error * self.parameters[j].error)
-        };
-        let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (j, i)));
-        let large = pairs.filter(|&(i, j)| coefficient(i, j).abs() > CORRELATED);
-        large
-            .map(|(i, j)| Correlation {
-                between: [self.parameters[i].name.clone(), self.parameters[j].name.clone()],
-                coefficient: coefficient(i, j),
-            })
-            .collect()
+        correlations(&self.parameters, &self.covariance)
     }
 
     /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
@@ -232,14 +221,15 @@ impl Ended {
         let active: Vec<usize> = (0..free.len())
             .filter(|&k| !optimum.at_bound[k] && optimum.score.information[(k, k)] > 0.0)
             .collect();
-        self.refuse_undetermined(&active)?;
+        refuse_undetermined(free, &optimum.score.information, &active)?;
         let covariance = matrix::covariance(&optimum.score.information, &active);
         let covariance =
             covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len())) * faer::Scale(self.bias());
         let share = 1.0 / free.len() as f64;
         let parameters = (0..free.len()).map(|k| {
             let part = &mut Part::new(monitor, k as f64 * share, share);
-            self.estimate(k, covariance[(k, k)].sqrt(), part)
+            let planned = likelihood.fit.is_planned();
+            estimate((likelihood, optimum), (k, covariance[(k, k)].sqrt()), !planned, part)
         });
         let parameters = parameters.collect::<Result<Vec<_>>>()?;
         let slope = |k: usize| free[k].slope(optimum.coordinates[k]);
@@ -266,60 +256,6 @@ impl Ended {
     fn bias(&self) -> f64 {
         let (n, p) = (self.count() as f64, self.likelihood.free.len() as f64);
         if matches!(self.likelihood.errors, Errors::ProfiledWhite) { n / (n - p) } else { 1.0 }
-    }
-
-    /// # Errors
-    /// Numbers that can change together without a change of the likelihood.
-    fn refuse_undetermined(&self, active: &[usize]) -> Result<()> {
-        let information = &self.optimum.score.information;
-        let Some(direction) = matrix::undetermined(information, active, UNDETERMINED).into_iter().next()
-        else {
-            return Ok(());
-        };
-        let change = |(&k, d): (&usize, &f64)| {
-            let parameter = &self.likelihood.free[k];
-            let change = d / information[(k, k)].sqrt();
-            (change, parameter.name.clone(), parameter.logarithmic)
-        };
-        let changes: Vec<_> = active.iter().zip(&direction).map(change).collect();
-        let part = |(k, d): (usize, &f64)| (d.abs() > 0.05).then_some(k);
-        let named: Vec<usize> = direction.iter().enumerate().filter_map(part).collect();
-        let first = named.first().map_or(1.0, |&k| changes[k].0);
-        let told = named.iter().map(|&k| {
-            let (change, name, logarithmic) = &changes[k];
-            let of = if *logarithmic { "ln " } else { "" };
-            format!("{of}{name} by {:+}", significant(change / first))
-        });
-        let expected = "numbers that the curve determines (fix one of these, or give it a prior)";
-        let told = told.collect::<Vec<_>>().join(", ");
-        let found = format!("the same curve if these change together: {told}");
-        Err(Error::invalid("free", expected, found))
-    }
-
-    /// The estimate of number `k`, whose coordinate has the standard error `error`.
-    fn estimate(&self, k: usize, error: f64, monitor: &mut dyn Monitor) -> Result<Estimate> {
-        let Self { likelihood, optimum } = self;
-        let parameter: &FreeParameter = &likelihood.free[k];
-        let u = optimum.coordinates[k];
-        let value = parameter.value(u);
-        let low = parameter.logarithmic && optimum.at_bound[k] && u <= parameter.bounds[0];
-        let vague = parameter.is_of_errors() && parameter.logarithmic && (error.is_nan() || error > VAGUE);
-        let limited = (low || vague) && parameter.role != Role::DriftLength;
-        let planned = likelihood.fit.is_planned();
-        let limit = if limited && !planned {
-            Some(interval::upper_limit((likelihood, optimum), k, monitor)?)
-        } else {
-            None
-        };
-        let end = |side: f64| parameter.value(u + side * TWO_SIDED * error);
-        let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
-        Ok(Estimate {
-            name: parameter.name.clone(),
-            value,
-            error: error * parameter.slope(u),
-            interval,
-            limit,
-        })
     }
 
     fn readings(&self, curve: usize) -> Readings {
@@ -367,6 +303,75 @@ impl Ended {
             akaike: deviance + 2.0 * count as f64,
         }
     }
+}
+
+/// # Errors
+/// Numbers that can change together without a change of the likelihood.
+pub(super) fn refuse_undetermined(
+    free: &[FreeParameter],
+    information: &Mat<f64>,
+    active: &[usize],
+) -> Result<()> {
+    let Some(direction) = matrix::undetermined(information, active, UNDETERMINED).into_iter().next() else {
+        return Ok(());
+    };
+    let change = |(&k, d): (&usize, &f64)| {
+        let parameter = &free[k];
+        let change = d / information[(k, k)].sqrt();
+        (change, parameter.name.clone(), parameter.logarithmic)
+    };
+    let changes: Vec<_> = active.iter().zip(&direction).map(change).collect();
+    let part = |(k, d): (usize, &f64)| (d.abs() > 0.05).then_some(k);
+    let named: Vec<usize> = direction.iter().enumerate().filter_map(part).collect();
+    let first = named.first().map_or(1.0, |&k| changes[k].0);
+    let told = named.iter().map(|&k| {
+        let (change, name, logarithmic) = &changes[k];
+        let of = if *logarithmic { "ln " } else { "" };
+        format!("{of}{name} by {:+}", significant(change / first))
+    });
+    let expected = "numbers that the curve determines (fix one of these, or give it a prior)";
+    let told = told.collect::<Vec<_>>().join(", ");
+    let found = format!("the same curve if these change together: {told}");
+    Err(Error::invalid("free", expected, found))
+}
+
+/// The estimate of number `k`, whose coordinate has the standard error `error`; with the limit below which it is, where
+/// only this is known and it is `measured`.
+pub(super) fn estimate<O: Objective>(
+    (likelihood, optimum): (&O, &Optimum<O::Point>),
+    (k, error): (usize, f64),
+    measured: bool,
+    monitor: &mut dyn Monitor,
+) -> Result<Estimate> {
+    let parameter = &likelihood.free()[k];
+    let u = optimum.coordinates[k];
+    let value = parameter.value(u);
+    let low = parameter.logarithmic && optimum.at_bound[k] && u <= parameter.bounds[0];
+    let vague = parameter.is_of_errors() && parameter.logarithmic && (error.is_nan() || error > VAGUE);
+    let limited = (low || vague) && parameter.role != Role::DriftLength;
+    let limit = if limited && measured {
+        Some(interval::upper_limit((likelihood, optimum), k, monitor)?)
+    } else {
+        None
+    };
+    let end = |side: f64| parameter.value(u + side * TWO_SIDED * error);
+    let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
+    Ok(Estimate { name: parameter.name.clone(), value, error: error * parameter.slope(u), interval, limit })
+}
+
+/// Coefficients above [`CORRELATED`], without sign, of estimates of this covariance.
+pub(super) fn correlations(parameters: &[Estimate], covariance: &[f64]) -> Vec<Correlation> {
+    let n = parameters.len();
+    let coefficient =
+        |i: usize, j: usize| covariance[i * n + j] / (parameters[i].error * parameters[j].error);
+    let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (j, i)));
+    let large = pairs.filter(|&(i, j)| coefficient(i, j).abs() > CORRELATED);
+    large
+        .map(|(i, j)| Correlation {
+            between: [parameters[i].name.clone(), parameters[j].name.clone()],
+            coefficient: coefficient(i, j),
+        })
+        .collect()
 }
 
 /// A number rounded to three digits.

@@ -61,7 +61,7 @@ pub(super) struct FreeParameter {
 }
 
 impl FreeParameter {
-    fn new(name: &str, role: Role, logarithmic: bool, start: f64) -> Self {
+    pub fn new(name: &str, role: Role, logarithmic: bool, start: f64) -> Self {
         let bounds = [f64::NEG_INFINITY, f64::INFINITY];
         let (curve, quantity) = of_curve(name);
         let quantity = quantity.to_owned();
@@ -206,7 +206,7 @@ impl Fit {
 
 impl Prior {
     /// Mean and standard deviation of the coordinate of `parameter`.
-    fn of(&self, parameter: &FreeParameter) -> Result<[f64; 2]> {
+    pub(super) fn of(&self, parameter: &FreeParameter) -> Result<[f64; 2]> {
         let key = |part: &str| format!("prior.{}.{part}", parameter.name);
         let error = crate::error::positive(&key("error"), self.error)?;
         if !self.value.is_finite() || (parameter.logarithmic && self.value <= 0.0) {

@@ -1,7 +1,6 @@
 //! Intervals of estimates: from the information, and by the profile of the likelihood.
 
-use super::likelihood::Likelihood;
-use super::search::{Optimum, search};
+use super::search::{Objective, Optimum, search};
 use crate::Result;
 use crate::monitor::Monitor;
 use crate::numerics::roots::brent_root;
@@ -19,8 +18,8 @@ const ACCURACY: f64 = 0.01;
 ///
 /// # Errors
 /// Errors of the solver; stopped by the monitor.
-pub(super) fn profile(
-    (likelihood, optimum): (&Likelihood, &Optimum),
+pub(super) fn profile<O: Objective>(
+    (likelihood, optimum): (&O, &Optimum<O::Point>),
     (number, u): (usize, f64),
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
@@ -31,36 +30,36 @@ pub(super) fn profile(
     if likelihood.trial(&start, monitor)?.is_none() {
         return Ok(f64::INFINITY);
     }
-    Ok(search(likelihood, &start, &held, monitor)?.trial.deviance)
+    Ok(O::deviance(&search(likelihood, &start, &held, monitor)?.trial))
 }
 
 /// The value below which a number is with 95 %.
 ///
 /// # Errors
 /// Those of [`profile`].
-pub(super) fn upper_limit(
-    ended: (&Likelihood, &Optimum),
+pub(super) fn upper_limit<O: Objective>(
+    ended: (&O, &Optimum<O::Point>),
     number: usize,
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
     let (likelihood, optimum) = ended;
     let start = optimum.coordinates[number];
     let end = end_of_rise(ended, (number, start, 0.5), ONE_SIDED, monitor)?;
-    Ok(likelihood.free[number].value(end))
+    Ok(likelihood.free()[number].value(end))
 }
 
 /// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by 3.84.
 ///
 /// # Errors
 /// Those of [`profile`].
-pub(super) fn by_profile(
-    ended: (&Likelihood, &Optimum),
+pub(super) fn by_profile<O: Objective>(
+    ended: (&O, &Optimum<O::Point>),
     (number, error): (usize, f64),
     monitor: &mut dyn Monitor,
 ) -> Result<[f64; 2]> {
     let (likelihood, optimum) = ended;
     let start = optimum.coordinates[number];
-    let parameter = &likelihood.free[number];
+    let parameter = &likelihood.free()[number];
     let mut end = |step: f64| -> Result<f64> {
         Ok(parameter.value(end_of_rise(ended, (number, start, step), INTERVAL, monitor)?))
     };
@@ -68,15 +67,15 @@ pub(super) fn by_profile(
 }
 
 /// The coordinate, from `start` in the direction of `step`, where the profile has risen by `rise`.
-fn end_of_rise(
-    ended: (&Likelihood, &Optimum),
+fn end_of_rise<O: Objective>(
+    ended: (&O, &Optimum<O::Point>),
     (number, start, step): (usize, f64, f64),
     rise: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
     /// Steps after which the profile counts as flat.
     const STEPS: usize = 40;
-    let lowest = ended.1.trial.deviance;
+    let lowest = O::deviance(&ended.1.trial);
     let mut failed = None;
     let mut above = |u: f64| match profile(ended, (number, u), monitor) {
         Ok(deviance) => deviance.min(lowest + 1e6) - lowest - rise,

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 
+use super::free::FreeParameter;
 use super::likelihood::{Likelihood, LikelihoodPoint, Score};
 use super::matrix;
 use crate::monitor::{Aside, Monitor};
@@ -22,11 +23,60 @@ const MOST: f64 = 1e9;
 /// Longest step of a number that is varied by its logarithm.
 const LONGEST: f64 = 1.5;
 
+/// A likelihood as a function of the coordinates of free numbers.
+pub(super) trait Objective {
+    /// What is computed at a point.
+    type Point;
+
+    /// The free numbers.
+    fn free(&self) -> &[FreeParameter];
+
+    /// The likelihood at coordinates; `None` where it is 0 or not defined, such as beyond the range of a number.
+    ///
+    /// # Errors
+    /// Errors of the solver; stopped by the monitor.
+    fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<Self::Point>>;
+
+    /// −2 ln L, priors included.
+    fn deviance(point: &Self::Point) -> f64;
+
+    /// The slope and the expected information at a point.
+    ///
+    /// # Errors
+    /// As [`Self::trial`].
+    fn score(&self, coordinates: &[f64], point: &Self::Point, monitor: &mut dyn Monitor) -> Result<Score>;
+}
+
+impl Objective for Likelihood {
+    type Point = LikelihoodPoint;
+
+    fn free(&self) -> &[FreeParameter] {
+        &self.free
+    }
+
+    fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<LikelihoodPoint>> {
+        Self::trial(self, coordinates, monitor)
+    }
+
+    fn deviance(point: &LikelihoodPoint) -> f64 {
+        point.deviance
+    }
+
+    fn score(
+        &self,
+        coordinates: &[f64],
+        point: &LikelihoodPoint,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Score> {
+        Self::score(self, coordinates, point, monitor)
+    }
+}
+
 /// Where a search has ended.
 #[derive(Debug)]
-pub(super) struct Optimum {
+pub(super) struct Optimum<P = LikelihoodPoint> {
     pub coordinates: Vec<f64>,
-    pub trial: LikelihoodPoint,
+    pub trial: P,
     pub score: Score,
     /// Numbers at the end of their range.
     pub at_bound: Vec<bool>,
@@ -39,12 +89,12 @@ pub(super) struct Optimum {
 ///
 /// # Errors
 /// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
-pub(super) fn search(
-    likelihood: &Likelihood,
+pub(super) fn search<O: Objective>(
+    likelihood: &O,
     start: &[f64],
     held: &[bool],
     monitor: &mut dyn Monitor,
-) -> Result<Optimum> {
+) -> Result<Optimum<O::Point>> {
     let mut coordinates = start.to_vec();
     let monitor = &mut Aside { fraction: 0.0, monitor };
     let Some(mut trial) = likelihood.trial(&coordinates, monitor)? else {
@@ -57,7 +107,7 @@ pub(super) fn search(
     for step in 0..STEPS {
         // The number of steps is not known beforehand; most searches need about ten.
         monitor.fraction = 1.0 - 0.85_f64.powi(step as i32);
-        let active = active(likelihood, &coordinates, &score, held);
+        let active = active(likelihood.free(), &coordinates, &score, held);
         let Some(newton) = matrix::damped_step(&score, &active, 0.0) else { break };
         let decrement = -matrix::inner(&newton, &score.slope);
         if decrement < SHORT {
@@ -70,10 +120,10 @@ pub(super) fn search(
                 damping = more(damping);
                 continue;
             };
-            let next = stepped(likelihood, &coordinates, &step);
+            let next = stepped(likelihood.free(), &coordinates, &step);
             let found = likelihood.trial(&next, monitor)?;
             solutions += 1;
-            match found.filter(|found| found.deviance <= trial.deviance) {
+            match found.filter(|found| O::deviance(found) <= O::deviance(&trial)) {
                 Some(found) => {
                     (coordinates, trial, moved) = (next, found, true);
                     damping = less(damping);
@@ -88,7 +138,7 @@ pub(super) fn search(
         }
         score = likelihood.score(&coordinates, &trial, monitor)?;
     }
-    let at_bound = likelihood.free.iter().zip(&coordinates);
+    let at_bound = likelihood.free().iter().zip(&coordinates);
     let at_bound = at_bound.map(|(parameter, u)| parameter.bounds.contains(u)).collect();
     Ok(Optimum { coordinates, trial, score, at_bound, converged, solutions })
 }
@@ -103,9 +153,9 @@ fn less(damping: f64) -> f64 {
 }
 
 /// Which numbers move: not those held, nor those that would leave their range.
-fn active(likelihood: &Likelihood, coordinates: &[f64], score: &Score, held: &[bool]) -> Vec<usize> {
+fn active(free: &[FreeParameter], coordinates: &[f64], score: &Score, held: &[bool]) -> Vec<usize> {
     let outwards = |k: usize| {
-        let [low, high] = likelihood.free[k].bounds;
+        let [low, high] = free[k].bounds;
         (coordinates[k] <= low && score.slope[(k, 0)] > 0.0)
             || (coordinates[k] >= high && score.slope[(k, 0)] < 0.0)
     };
@@ -113,12 +163,12 @@ fn active(likelihood: &Likelihood, coordinates: &[f64], score: &Score, held: &[b
 }
 
 /// The coordinates after a step, shortened as a whole so that no number moves too far, and cut at the ends of ranges.
-fn stepped(likelihood: &Likelihood, coordinates: &[f64], step: &Mat<f64>) -> Vec<f64> {
-    let logarithmic = likelihood.free.iter().enumerate().filter(|(_, parameter)| parameter.logarithmic);
+fn stepped(free: &[FreeParameter], coordinates: &[f64], step: &Mat<f64>) -> Vec<f64> {
+    let logarithmic = free.iter().enumerate().filter(|(_, parameter)| parameter.logarithmic);
     let longest = logarithmic.fold(0.0, |most: f64, (k, _)| most.max(step[(k, 0)].abs()));
     let share = (LONGEST / longest).min(1.0);
     let moved = coordinates.iter().enumerate().map(|(k, u)| {
-        let [low, high] = likelihood.free[k].bounds;
+        let [low, high] = free[k].bounds;
         (u + share * step[(k, 0)]).clamp(low, high)
     });
     moved.collect()
