@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial};
 use asperity::ensemble::{Disorder, Ensemble};
-use asperity::fit::{ErrorModel, Estimates, Fit, Machine, Measurement, Prior};
-use asperity::law::{Gamma, Gaussian, SharedLaw, Weibull};
+use asperity::fit::{ErrorModel, Estimates, Fit, FreeForm, Machine, Measurement, Prior};
+use asperity::law::{Gamma, Gaussian, Law, Mixture, Point, SharedLaw, Weibull};
 use asperity::master::MasterEquation;
 use rayon::prelude::*;
 
@@ -327,4 +327,51 @@ fn the_law_that_made_a_curve_has_the_lowest_criterion() {
     let (gaussian, gamma, weibull) = (akaike(fit), akaike(gamma), akaike(weibull));
     // Differences of the criterion of 10 count as decisive (Burnham and Anderson, 2002).
     assert!(gamma + 10.0 < gaussian && gamma + 10.0 < weibull, "{gamma} {gaussian} {weibull}");
+}
+
+/// The largest difference between the distribution function of `law` and a free form, and its largest number of errors.
+fn apart(law: &dyn Law, form: &FreeForm) -> [f64; 2] {
+    let thresholds: Vec<f64> = (0..=100).map(|i| 0.4 + 0.015 * f64::from(i)).collect();
+    let band = form.band(&thresholds).unwrap();
+    let mut most = [0.0_f64; 2];
+    for (i, &x) in thresholds.iter().enumerate() {
+        let difference = (band.cumulative[i] - law.cumulative(x)).abs();
+        // Far out the distribution functions differ by less than they are computed to.
+        let errors = if difference < 1e-4 { 0.0 } else { difference / band.cumulative_error[i] };
+        most = [most[0].max(difference), most[1].max(errors)];
+    }
+    most
+}
+
+#[test]
+fn thresholds_of_free_form_are_found_to_their_errors() {
+    let positions = positions(300, 5.0);
+    let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
+    let two: SharedLaw = Arc::new(
+        Mixture::new(vec![
+            (0.6, Arc::new(Gaussian::new(0.85, 0.07).unwrap())),
+            (0.4, Arc::new(Gaussian::new(1.25, 0.08).unwrap())),
+        ])
+        .unwrap(),
+    );
+    let one: SharedLaw = Arc::new(Gaussian::new(1.0, 0.12).unwrap());
+    for (law, shape) in [(two, "two peaks"), (one, "a Gaussian")] {
+        let truth = Contacts { count: 2000.0, ..Contacts::new(law.clone(), relaxed.clone()) };
+        let ensemble = Ensemble::new(truth, Initial::default(), 2000, 11, Disorder::Annealed).unwrap();
+        let forces = ensemble.pull(&positions).unwrap().force;
+        let guess = contacts(2000.0, [1.0, 0.2], relaxed.clone());
+        let guess = MasterEquation::new(guess, &Initial::default()).unwrap();
+        let fit = Fit::new(guess, Measurement::new(positions.clone(), forces)).free([
+            "thresholds.mean",
+            "thresholds.std",
+            "count",
+        ]);
+        let found = fit.run().unwrap();
+        let form = fit.free_form(&found, 36, &mut ()).unwrap();
+        let [difference, errors] = apart(law.as_ref(), &form);
+        assert!(form.estimates.converged);
+        // 2000 contacts know a distribution function to about ½/√2000 = 0.011.
+        assert!(difference < 0.02, "{shape}: {difference}");
+        assert!(errors < 4.0, "{shape}: {errors}");
+    }
 }

@@ -88,6 +88,11 @@ impl FreeParameter {
         if self.logarithmic { coordinate.exp() } else { 1.0 }
     }
 
+    /// Whether its coordinate is a logarithm, or a coefficient of one.
+    pub fn is_of_logarithm(&self) -> bool {
+        self.logarithmic || self.quantity.starts_with("thresholds.coefficient_")
+    }
+
     /// Whether it only says how large errors are.
     pub fn is_of_errors(&self) -> bool {
         matches!(self.role, Role::Reading | Role::DriftAmplitude | Role::DriftLength)

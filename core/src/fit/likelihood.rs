@@ -6,6 +6,7 @@ use super::Fit;
 use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes};
 use super::expected::{self, ExpectedReadings};
 use super::free::{FreeParameter, Role};
+use super::smoothness::Smoothness;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
@@ -19,6 +20,8 @@ pub(super) struct Likelihood {
     pub fit: Fit,
     pub free: Vec<FreeParameter>,
     pub errors: Errors,
+    /// What is known beforehand of thresholds of free form.
+    pub smoothness: Option<Smoothness>,
 }
 
 /// How the errors of readings are known.
@@ -184,10 +187,13 @@ impl Likelihood {
             .exp()
     }
 
-    /// Σ(u − m)²/s² over the priors.
+    /// Σ(u − m)²/s² over the priors, and the penalty of a free form.
     fn prior(&self, coordinates: &[f64]) -> f64 {
         let known = self.free.iter().zip(coordinates);
-        known.filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2))).sum()
+        let of_numbers: f64 = known
+            .filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2)))
+            .sum();
+        of_numbers + self.smoothness.as_ref().map_or(0.0, |smoothness| smoothness.penalty(coordinates))
     }
 
     /// The slope and the information at a point.
@@ -220,6 +226,9 @@ impl Likelihood {
                 slope[(k, 0)] += (u - mean) / (std * std);
                 information[(k, k)] += 1.0 / (std * std);
             }
+        }
+        if let Some(smoothness) = &self.smoothness {
+            smoothness.add(coordinates, &mut slope, &mut information);
         }
         Ok(Score { slope, information })
     }

@@ -35,6 +35,7 @@ mod error_covariance;
 mod estimates;
 mod expected;
 mod free;
+mod free_form;
 mod friction;
 mod interval;
 mod likelihood;
@@ -43,10 +44,12 @@ mod measurement;
 mod misfit;
 mod prediction;
 mod search;
+mod smoothness;
 
 pub use estimates::{Correlation, Estimate, Estimates, Readings};
 pub use free::Prior;
 pub(crate) use free::{ERRORS, MACHINE};
+pub use free_form::{FreeForm, ThresholdBand};
 pub use friction::{FrictionEstimates, WithError};
 pub use measurement::{ErrorModel, Machine, Measurement};
 pub use misfit::Misfit;
@@ -59,7 +62,7 @@ use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
 use estimates::Ended;
-use free::FreeParameter;
+use free::{FreeParameter, Role};
 use likelihood::{ContactNoise, CurvePoint, Errors, Likelihood, LikelihoodPoint};
 use search::{Optimum, search};
 
@@ -181,7 +184,7 @@ impl Fit {
         }
         let coordinates: Vec<f64> =
             free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
-        let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite };
+        let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite, smoothness: None };
         let held = vec![false; coordinates.len()];
         let first = search(&white, &coordinates, &held, &mut Part::new(monitor, 0.0, 0.3))?;
         if self.is_profiled() {
@@ -214,7 +217,8 @@ impl Fit {
             if let (0, Some(noise)) = (renewal, &noise) {
                 divide_noise(&free, &mut coordinates, &trial, noise);
             }
-            let likelihood = Likelihood { fit: self.clone(), free, errors: Errors::Modelled(noise) };
+            let likelihood =
+                Likelihood { fit: self.clone(), free, errors: Errors::Modelled(noise), smoothness: None };
             let held = vec![false; coordinates.len()];
             let mut found =
                 search(&likelihood, &coordinates, &held, &mut Part::new(monitor, start + 0.05, 0.15))?;
@@ -242,7 +246,7 @@ impl Fit {
         free.extend(self.free_errors(0.0, 0.0));
         let coordinates: Vec<f64> =
             free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
-        let white = Likelihood { fit: self.clone(), free, errors: Errors::Modelled(None) };
+        let white = Likelihood { fit: self.clone(), free, errors: Errors::Modelled(None), smoothness: None };
         let trial = white.trial(&coordinates, &mut Part::new(monitor, 0.0, 0.3))?.ok_or_else(|| {
             Error::invalid("free", "first values from which a curve follows", "none at the first values")
         })?;

@@ -20,8 +20,10 @@ const DAMPING: f64 = 1e-2;
 const MORE: f64 = 8.0;
 const LESS: f64 = 0.1;
 const MOST: f64 = 1e9;
-/// Longest step of a number that is varied by its logarithm.
+/// Longest step of a number that is varied by its logarithm, and of a coefficient of a logarithmic density, which may be of its
+/// tails.
 const LONGEST: f64 = 1.5;
+const LONGEST_OF_TAILS: f64 = 10.0;
 
 /// A likelihood as a function of the coordinates of free numbers.
 pub(super) trait Objective {
@@ -164,9 +166,13 @@ fn active(free: &[FreeParameter], coordinates: &[f64], score: &Score, held: &[bo
 
 /// The coordinates after a step, shortened as a whole so that no number moves too far, and cut at the ends of ranges.
 fn stepped(free: &[FreeParameter], coordinates: &[f64], step: &Mat<f64>) -> Vec<f64> {
-    let logarithmic = free.iter().enumerate().filter(|(_, parameter)| parameter.logarithmic);
-    let longest = logarithmic.fold(0.0, |most: f64, (k, _)| most.max(step[(k, 0)].abs()));
-    let share = (LONGEST / longest).min(1.0);
+    let longest = |parameter: &FreeParameter| match parameter {
+        parameter if parameter.logarithmic => LONGEST,
+        parameter if parameter.is_of_logarithm() => LONGEST_OF_TAILS,
+        _ => f64::INFINITY,
+    };
+    let too_long = free.iter().enumerate().map(|(k, parameter)| step[(k, 0)].abs() / longest(parameter));
+    let share = 1.0 / too_long.fold(1.0, f64::max);
     let moved = coordinates.iter().enumerate().map(|(k, u)| {
         let [low, high] = free[k].bounds;
         (u + share * step[(k, 0)]).clamp(low, high)

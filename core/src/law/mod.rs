@@ -15,6 +15,7 @@ mod exponential;
 mod gamma;
 mod gaussian;
 mod incomplete_gamma;
+mod log_kernels;
 mod lognormal;
 mod mixture;
 mod normal;
@@ -38,6 +39,7 @@ pub(crate) use derivative::EIGHTH_ORDER;
 pub use exponential::Exponential;
 pub use gamma::Gamma;
 pub use gaussian::Gaussian;
+pub use log_kernels::LogKernels;
 pub use lognormal::Lognormal;
 pub use mixture::Mixture;
 #[doc(hidden)]

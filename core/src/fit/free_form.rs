@@ -1,0 +1,287 @@
+//! Thresholds of free form: a fit of the density itself, as smooth as the curve allows.
+
+use faer::Mat;
+
+use super::estimates::{Ended, Estimates};
+use super::free::FreeParameter;
+use super::friction::WithError;
+use super::likelihood::{Errors, Likelihood};
+use super::matrix;
+use super::search::{Optimum, search};
+use super::smoothness::Smoothness;
+use super::{Fit, Role};
+use crate::law::{Law, LogKernels};
+use crate::monitor::{Monitor, Part};
+use crate::numerics::legendre::RULE;
+use crate::{Error, Result};
+
+/// Thresholds of free form as a fit has found them.
+#[derive(Debug)]
+pub struct FreeForm {
+    /// The fit, whose free numbers are the coefficients of the kernels (`thresholds.coefficient_0`, …) and the others.
+    pub estimates: Estimates,
+    /// The thresholds.
+    pub thresholds: LogKernels,
+    /// λ, the strength of the penalty for third differences of the coefficients.
+    pub strength: f64,
+    /// The number of parameters that the curve determines, of those of the shape beyond a Gaussian.
+    pub effective: f64,
+    /// The mean threshold.
+    pub mean: WithError,
+    /// The standard deviation of the thresholds.
+    pub std: WithError,
+}
+
+/// The density and the distribution function of thresholds of free form at some thresholds, with standard errors.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ThresholdBand {
+    /// Thresholds.
+    pub thresholds: Vec<f64>,
+    /// P_c.
+    pub density: Vec<f64>,
+    /// The standard error of ln P_c.
+    pub log_density_error: Vec<f64>,
+    /// The distribution function ∫_0^x P_c.
+    pub cumulative: Vec<f64>,
+    /// Its standard error.
+    pub cumulative_error: Vec<f64>,
+}
+
+/// Standard deviations of the thresholds to both sides of their mean that the density covers.
+const REACH: f64 = 8.0;
+/// First strength of the penalty, and the range to which it is confined.
+const STRENGTH: f64 = 10.0;
+const STRENGTHS: [f64; 2] = [0.01, 1e8];
+/// Most renewals of the strength, and the change of its logarithm that ends them.
+const RENEWALS: usize = 30;
+const SETTLED: f64 = 0.3;
+
+impl Fit {
+    /// The same fit with thresholds of free form: ln P_c is a sum of `count` Gaussian kernels, over eight standard
+    /// deviations of the thresholds `found` by a fit with a distribution to both sides of their mean.
+    ///
+    /// Third differences of the coefficients are normal of variance 1/λ, so that what the curve does not tell is continued like a
+    /// Gaussian. λ is the most probable one (D. J. C. MacKay, Neural Comput. 4, 415 (1992)): λ Σ(Δ³θ)² = γ, the effective number
+    /// of parameters γ = K − 3 − λ tr V DᵀD, with V the covariance of the estimates. Errors hold at this λ. A number of which only a
+    /// limit is known has the limit of the fit before.
+    ///
+    /// # Errors
+    /// Fewer than 12 coefficients; thresholds that are not free; those of [`Fit::run`].
+    pub fn free_form(&self, found: &Estimates, count: usize, monitor: &mut dyn Monitor) -> Result<FreeForm> {
+        if count < 12 {
+            return Err(Error::invalid("kernels", "12 or more", count));
+        }
+        if !self.free.iter().any(|name| name.starts_with("thresholds.")) {
+            let expected = "numbers of the thresholds, for thresholds of free form";
+            return Err(Error::invalid("free", expected, self.free.join(", ")));
+        }
+        let law = LogKernels::near(found.equation().contacts().thresholds.as_ref(), REACH, count)?;
+        let coefficients = law.coefficients().to_vec();
+        let mut fit = self.with_thresholds(std::sync::Arc::new(law), &mut Part::new(monitor, 0.0, 0.02))?;
+        fit.start_from(found, &mut Part::new(monitor, 0.02, 0.02))?;
+        let level = coefficients.iter().sum::<f64>() / count as f64;
+        let smoothness = Smoothness { places: 0..count, strength: STRENGTH, level };
+        let mut free = fit.free_parameters()?;
+        free.extend(fit.free_errors_of(found));
+        let coordinates: Vec<f64> = free.iter().map(|number| number.coordinate(number.start)).collect();
+        let likelihood = fit.likelihood_near(free, &coordinates, &mut Part::new(monitor, 0.04, 0.06))?;
+        let likelihood = Likelihood { smoothness: Some(smoothness), ..likelihood };
+        let (likelihood, optimum) =
+            most_probable(likelihood, coordinates, &mut Part::new(monitor, 0.1, 0.7))?;
+        let mut form = FreeForm::new(Ended { likelihood, optimum }, &mut Part::new(monitor, 0.8, 0.2))?;
+        for estimate in &mut form.estimates.parameters {
+            if let Some(limited) = found.estimate(&estimate.name).filter(|before| before.limit.is_some()) {
+                (estimate.limit, estimate.interval) = (limited.limit, limited.interval);
+            }
+        }
+        Ok(form)
+    }
+
+    /// Takes the values of a fit as first values of all numbers but those of the thresholds.
+    fn start_from(&mut self, found: &Estimates, monitor: &mut dyn Monitor) -> Result<()> {
+        let own = |parameter: &&FreeParameter| {
+            parameter.role == Role::Contacts
+                && parameter.curve.is_none()
+                && !parameter.quantity.starts_with("thresholds.")
+        };
+        let free = &found.ended.likelihood.free;
+        let values: Vec<(&str, f64)> = free
+            .iter()
+            .zip(&found.parameters)
+            .filter(|(parameter, _)| own(parameter))
+            .map(|(parameter, estimate)| (parameter.quantity.as_str(), estimate.value))
+            .collect();
+        self.equation = self.equation.with_parameters(&values, monitor)?;
+        for (c, curve) in self.curves.iter_mut().enumerate() {
+            curve.machine = found.machine(c);
+        }
+        Ok(())
+    }
+
+    /// The free numbers of the errors, from their values in a fit.
+    fn free_errors_of(&self, found: &Estimates) -> Vec<FreeParameter> {
+        let mut free = self.free_errors(found.reading, 0.0);
+        for parameter in &mut free {
+            if let Some(estimate) = found.estimate(&parameter.name) {
+                parameter.start = estimate.value;
+            }
+        }
+        free
+    }
+
+    /// The likelihood whose noise of contacts is that at these coordinates.
+    fn likelihood_near(
+        &self,
+        free: Vec<FreeParameter>,
+        coordinates: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Likelihood> {
+        let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite, smoothness: None };
+        if self.is_profiled() {
+            return Ok(white);
+        }
+        let likelihood = Likelihood { errors: Errors::Modelled(None), ..white };
+        let trial = likelihood.trial(coordinates, &mut Part::new(monitor, 0.0, 0.3))?;
+        let trial = trial.ok_or_else(|| {
+            Error::invalid(
+                "thresholds",
+                "a density from which a curve follows",
+                "none at the fitted thresholds",
+            )
+        })?;
+        let noise = self.contact_noise(&trial, coordinates, &mut Part::new(monitor, 0.3, 0.7))?;
+        Ok(Likelihood { errors: Errors::Modelled(noise), ..likelihood })
+    }
+}
+
+/// The most probable coordinates at the most probable strength of the penalty.
+///
+/// # Errors
+/// Those of [`search`].
+fn most_probable(
+    mut likelihood: Likelihood,
+    mut coordinates: Vec<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<(Likelihood, Optimum)> {
+    let held = vec![false; coordinates.len()];
+    let mut solutions = 0;
+    for renewal in 0..=RENEWALS {
+        // The number of renewals is not known beforehand.
+        let done = 1.0 - 0.85_f64.powi(renewal as i32);
+        let part = &mut Part::new(monitor, done, 0.1 * (1.0 - done));
+        let mut optimum = search(&likelihood, &coordinates, &held, part)?;
+        solutions += optimum.solutions;
+        optimum.solutions = solutions;
+        let Some(smoothness) = likelihood.smoothness.as_mut() else { return Ok((likelihood, optimum)) };
+        let next = renewed(smoothness, &optimum);
+        if renewal == RENEWALS || (next / smoothness.strength).ln().abs() < SETTLED {
+            return Ok((likelihood, optimum));
+        }
+        smoothness.strength = next;
+        coordinates = optimum.coordinates;
+    }
+    unreachable!("the last renewal returns")
+}
+
+/// γ/Σ(Δ³θ)².
+fn renewed(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
+    let (effective, roughness) = (effective(smoothness, optimum), smoothness.roughness(&optimum.coordinates));
+    (effective.max(1e-3) / roughness.max(f64::MIN_POSITIVE)).clamp(STRENGTHS[0], STRENGTHS[1])
+}
+
+/// γ = K − 3 − λ tr V DᵀD.
+fn effective(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
+    let active: Vec<usize> = (0..optimum.coordinates.len()).filter(|&k| !optimum.at_bound[k]).collect();
+    let covariance = matrix::covariance(&optimum.score.information, &active);
+    let trace = covariance.map_or(0.0, |covariance| smoothness.trace(&covariance));
+    smoothness.count() as f64 - smoothness.strength * trace
+}
+
+impl FreeForm {
+    fn new(ended: Ended, monitor: &mut dyn Monitor) -> Result<Self> {
+        let Some(smoothness) = ended.likelihood.smoothness.clone() else {
+            unreachable!("the likelihood of a free form has a penalty")
+        };
+        let effective = effective(&smoothness, &ended.optimum);
+        let first = &ended.likelihood.fit.equation.contacts().thresholds;
+        let coordinates = ended.optimum.coordinates[smoothness.places.clone()].to_vec();
+        let ends = [first.quantile(0.0), first.quantile(1.0)];
+        let thresholds = LogKernels::new(ends, coordinates)?;
+        let estimates = ended.estimates(monitor)?;
+        let (mean, std) = (thresholds.mean(), thresholds.std());
+        let moment = |order: i32| {
+            let by = |x: f64| if order == 1 { x } else { (x - mean).powi(2) / (2.0 * std) };
+            propagated(&thresholds, &estimates, by)
+        };
+        let (mean_error, std_error) = (moment(1), moment(2));
+        Ok(Self {
+            estimates,
+            thresholds,
+            strength: smoothness.strength,
+            effective,
+            mean: WithError { value: mean, error: mean_error },
+            std: WithError { value: std, error: std_error },
+        })
+    }
+
+    /// P_c and its distribution function at thresholds, with standard errors that follow from the covariance V of the coefficients:
+    /// ∂ ln P_c/∂θ_i = B_i − ∫P_c B_i, and −∂S/∂θ_i.
+    ///
+    /// # Errors
+    /// None for finite thresholds.
+    pub fn band(&self, thresholds: &[f64]) -> Result<ThresholdBand> {
+        let law = &self.thresholds;
+        let names: Vec<String> = law.parameters().into_iter().map(|p| p.name.into_owned()).collect();
+        let changes = names.iter().map(|name| law.survival_derivative(name)).collect::<Result<Vec<_>>>()?;
+        let means = kernel_means(law);
+        let error = |gradient: &[f64]| self.estimates.propagate(gradient);
+        let mut band = ThresholdBand { thresholds: thresholds.to_vec(), ..ThresholdBand::default() };
+        for &x in thresholds {
+            let by_log: Vec<f64> = law.kernels(x).iter().zip(&means).map(|(b, mean)| b - mean).collect();
+            let by_cumulative: Vec<f64> = changes.iter().map(|change| -change(x)).collect();
+            band.density.push(law.density(x));
+            band.log_density_error.push(error(&by_log));
+            band.cumulative.push(law.cumulative(x));
+            band.cumulative_error.push(error(&by_cumulative));
+        }
+        Ok(band)
+    }
+}
+
+/// ∫P_c B_i of all kernels.
+fn kernel_means(law: &LogKernels) -> Vec<f64> {
+    expected(law, |_| 1.0)
+}
+
+/// ∫g P_c B_i of all kernels.
+fn expected(law: &LogKernels, g: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut sums = vec![0.0; law.coefficients().len()];
+    for ends in law.series().boundaries().windows(2) {
+        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+        for (t, weight) in RULE.nodes.iter().zip(&RULE.weights) {
+            let x = middle + half * t;
+            let part = half * weight * law.density(x) * g(x);
+            sums.iter_mut().zip(law.kernels(x)).for_each(|(sum, kernel)| *sum += part * kernel);
+        }
+    }
+    sums
+}
+
+/// The standard error of the expectation of g: its derivatives are ∫(g − ⟨g⟩) P_c B_i.
+fn propagated(law: &LogKernels, estimates: &Estimates, g: impl Fn(f64) -> f64) -> f64 {
+    let mean: f64 = expected(law, &g).iter().sum();
+    // The kernels add up to 1.
+    let gradient = expected(law, |x| g(x) - mean);
+    estimates.propagate(&gradient)
+}
+
+impl Estimates {
+    /// The standard error of what has these derivatives by the first free numbers, and none by the others.
+    fn propagate(&self, gradient: &[f64]) -> f64 {
+        let (n, m) = (self.parameters.len(), gradient.len());
+        let covariance = Mat::from_fn(m, m, |i, j| self.covariance[i * n + j]);
+        let column = Mat::from_fn(m, 1, |i, _| gradient[i]);
+        // Rounding may make the variance of what does not vary negative.
+        matrix::inner(&column, &(&covariance * &column)).max(0.0).sqrt()
+    }
+}

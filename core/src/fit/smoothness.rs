@@ -1,0 +1,81 @@
+//! What is known beforehand of a distribution of free form: that its logarithm is smooth.
+
+use std::ops::Range;
+
+use faer::Mat;
+
+/// A normal prior of third differences of neighbouring coordinates, of variance 1/λ: the penalty λ Σ(Δ³θ)² in −2 ln L.
+///
+/// P. H. C. Eilers and B. D. Marx, Stat. Sci. 11, 89 (1996). A penalty for the mean of the coordinates keeps it where it is, since a
+/// constant added to a logarithmic density changes nothing.
+#[derive(Debug, Clone)]
+pub(super) struct Smoothness {
+    /// The coordinates.
+    pub places: Range<usize>,
+    /// λ.
+    pub strength: f64,
+    /// The mean of the coordinates.
+    pub level: f64,
+}
+
+/// Weights of a third difference.
+const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
+
+impl Smoothness {
+    /// Number of third differences.
+    pub fn count(&self) -> usize {
+        self.places.len() - 3
+    }
+
+    /// Σ(Δ³θ)².
+    pub fn roughness(&self, coordinates: &[f64]) -> f64 {
+        let own = &coordinates[self.places.clone()];
+        own.windows(4).map(|four| dot(&THIRD, four).powi(2)).sum()
+    }
+
+    /// The penalty in −2 ln L.
+    pub fn penalty(&self, coordinates: &[f64]) -> f64 {
+        self.strength * self.roughness(coordinates) + self.excess(coordinates).powi(2)
+    }
+
+    /// The mean of the coordinates above its level.
+    fn excess(&self, coordinates: &[f64]) -> f64 {
+        let own = &coordinates[self.places.clone()];
+        own.iter().sum::<f64>() / own.len() as f64 - self.level
+    }
+
+    /// Adds the derivatives of half the penalty to the slope and to the information of half the deviance.
+    pub fn add(&self, coordinates: &[f64], slope: &mut Mat<f64>, information: &mut Mat<f64>) {
+        let own = &coordinates[self.places.clone()];
+        for (i, four) in own.windows(4).enumerate() {
+            let difference = dot(&THIRD, four);
+            let first = self.places.start + i;
+            for (a, wa) in THIRD.iter().enumerate() {
+                slope[(first + a, 0)] += self.strength * difference * wa;
+                for (b, wb) in THIRD.iter().enumerate() {
+                    information[(first + a, first + b)] += self.strength * wa * wb;
+                }
+            }
+        }
+        let (excess, share) = (self.excess(coordinates), 1.0 / own.len() as f64);
+        for a in self.places.clone() {
+            slope[(a, 0)] += excess * share;
+            for b in self.places.clone() {
+                information[(a, b)] += share * share;
+            }
+        }
+    }
+
+    /// tr V DᵀD, with D the third differences and V a covariance of all coordinates.
+    pub fn trace(&self, covariance: &Mat<f64>) -> f64 {
+        let term = |first: usize| -> f64 {
+            let pairs = (0..4).flat_map(|a| (0..4).map(move |b| (a, b)));
+            pairs.map(|(a, b)| THIRD[a] * THIRD[b] * covariance[(first + a, first + b)]).sum()
+        };
+        (self.places.start..self.places.end - 3).map(term).sum()
+    }
+}
+
+fn dot(a: &[f64; 4], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
