@@ -138,8 +138,26 @@ fn noise_and_gradients(criterion: &mut Criterion) {
         reforming: gaussian(0.1, 0.03),
         initial: gaussian(0.2, 0.05),
     };
+    let edges = Case {
+        thresholds: rectangular(0.6, 1.4),
+        reforming: rectangular(0.05, 0.2),
+        initial: rectangular(0.1, 0.3),
+    };
+    let pointed = vec![(0.4, Arc::new(Point::new(0.9).unwrap()) as SharedLaw), (0.6, gaussian(1.0, 0.1))];
+    let pointed = Case {
+        thresholds: Arc::new(Mixture::new(pointed).unwrap()),
+        reforming: gaussian(0.1, 0.03),
+        initial: gaussian(0.2, 0.05),
+    };
     let mut group = criterion.benchmark_group("noise and gradients");
-    for (name, case) in [("all relaxed", equal), ("mixture", mixed), ("spread starts", spread)] {
+    let cases = [
+        ("all relaxed", equal),
+        ("mixture", mixed),
+        ("spread starts", spread),
+        ("spread starts, edges", edges),
+        ("spread starts, point mass", pointed),
+    ];
+    for (name, case) in cases {
         let equation = case.equation();
         let solve = || case.equation().pull_with(6.0, 1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}: lives and force"), |bencher| cpu(bencher, solve));
@@ -165,6 +183,13 @@ fn noise_and_gradients(criterion: &mut Criterion) {
         group.bench_function(format!("{name}: covariance of 1000 positions"), |bencher| {
             // On all threads: by the clock on the wall.
             bencher.iter(|| pull.covariance(&positions, 1.0).unwrap());
+        });
+        let thresholds: Vec<f64> = (0..100).map(|i| 0.505 + 0.01 * f64::from(i)).collect();
+        group.bench_function(format!("{name}: response to 100 thresholds at 10 positions"), |bencher| {
+            cpu(bencher, || {
+                let response = pull.threshold_response(&thresholds).unwrap();
+                response.rows_with(&[0.5, 0.9, 1.0, 1.1, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0], &mut ()).unwrap()
+            });
         });
         let steady = equation.steady_state();
         group.bench_function(format!("{name}: spectrum at 1000 wave numbers"), |bencher| {

@@ -59,6 +59,7 @@ fn the_diagonal_is_the_variance() {
     let smooth = gaussian(1.0, 0.2);
     let edges = rectangular(0.7, 1.3);
     let points = mixture(&[(0.3, point(0.8)), (0.7, smooth.clone())]);
+    let several = mixture(&[(0.2, point(0.57)), (0.3, point(0.9)), (0.5, gaussian(1.0, 0.1))]);
     let spread = gaussian(0.1, 0.03);
     let wide = rectangular(0.0, 0.9);
     for (thresholds, reforming, initial, start) in [
@@ -68,10 +69,13 @@ fn the_diagonal_is_the_variance() {
         (&edges, &spread, &spread, Start::Conditional),
         (&points, &spread, &zero, Start::Conditional),
         (&points, &zero, &wide, Start::Relaxed),
+        (&points, &zero, &zero, Start::Conditional),
+        (&several, &point(0.05), &zero, Start::Conditional),
     ] {
         let equation = equation(thresholds, reforming, initial, start);
         let pull = equation.pull_with(4.0, 1e-11, &mut ()).unwrap();
-        let positions: Vec<f64> = (0..50).map(|k| 0.08 * f64::from(k)).collect();
+        // No multiples of a lattice that point masses share.
+        let positions: Vec<f64> = (0..50).map(|k| 0.0797 * f64::from(k)).collect();
         let found = pull.covariance(&positions, 100.0).unwrap();
         let std = pull.force_std(100.0).unwrap();
         for (i, x) in positions.iter().enumerate() {

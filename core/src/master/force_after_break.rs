@@ -11,7 +11,7 @@ use crate::contacts::{Initial, Start};
 use crate::law::SizeBiased;
 use crate::life::Life;
 use crate::monitor::{Monitor, Part};
-use crate::numerics::breakpoints::Breakpoint;
+use crate::numerics::breakpoints::{Atom, Breakpoint};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -93,11 +93,20 @@ impl ForceAfterBreak {
 }
 
 /// F of a solution, with the points at which it is not smooth. F' = 1 − E_Γ + r̄Γ: where the breaking rate has a
-/// breakpoint, the force has one of an exponent that is higher by 1.
+/// breakpoint, the force has one of an exponent that is higher by 1, and a jump where contacts break simultaneously.
 pub(super) fn force_kernel(renewal: &RenewalSolution) -> Kernel {
+    let force = &renewal.force;
+    let jump = |atom: &Atom| {
+        let after = force.nearest(atom.position);
+        let before = after.checked_sub(1).map_or(0.0, |before| force.value_in(before, atom.position));
+        let height = force.value_in(after, atom.position) - before;
+        Breakpoint { position: atom.position, exponent: 0.0, amplitude: height }
+    };
     let smoother = |b: &Breakpoint| Breakpoint { exponent: b.exponent + 1.0, ..*b };
-    let breakpoints = renewal.solution.breakpoints.iter().map(smoother).collect();
-    Kernel::new(renewal.force.clone(), breakpoints)
+    let kinks = renewal.solution.breakpoints.iter().map(smoother);
+    let mut breakpoints: Vec<_> = renewal.solution.atoms.iter().map(jump).chain(kinks).collect();
+    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Kernel::new(force.clone(), breakpoints)
 }
 
 impl MasterEquation {

@@ -9,7 +9,7 @@ use crate::contacts::{Start, Stiffness};
 use crate::law::SharedLaw;
 use crate::life::{Layer, Life, LifeDerivative, StartingContacts};
 use crate::monitor::{Monitor, Part, Watch};
-use crate::numerics::breakpoints::{Atom, Breakpoint};
+use crate::numerics::breakpoints::Atom;
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
@@ -202,7 +202,7 @@ impl Pull {
             starts: Layer::starting(&equation.contacts, &equation.contacts.reforming, true)?,
             number: number(&solution.density, &solution.atoms),
             advances: integral(&number(&solution.density, &solution.atoms)),
-            broken: solution.convolve(&Piecewise::default(), &with_jumps(&reformed), part)?,
+            broken: solution.convolve(&Piecewise::default(), &force_kernel(&reformed), part)?,
         };
         let one = constant(1.0, &reformed.force);
         let first = Generation {
@@ -333,20 +333,6 @@ impl Pull {
         let carried = self.carried(&[source], vec![direct], &mut Part::new(monitor, 0.6, 0.4))?;
         Ok(carried.into_iter().next().unwrap_or_default())
     }
-}
-
-/// F of a solution, with its jumps where contacts break simultaneously.
-fn with_jumps(renewal: &RenewalSolution) -> Kernel {
-    let kernel = force_kernel(renewal);
-    let jump = |atom: &Atom| Breakpoint {
-        position: atom.position,
-        exponent: 0.0,
-        amplitude: -atom.weight * atom.position,
-    };
-    let mut breakpoints = kernel.breakpoints().to_vec();
-    breakpoints.extend(renewal.solution.atoms.iter().map(jump));
-    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
-    Kernel::new(renewal.force.clone(), breakpoints)
 }
 
 /// A constant on the cells of a curve.
