@@ -1,9 +1,9 @@
 //! Friction of the fitted contacts, with the errors of the estimates propagated to it.
 
 use super::estimates::Estimates;
-use super::free::Role;
+use super::free::{FreeParameter, Role};
 use crate::Result;
-use crate::master::FrictionGradient;
+use crate::master::{FrictionGradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
 
 /// A value with its standard error.
@@ -35,29 +35,38 @@ impl Estimates {
     /// # Errors
     /// Those of [`crate::master::Pull::friction_gradients`].
     pub fn friction(&self, monitor: &mut dyn Monitor) -> Result<FrictionEstimates> {
-        let (free, count) = (&self.ended.likelihood.free, self.parameters.len());
-        let of_contacts: Vec<usize> = (0..count).filter(|&k| free[k].role == Role::Contacts).collect();
-        let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].name.as_str()).collect();
-        let gradients = self.pull().friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
-        let relaxation = self.equation().relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
-        let steady = self.equation().steady_state();
-        let with_error = |value: f64, of: &dyn Fn(&FrictionGradient) -> f64| {
-            let pairs = of_contacts.iter().zip(&gradients);
-            let products = pairs.clone().flat_map(|(&i, a)| pairs.clone().map(move |(&j, b)| (i, j, a, b)));
-            let variance: f64 =
-                products.map(|(i, j, a, b)| self.covariance[i * count + j] * of(a) * of(b)).sum();
-            // Rounding may make the variance of what does not vary negative.
-            WithError { value, error: if variance.is_nan() { f64::NAN } else { variance.max(0.0).sqrt() } }
-        };
-        let peak = self.pull().static_friction();
-        let at_peak = |gradient: &FrictionGradient| gradient.static_friction.unwrap_or(f64::NAN);
-        Ok(FrictionEstimates {
-            static_friction: peak.map(|peak| with_error(peak.value, &at_peak)),
-            kinetic_friction: with_error(steady.kinetic_friction(), &|gradient| gradient.kinetic_friction),
-            relaxation_length: with_error(relaxation.length(), &|gradient| gradient.relaxation_length),
-            critical_stiffness: with_error(self.pull().critical_stiffness(), &|gradient| {
-                gradient.critical_stiffness
-            }),
-        })
+        friction((self.equation(), self.pull()), (&self.ended.likelihood.free, &self.covariance), monitor)
     }
+}
+
+/// Friction of contacts on a pull, with the errors that follow from the covariance of the estimates of `free`.
+///
+/// # Errors
+/// Those of [`Pull::friction_gradients`].
+pub(super) fn friction(
+    (equation, pull): (&MasterEquation, &Pull),
+    (free, covariance): (&[FreeParameter], &[f64]),
+    monitor: &mut dyn Monitor,
+) -> Result<FrictionEstimates> {
+    let count = free.len();
+    let of_contacts: Vec<usize> = (0..count).filter(|&k| free[k].role == Role::Contacts).collect();
+    let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].name.as_str()).collect();
+    let gradients = pull.friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
+    let relaxation = equation.relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
+    let steady = equation.steady_state();
+    let with_error = |value: f64, of: &dyn Fn(&FrictionGradient) -> f64| {
+        let pairs = of_contacts.iter().zip(&gradients);
+        let products = pairs.clone().flat_map(|(&i, a)| pairs.clone().map(move |(&j, b)| (i, j, a, b)));
+        let variance: f64 = products.map(|(i, j, a, b)| covariance[i * count + j] * of(a) * of(b)).sum();
+        // Rounding may make the variance of what does not vary negative.
+        WithError { value, error: if variance.is_nan() { f64::NAN } else { variance.max(0.0).sqrt() } }
+    };
+    let peak = pull.static_friction();
+    let at_peak = |gradient: &FrictionGradient| gradient.static_friction.unwrap_or(f64::NAN);
+    Ok(FrictionEstimates {
+        static_friction: peak.map(|peak| with_error(peak.value, &at_peak)),
+        kinetic_friction: with_error(steady.kinetic_friction(), &|gradient| gradient.kinetic_friction),
+        relaxation_length: with_error(relaxation.length(), &|gradient| gradient.relaxation_length),
+        critical_stiffness: with_error(pull.critical_stiffness(), &|gradient| gradient.critical_stiffness),
+    })
 }

@@ -42,6 +42,7 @@ mod measurement;
 mod misfit;
 mod prediction;
 mod search;
+mod steady;
 
 pub use estimates::{Correlation, Estimate, Estimates, Readings};
 pub use free::Prior;
@@ -50,6 +51,7 @@ pub use friction::{FrictionEstimates, WithError};
 pub use measurement::{ErrorModel, Machine, Measurement};
 pub use misfit::Misfit;
 pub use prediction::Prediction;
+pub use steady::{FittedSpectrum, SteadyEstimates, SteadyFit, SteadyRecord};
 
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
