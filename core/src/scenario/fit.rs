@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Compare, Model, Pull, Scenario, Start, exactly_one, positive};
+use super::{Compare, FitSteady, Model, Pull, Scenario, Start, exactly_one, positive};
 use crate::fit::{ERRORS, ErrorModel, MACHINE, Machine, Measurement, Prior};
 use crate::master::MasterEquation;
 use crate::monitor::Monitor;
@@ -27,6 +27,10 @@ pub struct Fit {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length"))]
     pub drive: Option<Vec<f64>>,
+    /// A record of the force in steady sliding, instead of a curve; with `fit.free`, `fit.reading`, `fit.offset`, `fit.prior` and
+    /// `fit.velocity` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steady: Option<FitSteady>,
     /// Measured forces, instead of a file; without them, and with `fit.reading`, the errors that such a measurement would have.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
@@ -104,6 +108,7 @@ impl Default for Fit {
             file: None,
             position: None,
             drive: None,
+            steady: None,
             force: None,
             free: Vec::new(),
             noise: FitNoise::Contacts,
@@ -132,8 +137,12 @@ impl Fit {
             ("file", self.file.is_some()),
             ("position", self.position.is_some()),
             ("drive", self.drive.is_some()),
+            ("steady", self.steady.is_some()),
         ];
-        exactly_one("", "one of file, position and drive", &given)?;
+        exactly_one("", "one of file, position, drive and steady", &given)?;
+        if let Some(steady) = &self.steady {
+            return self.check_steady(steady);
+        }
         if self.file.is_some() {
             return Err(Error::invalid("file", "a curve read from it", "an unread file"));
         }
@@ -198,26 +207,47 @@ impl Fit {
         model: &Model,
         monitor: &mut dyn Monitor,
     ) -> Result<(crate::fit::Fit, FitKeys)> {
-        let Model { contacts, initial, .. } = model;
-        let equation = match self.velocity {
-            Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, monitor)?,
-            None => MasterEquation::new_with(contacts.clone(), initial, monitor)?,
-        };
+        let equation = self.equation(model, monitor)?;
         let keys = FitKeys::new(model, &equation);
-        let names = self.free.iter().enumerate().map(|(i, key)| keys.name(&format!("fit.free.{i}"), key));
-        let names = names.collect::<Result<Vec<_>>>()?;
+        let (names, priors) = self.names(&keys)?;
         let measurement = self.measurement().map_err(|error| error.under("fit"))?;
         let mut fit = crate::fit::Fit::new(equation, measurement).free(names).errors(self.errors());
+        for (name, prior) in priors {
+            fit = fit.prior(&name, prior);
+        }
+        fit.check().map_err(Self::keyed)?;
+        Ok((fit, keys))
+    }
+
+    /// The master equation of the first values.
+    ///
+    /// # Errors
+    /// Those of [`MasterEquation::new`] and [`MasterEquation::at`].
+    pub(super) fn equation(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<MasterEquation> {
+        let Model { contacts, initial, .. } = model;
+        match self.velocity {
+            Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, monitor),
+            None => MasterEquation::new_with(contacts.clone(), initial, monitor),
+        }
+    }
+
+    /// The names of the free numbers in the core, and those of numbers with a prior.
+    ///
+    /// # Errors
+    /// A key that is none of `keys`; a prior of one that is not free.
+    pub(super) fn names(&self, keys: &FitKeys) -> Result<(Vec<String>, Vec<(String, Prior)>)> {
+        let names = self.free.iter().enumerate().map(|(i, key)| keys.name(&format!("fit.free.{i}"), key));
+        let names = names.collect::<Result<Vec<_>>>()?;
+        let mut priors = Vec::new();
         for (key, prior) in &self.prior {
             let place = format!("fit.prior.{key}");
             if !self.free.contains(key) {
                 let expected = format!("priors of the keys in fit.free: {}", self.free.join(", "));
                 return Err(Error::invalid(place, expected, "another key"));
             }
-            fit = fit.prior(&keys.name(&place, key)?, *prior);
+            priors.push((keys.name(&place, key)?, *prior));
         }
-        fit.check().map_err(Self::keyed)?;
-        Ok((fit, keys))
+        Ok((names, priors))
     }
 
     /// An error of a fit, with the key that gave its argument.
@@ -265,7 +295,7 @@ pub(crate) struct FitKeys(Vec<(String, String)>);
 
 impl FitKeys {
     /// Numbers of the machine and of the errors, and those of the contacts as far as they are parameters of the force.
-    fn new(model: &Model, equation: &MasterEquation) -> Self {
+    pub(super) fn new(model: &Model, equation: &MasterEquation) -> Self {
         let known = equation.parameters();
         let is_parameter = |name: &str| known.iter().any(|parameter| parameter.name == name);
         let of_contacts = model.keys.iter().filter(|(_, name)| is_parameter(name)).cloned();
@@ -274,6 +304,12 @@ impl FitKeys {
         let of_machine = MACHINE.iter().chain(&ERRORS);
         let of_machine = of_machine.map(|name| (format!("fit.{name}"), (*name).to_owned()));
         Self(of_contacts.chain(named).chain(of_machine).collect())
+    }
+
+    /// Those whose names are of a kind.
+    pub(super) fn only(mut self, kind: impl Fn(&str) -> bool) -> Self {
+        self.0.retain(|(_, name)| kind(name));
+        self
     }
 
     /// The name for a key; `place` is where the key is given.

@@ -1,4 +1,4 @@
-//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside the measured curve.
+//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside the measured curve, or as a `[spectrum]`.
 
 use asperity::scenario::{Compare, Scenario};
 
@@ -12,6 +12,10 @@ pub fn fitted(outcome: &Outcome) -> Option<String> {
     let fit = scenario.fit.as_ref()?;
     let values: Vec<(String, f64)> =
         found.numbers.iter().map(|number| (number.key.clone(), number.value)).collect();
+    if let Some(wave_numbers) = outcome.record.values("fit_wave_number") {
+        let highest = *wave_numbers.last()?;
+        return Some(input::to_text(&scenario.fitted_spectrum(&values, highest)));
+    }
     let number = |key: &str, fixed: f64| {
         values.iter().find(|(known, _)| known == key).map_or(fixed, |(_, value)| *value)
     };
