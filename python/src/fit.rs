@@ -156,13 +156,7 @@ impl Estimates {
         (first, velocity): (Interface, Option<f64>),
         free: &[String],
     ) -> PyResult<Self> {
-        let parameters = found.equation().parameters();
-        let (interface, velocity) = fitted((first, velocity), &found, &parameters, free);
-        let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
-            .map_err(error::core)?;
-        let model = MasterEquation { equation: found.equation().clone(), initial };
-        let solved = Solved { own: scenario::MasterEquation::default(), velocity };
-        let model = Bound::new(py, model.described(interface, solved))?;
+        let model = fitted_model(py, found.equation(), (first, velocity), free)?;
         let pull = Pull::computed(model.clone(), found.pull().clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
         Ok(Self { found, model: model.unbind(), pull, readings })
@@ -354,6 +348,21 @@ impl Estimates {
     }
 }
 
+/// The equation of the estimated numbers, with the description of its contacts.
+pub fn fitted_model<'py>(
+    py: Python<'py>,
+    equation: &master::MasterEquation,
+    first: (Interface, Option<f64>),
+    free: &[String],
+) -> PyResult<Bound<'py, MasterEquation>> {
+    let (interface, velocity) = fitted(first, equation, &equation.parameters(), free);
+    let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
+        .map_err(error::core)?;
+    let model = MasterEquation { equation: equation.clone(), initial };
+    let solved = Solved { own: scenario::MasterEquation::default(), velocity };
+    Bound::new(py, model.described(interface, solved))
+}
+
 /// The readings as columns.
 fn columns(found: &asperity::fit::Estimates) -> record::Record {
     let (measured, described) = (found.measurement(), &found.readings);
@@ -379,7 +388,7 @@ fn columns(found: &asperity::fit::Estimates) -> record::Record {
 /// The description of the fitted contacts: the first one with the estimates in the place of free numbers.
 fn fitted(
     (mut interface, mut velocity): (Interface, Option<f64>),
-    found: &asperity::fit::Estimates,
+    equation: &master::MasterEquation,
     parameters: &[Parameter],
     free: &[String],
 ) -> (Interface, Option<f64>) {
@@ -397,7 +406,7 @@ fn fitted(
     if let Some(areas) = &mut interface.contacts.areas
         && free.iter().any(|free| ["thresholds.factor", "stiffness_per_threshold"].contains(&free.as_str()))
     {
-        set_areas(areas, found.equation());
+        set_areas(areas, equation);
     }
     (interface, velocity)
 }
