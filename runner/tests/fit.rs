@@ -126,9 +126,8 @@ fn a_record_may_have_positions_and_be_part_of_the_scenario() {
         forces.iter().enumerate().map(|(i, force)| format!("{},{force}\n", 60.0 + 0.05 * i as f64)).collect();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("record.csv"), format!("position,force\n{rows}")).unwrap();
-    let text = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fit-steady.toml"),
-    );
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fit-steady.toml"));
     let text = text.unwrap().replace("measured-noise.csv", "record.csv").replace("spacing = 0.05", "");
     let path = folder.path().join("fit.toml");
     std::fs::write(&path, text).unwrap();
