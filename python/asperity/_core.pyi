@@ -308,44 +308,7 @@ class ClosedForm:
     @overload
     def force(self, /, position: ArrayLike) -> _Array: ...
     @property
-    def fit_steady(
-    contacts: Contacts,
-    spacing: _Number,
-    force: ArrayLike,
-    *,
-    free: Sequence[str],
-    initial: _AnyLaw | None = None,
-    start: Literal["conditional", "relaxed"] = "conditional",
-    velocity: _Number | None = None,
-    reading: _Number | None = None,
-    offset: _Number = 0.0,
-    prior: Mapping[str, tuple[float, float]] | None = None,
-    progress: _Progress = None,
-) -> SteadyEstimates:
-    """Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
-
-    The force of the N_c contacts is a stationary process with the mean F_k and a known autocovariance, to which
-    independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
-    discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
-
-    contacts, velocity: as for MasterEquation; their free numbers are first values.
-    spacing: the displacement of the slider from one reading to the next, above 0.
-    force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
-    free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-    "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
-    Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
-    count and stiffness cannot both be free, unless one has a prior.
-    initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
-    reading: the standard deviation of the independent error of a reading; estimated if None.
-    offset: the reading of the force where there is none.
-    prior: as for fit.
-    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-
-    Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
-    determine. A search that does not converge is no error: see SteadyEstimates.converged.
-    """
-
-def kinetic_friction(self, /) -> float:
+    def kinetic_friction(self, /) -> float:
         """F_k/(N_c⟨k⟩), the force of steady sliding, a length."""
 
     @overload
@@ -2180,6 +2143,43 @@ def fit(
 
     Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
     converge is no error: see Estimates.converged.
+    """
+
+def fit_steady(
+    contacts: Contacts,
+    spacing: _Number,
+    force: ArrayLike,
+    *,
+    free: Sequence[str],
+    initial: _AnyLaw | None = None,
+    start: Literal["conditional", "relaxed"] = "conditional",
+    velocity: _Number | None = None,
+    reading: _Number | None = None,
+    offset: _Number = 0.0,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    progress: _Progress = None,
+) -> SteadyEstimates:
+    """Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
+
+    The force of the N_c contacts is a stationary process with the mean F_k and a known autocovariance, to which
+    independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
+    discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
+
+    contacts, velocity: as for MasterEquation; their free numbers are first values.
+    spacing: the displacement of the slider from one reading to the next, above 0.
+    force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
+    free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+    "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
+    Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
+    count and stiffness cannot both be free, unless one has a prior.
+    initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
+    reading: the standard deviation of the independent error of a reading; estimated if None.
+    offset: the reading of the force where there is none.
+    prior: as for fit.
+    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
+    determine. A search that does not converge is no error: see SteadyEstimates.converged.
     """
 
 def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:

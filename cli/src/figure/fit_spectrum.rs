@@ -42,7 +42,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         plots.push(line(curve(&[ends.0, ends.1], &[floor, floor]), GREY, 1.4, Some(DASHES)));
         legend.push(style::line("error of a reading", GREY, Some(DASHES)));
     }
-    let layout = style::layout(ends, (bottom, 2.0 * high)).with_log_scale();
+    let layout = style::layout(ends, (bottom, 2.0 * high)).with_log_scale().with_tick_format(style::powers());
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("fit_wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("fit_periodogram")?));
