@@ -209,7 +209,7 @@ impl Fit {
     ) -> Result<(crate::fit::Fit, FitKeys)> {
         let equation = self.equation(model, monitor)?;
         let keys = FitKeys::new(model, &equation);
-        let (names, priors) = self.names(&keys)?;
+        let (names, priors) = (self.names(&keys)?, self.priors(&keys)?);
         let measurement = self.measurement().map_err(|error| error.under("fit"))?;
         let mut fit = crate::fit::Fit::new(equation, measurement).free(names).errors(self.errors());
         for (name, prior) in priors {
@@ -231,13 +231,20 @@ impl Fit {
         }
     }
 
-    /// The names of the free numbers in the core, and those of numbers with a prior.
+    /// The names of the free numbers in the core.
     ///
     /// # Errors
-    /// A key that is none of `keys`; a prior of one that is not free.
-    pub(super) fn names(&self, keys: &FitKeys) -> Result<(Vec<String>, Vec<(String, Prior)>)> {
-        let names = self.free.iter().enumerate().map(|(i, key)| keys.name(&format!("fit.free.{i}"), key));
-        let names = names.collect::<Result<Vec<_>>>()?;
+    /// A key that is none of `keys`.
+    pub(super) fn names(&self, keys: &FitKeys) -> Result<Vec<String>> {
+        let names = self.free.iter().enumerate();
+        names.map(|(i, key)| keys.name(&format!("fit.free.{i}"), key)).collect()
+    }
+
+    /// The priors by the names of the core.
+    ///
+    /// # Errors
+    /// A prior of a number that is not free.
+    pub(super) fn priors(&self, keys: &FitKeys) -> Result<Vec<(String, Prior)>> {
         let mut priors = Vec::new();
         for (key, prior) in &self.prior {
             let place = format!("fit.prior.{key}");
@@ -247,7 +254,7 @@ impl Fit {
             }
             priors.push((keys.name(&place, key)?, *prior));
         }
-        Ok((names, priors))
+        Ok(priors)
     }
 
     /// An error of a fit, with the key that gave its argument.

@@ -103,7 +103,7 @@ impl Fit {
         let of_curves = ["compliance", "trend", "origin"];
         let of_steady = |name: &str| !(name.starts_with("initial.") || of_curves.contains(&name));
         let keys = FitKeys::new(model, &equation).only(of_steady);
-        let (names, priors) = self.names(&keys)?;
+        let (names, priors) = (self.names(&keys)?, self.priors(&keys)?);
         let record = steady.record().map_err(|error| error.under("fit.steady"))?;
         let mut fit = SteadyFit::new(equation, record).free(names).offset(self.offset);
         if let Some(reading) = self.reading {

@@ -78,10 +78,10 @@ impl Task<'_> {
             model.contacts.renew_completely().map_err(Error::of_scenario)?;
             refuse_quenched(self, model)?;
         }
-        if let Task::Fit(fit) = self {
-            if fit.prepare_steady(model, &mut ()).map_err(Error::of_scenario)?.is_none() {
-                fit.prepare(model, &mut ()).map_err(Error::of_scenario)?;
-            }
+        if let Task::Fit(fit) = self
+            && fit.prepare_steady(model, &mut ()).map_err(Error::of_scenario)?.is_none()
+        {
+            fit.prepare(model, &mut ()).map_err(Error::of_scenario)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {
