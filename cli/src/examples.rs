@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 38] = shipped![
+const SHIPPED: [Shipped; 40] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -40,6 +40,7 @@ const SHIPPED: [Shipped; 38] = shipped![
     "healing.toml",
     "spectrum.toml",
     "fit.toml",
+    "fit-steady.toml",
     "stick-slip-ageing.toml",
     "ofc.toml",
     "front-chain.toml",
@@ -51,6 +52,7 @@ const SHIPPED: [Shipped; 38] = shipped![
     "first_loading.csv",
     "front-chain.csv",
     "measured-pull.csv",
+    "measured-noise.csv",
 ];
 
 /// The text of the example `name`, with or without `.toml`.

@@ -1704,6 +1704,92 @@ class Smoluchowski(Ageing):
     def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> Smoluchowski: ...
 
 @final
+class SteadyEstimates:
+    """What a fit to a record of steady sliding has found: values of the free numbers with their errors, and how well they
+    describe the record.
+
+    Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
+    """
+
+    def __repr__(self, /) -> str: ...
+    def _repr_html_(self, /) -> str: ...
+    @property
+    def contacts(self, /) -> Contacts:
+        """The contacts of the estimated numbers."""
+
+    @property
+    def converged(self, /) -> bool:
+        """Whether the search has converged; otherwise the estimates are its last values."""
+
+    @property
+    def correlations(self, /) -> list[Correlation]:
+        """The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation."""
+
+    @property
+    def covariance(self, /) -> _Array:
+        """The covariance of the estimates in the order of `params`, shape (n, n)."""
+
+    def friction(self, /) -> FrictionEstimates:
+        """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
+        the initial stretches, of which the record tells nothing.
+        """
+
+    def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
+        """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
+        numbers, has risen by 3.84.
+
+        name: a name of `params`.
+        progress: as for MasterEquation.pull.
+        """
+
+    @property
+    def misfit(self, /) -> Misfit:
+        """How well the record is described, a Misfit: of its Fourier components, each divided by its expected size."""
+
+    @property
+    def model(self, /) -> MasterEquation:
+        """The master equation of the estimated numbers."""
+
+    @property
+    def offset(self, /) -> float:
+        """The reading of the force where there is none, given or estimated, a force."""
+
+    @property
+    def params(self, /) -> dict[str, Estimate]:
+        """The free numbers by name, and after them "reading" if it was estimated: each an Estimate."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the periodogram as dots and its expectation as a line, on logarithmic axes. Returns the axes. It needs
+        matplotlib.
+
+        ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+        """
+
+    @property
+    def reading(self, /) -> float:
+        """The standard deviation of the independent error of a reading, given or estimated, a force."""
+
+    @property
+    def readings(self, /) -> int:
+        """The number of readings of the record."""
+
+    @property
+    def solutions(self, /) -> int:
+        """The number of solutions of the master equation that the search took, without those for derivatives."""
+
+    @property
+    def spectrum(self, /) -> Record:
+        """The periodogram of the record of n readings, a Record of arrays of shape (n // 2,).
+
+        `wave_number` is q = 2πk/(n spacing), k = 1, 2, ..., `periodogram` the squared modulus of the discrete Fourier
+        transform times spacing/n, and `expected` its expectation by the estimated contacts, with aliasing, leakage and the
+        error of a reading.
+        """
+
+    def summary(self, /) -> str:
+        """A table in plain English: values with errors and intervals, correlations, and how well the record is described."""
+
+@final
 class SteadyState:
     """Steady sliding: the solution of the master equation that does not depend on X.
 
@@ -2108,6 +2194,43 @@ def fit(
 
     Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
     converge is no error: see Estimates.converged.
+    """
+
+def fit_steady(
+    contacts: Contacts,
+    spacing: _Number,
+    force: ArrayLike,
+    *,
+    free: Sequence[str],
+    initial: _AnyLaw | None = None,
+    start: Literal["conditional", "relaxed"] = "conditional",
+    velocity: _Number | None = None,
+    reading: _Number | None = None,
+    offset: _Number = 0.0,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    progress: _Progress = None,
+) -> SteadyEstimates:
+    """Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
+
+    The force of the N_c contacts is a stationary process with the mean F_k and a known autocovariance, to which
+    independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
+    discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
+
+    contacts, velocity: as for MasterEquation; their free numbers are first values.
+    spacing: the displacement of the slider from one reading to the next, above 0.
+    force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
+    free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+    "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
+    Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
+    count and stiffness cannot both be free, unless one has a prior.
+    initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
+    reading: the standard deviation of the independent error of a reading; estimated if None.
+    offset: the reading of the force where there is none.
+    prior: as for fit.
+    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
+    determine. A search that does not converge is no error: see SteadyEstimates.converged.
     """
 
 def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:

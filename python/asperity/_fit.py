@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from asperity import _show
 
 if TYPE_CHECKING:
-    from asperity._core import Estimates
+    from asperity._core import Estimates, SteadyEstimates
     from asperity._values import Estimate
 
 
@@ -30,8 +30,22 @@ def title(fit: "Estimates") -> str:
     return f"fit to {count} readings, {fit.solutions} solutions of the master equation"
 
 
-def rows(fit: "Estimates") -> dict[str, str]:
-    """Estimates, large correlations, and how well the curve is described."""
+def steady_text(fit: "SteadyEstimates") -> str:
+    return "\n".join([_show.listed("<asperity.SteadyEstimates>", rows(fit)), *remarks(fit, "record")])
+
+
+def steady_html(fit: "SteadyEstimates") -> str:
+    remark = " ".join(remarks(fit, "record"))
+    return _show.table("SteadyEstimates", {**rows(fit), **({"remark": remark} if remark else {})})
+
+
+def steady_summary(fit: "SteadyEstimates") -> str:
+    title = f"fit to {fit.readings} readings in steady sliding, {fit.solutions} solutions of the master equation"
+    return "\n".join([_show.listed(title, rows(fit)), *remarks(fit, "record")])
+
+
+def rows(fit: "Estimates | SteadyEstimates") -> dict[str, str]:
+    """Estimates, large correlations, and how well the readings are described."""
     rows = {name: estimate(one) for name, one in fit.params.items()}
     for one in fit.correlations:
         rows[f"correlation of {' and '.join(one.between)}"] = f"{one.coefficient:.2f}"
@@ -53,13 +67,13 @@ def rows(fit: "Estimates") -> dict[str, str]:
     return rows
 
 
-def remarks(fit: "Estimates") -> list[str]:
+def remarks(fit: "Estimates | SteadyEstimates", what: str = "curve") -> list[str]:
     """Sentences about a fit that is not to be trusted."""
     found = []
     if not fit.converged:
         found.append("The search did not converge: these are its last values.")
     if fit.misfit is not None and fit.misfit.unlikely:
-        found.append("The curve is not of this kind: do not trust the errors.")
+        found.append(f"The {what} is not of this kind: do not trust the errors.")
     return found
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
-    from asperity._core import Estimates, Healing, Pull, Record, VelocityStep
+    from asperity._core import Estimates, Healing, Pull, Record, SteadyEstimates, VelocityStep
 
 
 def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
@@ -80,6 +80,16 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
     below.set_xlabel(axis("position", readings.labels["position"].units))
     below.set_ylabel("whitened residual")
     return axes
+
+
+def fit_spectrum(fit: "SteadyEstimates", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The periodogram of a record with its expectation, on logarithmic axes."""
+    if ax is None:
+        ax = new_axes()
+    spectrum = fit.spectrum
+    ax.loglog(spectrum["wave_number"], spectrum["periodogram"], "k.", markersize=1)
+    curve(spectrum, ax, {"wave_number": "q", "expected": "S"}, **style)
+    return ax
 
 
 def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":

@@ -193,13 +193,8 @@ impl Estimates {
         (first, velocity): (Interface, Option<f64>),
         laws: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let parameters = found.equation().parameters();
-        let (interface, velocity) = fitted((first, velocity), &found, &parameters);
-        let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
-            .map_err(error::core)?;
-        let model = MasterEquation { equation: found.equation().clone(), initial };
-        let solved = Solved { own: scenario::MasterEquation::default(), velocity };
-        let model = Bound::new(py, model.described(interface, solved))?;
+        let names: Vec<String> = found.parameters.iter().map(|estimate| estimate.name.clone()).collect();
+        let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
         Ok(Self { found, model: model.unbind(), pull, readings, laws: laws.unbind() })
@@ -402,6 +397,21 @@ impl Estimates {
     }
 }
 
+/// The equation of the estimated numbers, with the description of its contacts.
+pub fn fitted_model<'py>(
+    py: Python<'py>,
+    equation: &master::MasterEquation,
+    first: (Interface, Option<f64>),
+    free: &[String],
+) -> PyResult<Bound<'py, MasterEquation>> {
+    let (interface, velocity) = fitted(first, equation, &equation.parameters(), free);
+    let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
+        .map_err(error::core)?;
+    let model = MasterEquation { equation: equation.clone(), initial };
+    let solved = Solved { own: scenario::MasterEquation::default(), velocity };
+    Bound::new(py, model.described(interface, solved))
+}
+
 /// The readings as columns, one curve after the other.
 fn columns(found: &asperity::fit::Estimates) -> record::Record {
     let (curves, described) = (found.curves(), &found.readings);
@@ -439,7 +449,7 @@ fn columns(found: &asperity::fit::Estimates) -> record::Record {
 /// The description of the fitted contacts: the first one with the estimates in the place of free numbers.
 fn fitted(
     (mut interface, mut velocity): (Interface, Option<f64>),
-    found: &asperity::fit::Estimates,
+    equation: &master::MasterEquation,
     parameters: &[Parameter],
 ) -> (Interface, Option<f64>) {
     // The description is that of the first curve.
@@ -459,7 +469,7 @@ fn fitted(
     if let Some(areas) = &mut interface.contacts.areas
         && free.iter().any(|free| ["thresholds.factor", "stiffness_per_threshold"].contains(free))
     {
-        set_areas(areas, found.equation());
+        set_areas(areas, equation);
     }
     (interface, velocity)
 }

@@ -10,6 +10,7 @@ mod equation;
 mod error;
 mod exact;
 mod fit;
+mod fit_steady;
 mod interface;
 mod law;
 mod measured;
@@ -52,6 +53,8 @@ mod _core {
     };
     #[pymodule_export]
     use crate::fit::{Estimates, fit};
+    #[pymodule_export]
+    use crate::fit_steady::{SteadyEstimates, fit_steady};
     #[pymodule_export]
     use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]

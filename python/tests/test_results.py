@@ -29,6 +29,7 @@ TABLES = (
     "hold_curve.csv",
     "spectrum.csv",
     "fit.csv",
+    "fit_spectrum.csv",
     "thresholds.csv",
 )
 

@@ -7,12 +7,17 @@ use std::sync::Arc;
 use asperity::contacts::{Contacts, Initial};
 use asperity::law::{Gaussian, Point};
 use asperity::master::MasterEquation;
+use asperity::scenario::Scenario;
 use asperity_runner::output::{self, Outcome};
 use asperity_runner::{input, run};
 
-/// Runs a shipped scenario with overrides.
+/// Runs the shipped fit to a curve with overrides.
 fn fitted(overrides: &[&str]) -> Outcome {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fit.toml");
+    shipped("fit.toml", overrides)
+}
+
+fn shipped(name: &str, overrides: &[&str]) -> Outcome {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name);
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     let input = input::read(&path, &overrides).expect("the scenario is valid");
     run(&input.scenario, &mut ()).unwrap()
@@ -161,5 +166,70 @@ fn several_curves_are_fitted_together_and_each_has_its_fitted_scenario() {
         assert_eq!(compared.points, points);
         // Of forces of a thousand; the fit is exact to 1e-6 of it.
         assert!(compared.residual_rms.unwrap() < 1e-3, "{compared:?}");
+    }
+}
+
+#[test]
+fn the_numbers_that_made_the_shipped_record_are_found_and_its_fitted_scenario_has_them() {
+    let outcome = shipped("fit-steady.toml", &[]);
+    let found = outcome.summary.numbers.fit().unwrap();
+    assert!(found.converged && !found.misfit.unwrap().is_unlikely());
+    assert_eq!(found.readings, 4500);
+    let truth = [
+        ("contacts.thresholds.gaussian.mean", 1.0),
+        ("contacts.thresholds.gaussian.std", 0.12),
+        ("contacts.count", 2000.0),
+        ("contacts.stiffness", 1.0),
+        ("fit.reading", 1.0),
+    ];
+    for (number, (key, value)) in found.numbers.iter().zip(truth) {
+        assert_eq!(number.key, key);
+        assert!((number.value - value).abs() < 3.0 * number.error, "{number:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&folder.path().join("fit"), &outcome, &[]).unwrap();
+    let read = input::read(&folder.path().join("fit/fitted.toml"), &[]).expect("it runs as it is");
+    let computed = run(&read.scenario, &mut ()).unwrap();
+    let noise = computed.summary.numbers.noise().unwrap();
+    assert_eq!(noise.size.to_bits(), found.numbers[2].value.to_bits());
+    // The mean of the record is the only datum of the kinetic friction.
+    let friction = found.friction.kinetic_friction;
+    assert!((noise.kinetic_friction / friction.value.0 - 1.0).abs() < 1e-9);
+    // Far from the ends of the range of wave numbers, where neither leakage nor aliasing counts, the expected periodogram is the
+    // spectrum and the error of a reading. A tenth: the rest of both at the third peak.
+    let (q, expected) = (
+        outcome.record.values("fit_wave_number").unwrap(),
+        outcome.record.values("fit_expected_periodogram").unwrap(),
+    );
+    let equation = MasterEquation::new(read.scenario.build().unwrap().contacts, &Initial::default()).unwrap();
+    let steady = equation.steady_state();
+    let floor = found.reading.powi(2) * 0.05;
+    for k in (100..700).step_by(50) {
+        let exact = steady.spectrum(&[q[k]], noise.size).unwrap()[0] + floor;
+        assert!((expected[k] / exact - 1.0).abs() < 0.1, "{k}: {} {exact}", expected[k]);
+    }
+}
+
+#[test]
+fn a_record_may_have_positions_and_be_part_of_the_scenario() {
+    let outcome = shipped("fit-steady.toml", &[]);
+    let scenario = toml::from_str::<Scenario>(&outcome.scenario).unwrap();
+    let forces = scenario.fit.unwrap().steady.unwrap().force.unwrap();
+    let rows: String =
+        forces.iter().enumerate().map(|(i, force)| format!("{},{force}\n", 60.0 + 0.05 * i as f64)).collect();
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("record.csv"), format!("position,force\n{rows}")).unwrap();
+    let text =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fit-steady.toml"));
+    let text = text.unwrap().replace("measured-noise.csv", "record.csv").replace("spacing = 0.05", "");
+    let path = folder.path().join("fit.toml");
+    fs::write(&path, text).unwrap();
+    let again = run(&input::read(&path, &[]).expect("the scenario is valid").scenario, &mut ()).unwrap();
+    let values = |outcome: &Outcome| -> Vec<f64> {
+        outcome.summary.numbers.fit().unwrap().numbers.iter().map(|number| number.value).collect()
+    };
+    for (a, b) in values(&outcome).iter().zip(values(&again)) {
+        // The spacing of positions is that of the first and the last, but for rounding.
+        assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
     }
 }

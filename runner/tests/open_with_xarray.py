@@ -21,6 +21,7 @@ TABLES = {
     "hold_curve.csv": "hold",
     "spectrum.csv": "wave_number",
     "fit.csv": "reading_position",
+    "fit_spectrum.csv": "fit_wave_number",
     "thresholds.csv": "drive",
 }
 

@@ -9,6 +9,7 @@ mod equilibrium;
 mod evolution;
 mod field;
 mod fit;
+mod fit_spectrum;
 mod force;
 mod hold_curve;
 mod potential;
@@ -54,7 +55,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("stress_map", stress_map::scene(outcome)),
         ("space_time", space_time::scene(outcome)),
         ("thresholds", thresholds::scene(outcome)),
-        ("spectrum", spectrum::scene(outcome)),
+        ("spectrum", spectrum::scene(outcome).or_else(|| fit_spectrum::scene(outcome))),
         ("correlation", spectrum::correlation(outcome)),
         ("fit", fit::scene(outcome)),
     ];

@@ -221,7 +221,7 @@ impl Ended {
         let active: Vec<usize> = (0..free.len())
             .filter(|&k| !optimum.at_bound[k] && optimum.score.information[(k, k)] > 0.0)
             .collect();
-        refuse_undetermined(free, &optimum.score.information, &active)?;
+        refuse_undetermined(free, &optimum.score.information, &active, ("curve", UNDETERMINED))?;
         let covariance = matrix::covariance(&optimum.score.information, &active);
         let covariance =
             covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len())) * faer::Scale(self.bias());
@@ -307,13 +307,15 @@ impl Ended {
 }
 
 /// # Errors
-/// Numbers that can change together without a change of the likelihood.
+/// Numbers that can change together without a change of `what`, a curve or a record: along an eigenvector of the scaled
+/// information whose eigenvalue is below `least`.
 pub(super) fn refuse_undetermined(
     free: &[FreeParameter],
     information: &Mat<f64>,
     active: &[usize],
+    (what, least): (&str, f64),
 ) -> Result<()> {
-    let Some(direction) = matrix::undetermined(information, active, UNDETERMINED).into_iter().next() else {
+    let Some(direction) = matrix::undetermined(information, active, least).into_iter().next() else {
         return Ok(());
     };
     let change = |(&k, d): (&usize, &f64)| {
@@ -330,18 +332,18 @@ pub(super) fn refuse_undetermined(
         let of = if *logarithmic { "ln " } else { "" };
         format!("{of}{name} by {:+}", significant(change / first))
     });
-    let expected = "numbers that the curve determines (fix one of these, or give it a prior)";
+    let expected = format!("numbers that the {what} determines (fix one of these, or give it a prior)");
     let told = told.collect::<Vec<_>>().join(", ");
-    let found = format!("the same curve if these change together: {told}");
+    let found = format!("the same {what} if these change together: {told}");
     Err(Error::invalid("free", expected, found))
 }
 
 /// The estimate of number `k`, whose coordinate has the standard error `error`; with the limit below which it is, where
-/// only this is known and it is `measured`.
+/// only this is known and it is asked for.
 pub(super) fn estimate<O: Objective>(
     (likelihood, optimum): (&O, &Optimum<O::Point>),
     (k, error): (usize, f64),
-    measured: bool,
+    with_limit: bool,
     monitor: &mut dyn Monitor,
 ) -> Result<Estimate> {
     let parameter = &likelihood.free()[k];
@@ -350,7 +352,7 @@ pub(super) fn estimate<O: Objective>(
     let low = parameter.logarithmic && optimum.at_bound[k] && u <= parameter.bounds[0];
     let vague = parameter.is_of_errors() && parameter.logarithmic && (error.is_nan() || error > VAGUE);
     let limited = (low || vague) && parameter.role != Role::DriftLength;
-    let limit = if limited && measured {
+    let limit = if limited && with_limit {
         Some(interval::upper_limit((likelihood, optimum), k, monitor)?)
     } else {
         None

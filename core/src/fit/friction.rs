@@ -1,9 +1,9 @@
 //! Friction of the fitted contacts, with the errors of the estimates propagated to it.
 
 use super::estimates::Estimates;
-use super::free::Role;
+use super::free::{FreeParameter, Role};
 use crate::Result;
-use crate::master::FrictionGradient;
+use crate::master::{FrictionGradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
 
 /// A value with its standard error.
@@ -35,30 +35,45 @@ impl Estimates {
     /// # Errors
     /// Those of [`crate::master::Pull::friction_gradients`].
     pub fn friction(&self, monitor: &mut dyn Monitor) -> Result<FrictionEstimates> {
-        let (free, count) = (&self.ended.likelihood.free, self.parameters.len());
-        let of_contacts: Vec<usize> =
-            (0..count).filter(|&k| free[k].role == Role::Contacts && free[k].applies_to(0)).collect();
-        let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].quantity.as_str()).collect();
-        let gradients = self.pull(0).friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
-        let relaxation = self.equation().relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
-        let steady = self.equation().steady_state();
-        let with_error = |value: f64, of: &dyn Fn(&FrictionGradient) -> f64| {
-            let pairs = of_contacts.iter().zip(&gradients);
-            let products = pairs.clone().flat_map(|(&i, a)| pairs.clone().map(move |(&j, b)| (i, j, a, b)));
-            let variance: f64 =
-                products.map(|(i, j, a, b)| self.covariance[i * count + j] * of(a) * of(b)).sum();
-            // Rounding may make the variance of what does not vary negative.
-            WithError { value, error: if variance.is_nan() { f64::NAN } else { variance.max(0.0).sqrt() } }
-        };
-        let peak = self.pull(0).static_friction();
-        let at_peak = |gradient: &FrictionGradient| gradient.static_friction.unwrap_or(f64::NAN);
-        Ok(FrictionEstimates {
-            static_friction: peak.map(|peak| with_error(peak.value, &at_peak)),
-            kinetic_friction: with_error(steady.kinetic_friction(), &|gradient| gradient.kinetic_friction),
-            relaxation_length: with_error(relaxation.length(), &|gradient| gradient.relaxation_length),
-            critical_stiffness: with_error(self.pull(0).critical_stiffness(), &|gradient| {
-                gradient.critical_stiffness
-            }),
-        })
+        let of_first: Vec<usize> =
+            (0..self.parameters.len()).filter(|&k| self.ended.likelihood.free[k].applies_to(0)).collect();
+        let free: Vec<FreeParameter> =
+            of_first.iter().map(|&k| self.ended.likelihood.free[k].clone()).collect();
+        let n = self.parameters.len();
+        let pairs = of_first.iter().flat_map(|&i| of_first.iter().map(move |&j| (i, j)));
+        let covariance: Vec<f64> = pairs.map(|(i, j)| self.covariance[i * n + j]).collect();
+        friction((self.equation(), self.pull(0)), (&free, &covariance), monitor)
     }
+}
+
+/// Friction of contacts on a pull, with the errors that follow from the covariance of the estimates of `free`.
+///
+/// # Errors
+/// Those of [`Pull::friction_gradients`].
+pub(super) fn friction(
+    (equation, pull): (&MasterEquation, &Pull),
+    (free, covariance): (&[FreeParameter], &[f64]),
+    monitor: &mut dyn Monitor,
+) -> Result<FrictionEstimates> {
+    let count = free.len();
+    let of_contacts: Vec<usize> = (0..count).filter(|&k| free[k].role == Role::Contacts).collect();
+    let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].name.as_str()).collect();
+    let gradients = pull.friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
+    let relaxation = equation.relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
+    let steady = equation.steady_state();
+    let with_error = |value: f64, of: &dyn Fn(&FrictionGradient) -> f64| {
+        let pairs = of_contacts.iter().zip(&gradients);
+        let products = pairs.clone().flat_map(|(&i, a)| pairs.clone().map(move |(&j, b)| (i, j, a, b)));
+        let variance: f64 = products.map(|(i, j, a, b)| covariance[i * count + j] * of(a) * of(b)).sum();
+        // Rounding may make the variance of what does not vary negative.
+        WithError { value, error: if variance.is_nan() { f64::NAN } else { variance.max(0.0).sqrt() } }
+    };
+    let peak = pull.static_friction();
+    let at_peak = |gradient: &FrictionGradient| gradient.static_friction.unwrap_or(f64::NAN);
+    Ok(FrictionEstimates {
+        static_friction: peak.map(|peak| with_error(peak.value, &at_peak)),
+        kinetic_friction: with_error(steady.kinetic_friction(), &|gradient| gradient.kinetic_friction),
+        relaxation_length: with_error(relaxation.length(), &|gradient| gradient.relaxation_length),
+        critical_stiffness: with_error(pull.critical_stiffness(), &|gradient| gradient.critical_stiffness),
+    })
 }

@@ -30,6 +30,10 @@ pub(super) trait Objective {
     /// What is computed at a point.
     type Point;
 
+    /// How often a step without damping is halved before steps are damped. Damping is relative to the information of each
+    /// number: where this is nearly singular, it holds back what is hardly determined even where it is small.
+    const HALVINGS: i32 = 0;
+
     /// The free numbers.
     fn free(&self) -> &[FreeParameter];
 
@@ -109,19 +113,32 @@ pub(super) fn search<O: Objective>(
     for step in 0..STEPS {
         // The number of steps is not known beforehand; most searches need about ten.
         monitor.fraction = 1.0 - 0.85_f64.powi(step as i32);
-        let active = active(likelihood.free(), &coordinates, &score, held);
-        let Some(newton) = matrix::damped_step(&score, &active, 0.0) else { break };
+        let mut active = active(likelihood.free(), &coordinates, &score, held);
+        let Some(mut newton) = matrix::damped_step(&score, &active, 0.0) else { break };
+        // Numbers at an end of their range that all together would leave it stay there.
+        let stays = |k: usize| {
+            let [low, high] = likelihood.free()[k].bounds;
+            (coordinates[k] <= low && newton[(k, 0)] < 0.0)
+                || (coordinates[k] >= high && newton[(k, 0)] > 0.0)
+        };
+        let moving: Vec<usize> = active.iter().copied().filter(|&k| !stays(k)).collect();
+        if moving.len() < active.len() {
+            active = moving;
+            let Some(step) = matrix::damped_step(&score, &active, 0.0) else { break };
+            newton = step;
+        }
         let decrement = -matrix::inner(&newton, &score.slope);
         if decrement < SHORT {
             converged = true;
             break;
         }
-        let mut moved = false;
+        let (mut moved, mut halvings) = (false, 0);
         while damping <= MOST {
             let Some(step) = matrix::damped_step(&score, &active, damping) else {
                 damping = more(damping);
                 continue;
             };
+            let step = if damping == 0.0 { step * faer::Scale(0.5_f64.powi(halvings)) } else { step };
             let next = stepped(likelihood.free(), &coordinates, &step);
             let found = likelihood.trial(&next, monitor)?;
             solutions += 1;
@@ -131,6 +148,7 @@ pub(super) fn search<O: Objective>(
                     damping = less(damping);
                     break;
                 }
+                None if damping == 0.0 && halvings < O::HALVINGS => halvings += 1,
                 None => damping = more(damping),
             }
         }

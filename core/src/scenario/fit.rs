@@ -6,7 +6,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::law::ParametricFamily;
-use super::{Compare, FitCompliance, FitCurve, FitSource, Law, Model, Pull, Scenario, Start, positive};
+use super::{
+    Compare, FitCompliance, FitCurve, FitSource, FitSteady, Law, Model, Pull, Scenario, Start, exactly_one,
+    positive,
+};
 use crate::fit::{ERRORS, ErrorModel, MACHINE, Prior};
 use crate::law;
 use crate::master::MasterEquation;
@@ -32,6 +35,10 @@ pub struct Fit {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length"))]
     pub drive: Option<Vec<f64>>,
+    /// A record of the force in steady sliding, instead of a curve; with `fit.free`, `fit.reading`, `fit.offset`, `fit.prior` and
+    /// `fit.velocity` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steady: Option<FitSteady>,
     /// Measured forces, instead of a file; without them, and with `fit.reading`, the errors that such a measurement would have.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
@@ -119,6 +126,7 @@ impl Default for Fit {
             source: None,
             position: None,
             drive: None,
+            steady: None,
             force: None,
             curve: Vec::new(),
             free: Vec::new(),
@@ -153,6 +161,17 @@ impl Fit {
         ];
         if let (false, Some((key, _))) = (self.curve.is_empty(), alone.iter().find(|(_, given)| *given)) {
             return Err(Error::invalid(*key, "none beside [[fit.curve]]", "one"));
+        }
+        let given = [
+            ("file", self.file.is_some()),
+            ("position", self.position.is_some()),
+            ("drive", self.drive.is_some()),
+            ("curve", !self.curve.is_empty()),
+            ("steady", self.steady.is_some()),
+        ];
+        exactly_one("", "one of file, position, drive, curve and steady", &given)?;
+        if let Some(steady) = &self.steady {
+            return self.check_steady(steady);
         }
         for (c, curve) in self.curves().iter().enumerate() {
             let checked = curve.check(self.reading.is_some());
@@ -232,16 +251,11 @@ impl Fit {
         model: &Model,
         monitor: &mut dyn Monitor,
     ) -> Result<(crate::fit::Fit, FitKeys)> {
-        let Model { contacts, initial, .. } = model;
-        let equation = match self.velocity {
-            Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, monitor)?,
-            None => MasterEquation::new_with(contacts.clone(), initial, monitor)?,
-        };
+        let equation = self.equation(model, monitor)?;
         let keys = FitKeys::new(model, &equation);
-        let free = self.free_keys();
-        let names = free.iter().enumerate().map(|(i, key)| keys.name(&format!("fit.free.{i}"), key));
-        let names = names.collect::<Result<Vec<_>>>()?;
+        let (names, priors) = (self.names(&keys)?, self.priors(&keys)?);
         let mut measured = Vec::new();
+        let contacts = &model.contacts;
         let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
         for (c, curve) in self.curves().iter().enumerate() {
             let found = curve.measurement(self.average, stiffness);
@@ -253,16 +267,50 @@ impl Fit {
         };
         let fit = crate::fit::Fit::new(equation, first).free(names).errors(self.errors());
         let mut fit = measured.fold(fit, crate::fit::Fit::curve);
+        for (name, prior) in priors {
+            fit = fit.prior(&name, prior);
+        }
+        fit.check().map_err(Self::keyed)?;
+        Ok((fit, keys))
+    }
+
+    /// The master equation of the first values.
+    ///
+    /// # Errors
+    /// Those of [`MasterEquation::new`] and [`MasterEquation::at`].
+    pub(super) fn equation(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<MasterEquation> {
+        let Model { contacts, initial, .. } = model;
+        match self.velocity {
+            Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, monitor),
+            None => MasterEquation::new_with(contacts.clone(), initial, monitor),
+        }
+    }
+
+    /// The names of the free numbers in the core.
+    ///
+    /// # Errors
+    /// A key that is none of `keys`.
+    pub(super) fn names(&self, keys: &FitKeys) -> Result<Vec<String>> {
+        let names = self.free_keys().into_iter().enumerate();
+        names.map(|(i, key)| keys.name(&format!("fit.free.{i}"), &key)).collect()
+    }
+
+    /// The priors by the names of the core.
+    ///
+    /// # Errors
+    /// A prior of a number that is not free.
+    pub(super) fn priors(&self, keys: &FitKeys) -> Result<Vec<(String, Prior)>> {
+        let mut priors = Vec::new();
+        let free = self.free_keys();
         for (key, prior) in &self.prior {
             let place = format!("fit.prior.{key}");
             if !free.contains(key) {
                 let expected = format!("priors of the keys in fit.free: {}", free.join(", "));
                 return Err(Error::invalid(place, expected, "another key"));
             }
-            fit = fit.prior(&keys.name(&place, key)?, *prior);
+            priors.push((keys.name(&place, key)?, *prior));
         }
-        fit.check().map_err(Self::keyed)?;
-        Ok((fit, keys))
+        Ok(priors)
     }
 
     /// The fit of the core with other thresholds, those of the distribution `name` with mean and standard deviation near those of
@@ -352,7 +400,7 @@ pub(crate) struct FitKeys(Vec<(String, String)>);
 
 impl FitKeys {
     /// Numbers of the machine and of the errors, and those of the contacts as far as they are parameters of the force.
-    fn new(model: &Model, equation: &MasterEquation) -> Self {
+    pub(super) fn new(model: &Model, equation: &MasterEquation) -> Self {
         let known = equation.parameters();
         let is_parameter = |name: &str| known.iter().any(|parameter| parameter.name == name);
         let of_contacts = model.keys.iter().filter(|(_, name)| is_parameter(name)).cloned();
@@ -371,6 +419,12 @@ impl FitKeys {
             (format!("contacts.thresholds.{name}.{inner}"), format!("thresholds.{inner}"))
         });
         Self(own.chain(others).collect())
+    }
+
+    /// Those whose names are of a kind.
+    pub(super) fn only(mut self, kind: impl Fn(&str) -> bool) -> Self {
+        self.0.retain(|(_, name)| kind(name));
+        self
     }
 
     /// The name for a key; `place` is where the key is given.

@@ -78,7 +78,9 @@ impl Task<'_> {
             model.contacts.renew_completely().map_err(Error::of_scenario)?;
             refuse_quenched(self, model)?;
         }
-        if let Task::Fit(fit) = self {
+        if let Task::Fit(fit) = self
+            && fit.prepare_steady(model, &mut ()).map_err(Error::of_scenario)?.is_none()
+        {
             fit.prepare(model, &mut ()).map_err(Error::of_scenario)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;

@@ -1,9 +1,11 @@
 //! `[fit]`: numbers of the contacts, and of the machine, from a measured curve.
 
-use super::Output;
 use super::accuracy::ForceAccuracy;
 use super::summary::{Extended, FitFriction, FitLaw, FitLaws, FitNumber, FitNumbers, FitSummary, Uncertain};
-use crate::fit::{Correlation, Estimate, Estimates, Fit, Measurement, Readings, WithError};
+use super::{Output, fit_steady};
+use crate::fit::{
+    Correlation, Estimate, Estimates, Fit, FrictionEstimates, Measurement, Readings, WithError,
+};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, FitKeys, Model};
@@ -36,15 +38,18 @@ const WHITENED: Column = Column::new(
 const COLUMNS: [Column; 7] = [CURVE, POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED];
 
 /// Its tables in CSV.
-pub(super) const TABLES: &[CsvTable] = &[CsvTable {
-    file: "fit.csv",
-    columns: &[CURVE, POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED],
-    needed: EXPECTED,
-}];
+pub(super) const TABLES: &[CsvTable] = &[
+    CsvTable {
+        file: "fit.csv",
+        columns: &[CURVE, POSITION, SLIDER, MEASURED, EXPECTED, STD, WHITENED],
+        needed: EXPECTED,
+    },
+    fit_steady::TABLE,
+];
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![("fit", Record::declared(&[&COLUMNS]))]
+    vec![("fit", Record::declared(&[&COLUMNS, &fit_steady::COLUMNS]))]
 }
 
 /// Fits the numbers that `task` lists.
@@ -56,13 +61,15 @@ pub(super) fn run(
     task: &scenario::Fit,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<FitNumbers>> {
+    if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
+        return fit_steady::run(model, &steady, &mut Part::new(monitor, 0.05, 0.95));
+    }
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
     let share = 0.85 / (1 + task.laws.len()) as f64;
     let found = fit.run_with(&mut Part::new(monitor, 0.05, share)).map_err(scenario::Fit::keyed)?;
     let laws = laws(task, (&fit, &keys), &found, &mut Part::new(monitor, 0.05 + share, 0.85 - share))?;
-    let friction = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
+    let told = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
     let record = record(&found);
-    let error = |of: WithError| Uncertain { value: Extended(of.value), error: Extended(of.error) };
     let summary = FitSummary {
         converged: found.converged,
         readings: found.readings.iter().map(|curve| curve.positions.len()).sum(),
@@ -72,23 +79,12 @@ pub(super) fn run(
         distances: (0..found.curves().len()).map(|curve| found.pull(curve).distance()).collect(),
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),
         misfit: found.misfit,
-        correlations: correlations(&keys, &found),
-        friction: FitFriction {
-            static_friction: friction.static_friction.map(error),
-            kinetic_friction: error(friction.kinetic_friction),
-            relaxation_length: error(friction.relaxation_length),
-            critical_stiffness: error(friction.critical_stiffness),
-        },
+        correlations: correlations(&keys, found.correlations()),
+        friction: friction(&told),
         laws,
         sources: task.curves().into_iter().filter_map(|curve| curve.source).collect(),
     };
-    let mut warnings = Vec::new();
-    if !found.converged {
-        warnings.push(
-            "fit: the search has not converged; the values are the last ones, without meaningful errors"
-                .into(),
-        );
-    }
+    let warnings = not_converged(found.converged);
     let accuracy = ForceAccuracy::new(model, found.pull(0).error_estimate(), found.equation().life().mean());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
     accuracy.of(model, "the force of the fit", output)
@@ -169,7 +165,24 @@ fn record(found: &Estimates) -> Record {
     record
 }
 
-fn number(keys: &FitKeys, estimate: &Estimate) -> FitNumber {
+/// The warning of a search that has not converged.
+pub(super) fn not_converged(converged: bool) -> Vec<String> {
+    let text = "fit: the search has not converged; the values are the last ones, without meaningful errors";
+    if converged { Vec::new() } else { vec![text.into()] }
+}
+
+/// Friction with its errors.
+pub(super) fn friction(found: &FrictionEstimates) -> FitFriction {
+    let error = |of: WithError| Uncertain { value: Extended(of.value), error: Extended(of.error) };
+    FitFriction {
+        static_friction: found.static_friction.map(error),
+        kinetic_friction: error(found.kinetic_friction),
+        relaxation_length: error(found.relaxation_length),
+        critical_stiffness: error(found.critical_stiffness),
+    }
+}
+
+pub(super) fn number(keys: &FitKeys, estimate: &Estimate) -> FitNumber {
     let Estimate { name, value, error, interval, limit } = estimate;
     FitNumber {
         key: keys.key(name),
@@ -180,11 +193,10 @@ fn number(keys: &FitKeys, estimate: &Estimate) -> FitNumber {
     }
 }
 
-fn correlations(keys: &FitKeys, found: &Estimates) -> Vec<Correlation> {
-    let told = found.correlations().into_iter();
-    told.map(|correlation| Correlation {
+pub(super) fn correlations(keys: &FitKeys, told: Vec<Correlation>) -> Vec<Correlation> {
+    let named = |correlation: Correlation| Correlation {
         between: correlation.between.map(|name| keys.key(&name)),
         coefficient: correlation.coefficient,
-    })
-    .collect()
+    };
+    told.into_iter().map(named).collect()
 }

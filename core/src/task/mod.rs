@@ -25,6 +25,7 @@ mod distribution;
 mod drive;
 mod ensemble;
 mod fit;
+mod fit_steady;
 mod grid;
 mod hold_curve;
 mod in_time;

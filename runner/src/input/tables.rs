@@ -38,6 +38,15 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
             measured.inline(directory).map_err(|fault| fault.under(&format!("fit.curve.{c}.file")))?;
         }
     }
+    if let Some(steady) = scenario.fit.as_mut().and_then(|fit| fit.steady.as_mut())
+        && let Some(file) = steady.file.take_if(|_| steady.position.is_none() && steady.force.is_none())
+    {
+        let layouts: [&[&str]; 2] = [&["position", "force"], &["force"]];
+        let found = read_one_of(&directory.join(file), &layouts);
+        let (_, mut columns) = found.map_err(|fault| fault.under("fit.steady.file"))?;
+        steady.force = columns.pop();
+        steady.position = columns.pop();
+    }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
     if let Some(scales) = scales
         && let Some(file) = scales.file.take_if(|_| scales.scale.is_none())

@@ -1,4 +1,4 @@
-//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside each measured curve.
+//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside each measured curve, or as a `[spectrum]`.
 
 use asperity::scenario::{Compare, Scenario};
 
@@ -14,6 +14,10 @@ pub fn fitted(outcome: &Outcome) -> Vec<(String, String)> {
     };
     let values: Vec<(String, f64)> =
         found.numbers.iter().map(|number| (number.key.clone(), number.value)).collect();
+    if let Some(highest) = outcome.record.values("fit_wave_number").and_then(<[f64]>::last) {
+        let text = input::to_text(&scenario.fitted_spectrum(&values, *highest));
+        return vec![("fitted.toml".to_owned(), text)];
+    }
     let count = found.distances.len();
     let one = |(curve, &distance): (usize, &f64)| {
         let name = if count == 1 { "fitted.toml".to_owned() } else { format!("fitted-{curve}.toml") };

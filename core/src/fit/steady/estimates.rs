@@ -1,0 +1,180 @@
+//! What a fit to a record in steady sliding has found.
+
+use faer::Mat;
+
+use super::super::estimates::{Correlation, Estimate, correlations, estimate, refuse_undetermined};
+use super::super::friction::{FrictionEstimates, friction};
+use super::super::interval;
+use super::super::matrix;
+use super::super::misfit::{self, Misfit};
+use super::super::search::Optimum;
+use super::likelihood::{SteadyLikelihood, SteadyPoint};
+use super::record::{SteadyRecord, inverse, multiplicity};
+use crate::master::MasterEquation;
+use crate::monitor::{Monitor, Part};
+use crate::{Error, Result};
+
+/// Eigenvalue of the scaled information below which a direction counts as undetermined: the square of the relative error of the
+/// derivatives by differences.
+const UNDETERMINED: f64 = 1e-8;
+
+/// Mean advances from break to break of the pull of which friction is told.
+const LIVES: f64 = 5.0;
+
+/// The periodogram of a record and what is expected of it, for the wave numbers q_k = 2πk/nh, k = 1 … n/2, of a record of n
+/// readings at the spacing h.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedSpectrum {
+    /// q_k, radians per length.
+    pub wave_numbers: Vec<f64>,
+    /// The periodogram h|Σ_j F_j e^{−iq_k jh}|²/n: forces squared times a length.
+    pub periodogram: Vec<f64>,
+    /// Its expectation: of the contacts of the estimated numbers, aliasing, leakage and the error of readings included.
+    pub expected: Vec<f64>,
+}
+
+/// What a fit to a record in steady sliding has found.
+#[derive(Debug)]
+pub struct SteadyEstimates {
+    /// One for each free number, that of the error of a reading last.
+    pub parameters: Vec<Estimate>,
+    /// Covariance of their values, row by row.
+    pub covariance: Vec<f64>,
+    /// Whether the search has converged; otherwise the values are the last ones.
+    pub converged: bool,
+    /// Solutions of the master equation that the search took, without those for derivatives.
+    pub solutions: usize,
+    /// How well the record is described. χ² sums the squares of its whitened Fourier components; they are made a record again
+    /// for the test of whiteness.
+    pub misfit: Misfit,
+    /// The standard deviation of the independent error of a reading.
+    pub reading: f64,
+    /// The reading of the force where there is none.
+    pub offset: f64,
+    /// The periodogram and its expectation.
+    pub spectrum: FittedSpectrum,
+    likelihood: SteadyLikelihood,
+    optimum: Optimum<SteadyPoint>,
+}
+
+impl SteadyEstimates {
+    /// Values, errors and all that follows from the end of a search.
+    ///
+    /// # Errors
+    /// Numbers that the record does not determine; errors of the solver; stopped by the monitor.
+    pub(super) fn new(
+        likelihood: SteadyLikelihood,
+        optimum: Optimum<SteadyPoint>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let (free, information) = (&likelihood.free, &optimum.score.information);
+        let count = free.len();
+        let active: Vec<usize> =
+            (0..count).filter(|&k| !optimum.at_bound[k] && information[(k, k)] > 0.0).collect();
+        refuse_undetermined(free, information, &active, ("record", UNDETERMINED))?;
+        let covariance = matrix::covariance(information, &active);
+        let covariance = covariance.unwrap_or_else(|| Mat::zeros(count, count));
+        let share = 1.0 / count as f64;
+        let parameters = (0..count).map(|k| {
+            let part = &mut Part::new(monitor, k as f64 * share, share);
+            estimate((&likelihood, &optimum), (k, covariance[(k, k)].sqrt()), optimum.converged, part)
+        });
+        let parameters = parameters.collect::<Result<Vec<_>>>()?;
+        let slope = |k: usize| free[k].slope(optimum.coordinates[k]);
+        let rows = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+        let point = &optimum.trial;
+        Ok(Self {
+            parameters,
+            covariance: rows.map(|(i, j)| covariance[(i, j)] * slope(i) * slope(j)).collect(),
+            converged: optimum.converged,
+            solutions: optimum.solutions,
+            misfit: misfit_of(&likelihood, point),
+            reading: point.reading,
+            offset: point.offset,
+            spectrum: spectrum_of(&likelihood, point),
+            likelihood,
+            optimum,
+        })
+    }
+
+    /// The estimate of a name.
+    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.parameters.iter().find(|estimate| estimate.name == name)
+    }
+
+    /// The contacts of the estimated numbers.
+    pub fn equation(&self) -> &MasterEquation {
+        &self.optimum.trial.equation
+    }
+
+    /// What was measured.
+    pub fn record(&self) -> &SteadyRecord {
+        &self.likelihood.fit.record
+    }
+
+    /// Coefficients above 0.5, without sign, between the errors of two estimates.
+    pub fn correlations(&self) -> Vec<Correlation> {
+        correlations(&self.parameters, &self.covariance)
+    }
+
+    /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
+    /// risen by 3.84.
+    ///
+    /// # Errors
+    /// A name that was not free; errors of the solver; stopped by the monitor.
+    pub fn interval_by_profile(&self, name: &str, monitor: &mut dyn Monitor) -> Result<[f64; 2]> {
+        let number = self.parameters.iter().position(|estimate| estimate.name == name);
+        let number = number.ok_or_else(|| {
+            let names: Vec<_> = self.parameters.iter().map(|estimate| estimate.name.as_str()).collect();
+            Error::invalid("name", format!("one of {}", names.join(", ")), name)
+        })?;
+        let slope = self.likelihood.free[number].slope(self.optimum.coordinates[number]);
+        let error = self.parameters[number].error / slope;
+        interval::by_profile((&self.likelihood, &self.optimum), (number, error), monitor)
+    }
+
+    /// F_s, F_k, X* and K_c, with the errors that follow from the covariance of the estimates. F_s and K_c are those of a pull
+    /// from the initial state of the first values, of which the record tells nothing.
+    ///
+    /// # Errors
+    /// Those of [`crate::master::Pull::friction_gradients`].
+    pub fn friction(&self, monitor: &mut dyn Monitor) -> Result<FrictionEstimates> {
+        let equation = self.equation();
+        let distance = LIVES * equation.steady_state().mean_life();
+        let pull = equation.pull_with(distance, None, &mut Part::new(monitor, 0.0, 0.3))?;
+        let part = &mut Part::new(monitor, 0.3, 0.7);
+        friction((equation, &pull), (&self.likelihood.free, &self.covariance), part)
+    }
+}
+
+fn spectrum_of(likelihood: &SteadyLikelihood, point: &SteadyPoint) -> FittedSpectrum {
+    let record = &likelihood.fit.record;
+    let components = 1..=likelihood.readings() / 2;
+    FittedSpectrum {
+        wave_numbers: record.wave_numbers(),
+        periodogram: components.clone().map(|k| record.spacing * likelihood.squares[k]).collect(),
+        expected: components.map(|k| record.spacing * point.square(k)).collect(),
+    }
+}
+
+fn misfit_of(likelihood: &SteadyLikelihood, point: &SteadyPoint) -> Misfit {
+    let n = likelihood.readings();
+    let chi_squared = (0..=n / 2)
+        .map(|k| multiplicity(k, n) * likelihood.observed(k, point) / point.square(k))
+        .sum::<f64>();
+    let of_errors = likelihood.free.iter().filter(|parameter| parameter.is_of_errors()).count();
+    let degrees_of_freedom = n - (likelihood.free.len() - of_errors);
+    // The size of the noise is that of the record where its factor is free.
+    let factor = |name: &str| likelihood.free.iter().any(|parameter| parameter.name == name);
+    let estimated = of_errors > 0 || factor("count") || factor("stiffness");
+    let modes = likelihood.fit.record.modes().into_iter().enumerate();
+    let whitened = inverse(modes.map(|(k, mode)| mode / point.square(k).sqrt()).collect(), n);
+    Misfit {
+        chi_squared,
+        degrees_of_freedom,
+        probability: (!estimated).then(|| misfit::probability(chi_squared, degrees_of_freedom)),
+        whiteness: misfit::whiteness(&[&Mat::from_fn(n, 1, |i, _| whitened[i])]),
+        deviance: point.deviance,
+        akaike: point.deviance + 2.0 * likelihood.free.len() as f64,
+    }
+}

@@ -1,0 +1,273 @@
+//! Fits to records of the force in steady sliding that the ensemble makes contact by contact: values, errors, intervals, and what
+//! a record cannot tell.
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial};
+use asperity::ensemble::{Disorder, Ensemble};
+use asperity::fit::{Prior, SteadyEstimates, SteadyFit, SteadyRecord};
+use asperity::law::{Exponential, Gaussian, Point, SharedLaw};
+use asperity::master::MasterEquation;
+use asperity::random::{Purpose, Stream};
+use rayon::prelude::*;
+
+/// Contacts of Gaussian thresholds, re-formed at stretches G(.1, .03).
+fn contacts(count: f64, [mean, std]: [f64; 2]) -> Contacts {
+    let spread: SharedLaw = Arc::new(Gaussian::new(0.1, 0.03).unwrap());
+    Contacts { count, ..Contacts::new(Arc::new(Gaussian::new(mean, std).unwrap()), spread) }
+}
+
+/// The force of 2000 contacts, G(1, .12), one by one, after 60 mean thresholds: the transient falls by e⁻¹ over 2.4 of them.
+fn simulated(n: usize, spacing: f64, seed: u64) -> SteadyRecord {
+    let positions: Vec<f64> = (0..n).map(|i| 60.0 + spacing * i as f64).collect();
+    let contacts = contacts(2000.0, [1.0, 0.12]);
+    let ensemble = Ensemble::new(contacts, Initial::default(), 2000, seed, Disorder::Annealed).unwrap();
+    SteadyRecord::at_positions(&positions, ensemble.pull(&positions).unwrap().force).unwrap()
+}
+
+fn guess() -> MasterEquation {
+    MasterEquation::new(contacts(1500.0, [0.9, 0.2]), &Initial::default()).unwrap()
+}
+
+/// The names, and true values, of the numbers that are fitted to such records.
+const TRUE: [(&str, f64); 4] =
+    [("thresholds.mean", 1.0), ("thresholds.std", 0.12), ("count", 2000.0), ("stiffness", 1.0)];
+
+fn names() -> impl Iterator<Item = &'static str> {
+    TRUE.into_iter().map(|number| number.0)
+}
+
+fn relative_error(found: &SteadyEstimates, name: &str) -> f64 {
+    let estimate = found.estimate(name).unwrap();
+    estimate.error / estimate.value
+}
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_tell() {
+    let one = |seed: u64| {
+        SteadyFit::new(guess(), simulated(4000, 0.1, seed)).free(names()).reading(0.0).run().unwrap()
+    };
+    let found: Vec<SteadyEstimates> = (0..80_u64).into_par_iter().map(one).collect();
+    assert!(found.iter().all(|found| found.converged));
+    let held = TRUE.map(|(name, value)| {
+        let holds = |found: &&SteadyEstimates| {
+            let [low, high] = found.estimate(name).unwrap().interval;
+            low <= value && value <= high
+        };
+        found.iter().filter(holds).count()
+    });
+    // 76 of 80, with a standard deviation of 1.9: between .88 and .99.
+    assert!(held.iter().all(|held| (70..=79).contains(held)), "{held:?}");
+    for (name, value) in TRUE {
+        let of =
+            |of: &dyn Fn(&SteadyEstimates) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+        let mean = of(&|found| found.estimate(name).unwrap().value);
+        let scatter = of(&|found| (found.estimate(name).unwrap().value - mean).powi(2)).sqrt();
+        let told = of(&|found| found.estimate(name).unwrap().error);
+        // The mean of 80 scatters by a ninth of an error; the bias is of second order in errors of a few percent. The scatter
+        // of 80 is known to 1/√160.
+        assert!((mean - value).abs() < 0.4 * told, "{name}: {mean}");
+        assert!((scatter / told - 1.0).abs() < 4.0 / 160.0_f64.sqrt(), "{name}: {scatter} {told}");
+    }
+    // P-values of the test of whiteness are uniform: the number below 0.05 is 4 ± 2.
+    let unlikely = found.iter().filter(|found| found.misfit.whiteness < 0.05).count();
+    assert!(unlikely <= 11, "{unlikely}");
+}
+
+#[test]
+fn noise_alone_tells_number_mean_and_width() {
+    let found = SteadyFit::new(guess(), simulated(10_000, 0.04, 3)).free(names()).run().unwrap();
+    assert!(found.converged && !found.misfit.is_unlikely());
+    for ((name, value), most) in TRUE.into_iter().zip([0.008, 0.03, 0.03, 0.03]) {
+        let estimate = found.estimate(name).unwrap();
+        assert!((estimate.value - value).abs() < 4.0 * estimate.error, "{estimate:?}");
+        assert!(relative_error(&found, name) < most, "{estimate:?}");
+    }
+    // The readings are exact: there is only a limit of their error, a small part of the noise.
+    let reading = found.estimate("reading").unwrap();
+    assert!(
+        reading.limit.is_some_and(|limit| limit < 0.1 * found.equation().steady_state().force_std(2000.0))
+    );
+}
+
+/// The force of contacts with exponential thresholds of mean m that re-form at 0 has the autocovariance N k² m² e^{−u/m} and the
+/// mean N k m: a record of such a process is one of an autoregression of first order, made here without any contact.
+#[test]
+fn a_process_with_a_closed_autocovariance_gives_its_numbers() {
+    let (mean, count, n, spacing) = (0.7_f64, 900.0_f64, 20_000, 0.1);
+    let mut stream = Stream::new(11, Purpose::Sample, 0);
+    let mut normal = move || {
+        let radius = (-2.0 * (1.0 - stream.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * stream.uniform()).cos()
+    };
+    let kept = (-spacing / mean).exp();
+    let mut state = normal();
+    let reading = 5.0;
+    let forces = (0..n).map(|_| {
+        state = kept * state + (1.0 - kept * kept).sqrt() * normal();
+        count * mean + 20.0 + count.sqrt() * mean * state + reading * normal()
+    });
+    let forces = forces.collect();
+    let contacts = Contacts {
+        count: 500.0,
+        ..Contacts::new(Arc::new(Exponential::new(1.0).unwrap()), Arc::new(Point::new(0.0).unwrap()))
+    };
+    let guess = MasterEquation::new(contacts, &Initial::default()).unwrap();
+    let fit = SteadyFit::new(guess, SteadyRecord { spacing, forces }).offset(20.0);
+    let found = fit.free(["thresholds.mean", "count"]).run().unwrap();
+    assert!(found.converged && !found.misfit.is_unlikely(), "{:?}", found.misfit);
+    for (name, value) in [("thresholds.mean", mean), ("count", count), ("reading", reading)] {
+        let estimate = found.estimate(name).unwrap();
+        assert!((estimate.value - value).abs() < 3.5 * estimate.error, "{estimate:?}");
+        assert!(estimate.error < 0.05 * value, "{estimate:?}");
+    }
+}
+
+/// The expected periodogram is the mean over many records: by the ensemble, contact by contact.
+#[test]
+fn the_expected_periodogram_is_the_mean_of_many() {
+    let truth = || MasterEquation::new(contacts(2000.0, [1.0, 0.12]), &Initial::default()).unwrap();
+    let spectrum = |seed: u64| {
+        // A short record: the ends leak into all ordinates, and the spacing aliases.
+        let fit = SteadyFit::new(truth(), simulated(64, 0.25, seed)).free(["count"]).reading(0.0);
+        let fit = fit.prior("count", Prior { value: 2000.0, error: 1e-3 });
+        fit.run().unwrap().spectrum
+    };
+    let all: Vec<_> = (0..1000_u64).into_par_iter().map(spectrum).collect();
+    for k in 0..32 {
+        let mean = all.iter().map(|one| one.periodogram[k]).sum::<f64>() / all.len() as f64;
+        // Each is exponentially distributed, the last one as a square of a normal number.
+        let error = if k == 31 { 2.0_f64.sqrt() } else { 1.0 } / (all.len() as f64).sqrt();
+        let ratio = mean / all[0].expected[k];
+        assert!((ratio - 1.0).abs() < 4.5 * error, "{k}: {ratio}");
+    }
+}
+
+#[test]
+fn a_search_that_starts_far_from_the_truth_finds_it() {
+    let record = simulated(4000, 0.1, 5);
+    let values = |start: [f64; 2]| -> Vec<f64> {
+        let guess = MasterEquation::new(contacts(100.0, start), &Initial::default()).unwrap();
+        let found = SteadyFit::new(guess, record.clone()).free(names()).reading(0.0).run().unwrap();
+        assert!(found.converged, "{start:?}");
+        found.parameters.iter().map(|estimate| (estimate.value - 1.0) / estimate.error).collect()
+    };
+    let near = values([1.0, 0.12]);
+    for start in [[0.7, 0.1], [1.4, 0.1], [0.8, 0.3], [1.3, 0.25]] {
+        for (a, b) in near.iter().zip(values(start)) {
+            // A search ends within a thousandth of an error.
+            assert!((a - b).abs() < 5e-3 * a.abs().max(1.0), "{start:?}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn the_error_of_a_normal_number_is_that_of_its_profile() {
+    let found = SteadyFit::new(guess(), simulated(4000, 0.1, 8)).free(names()).reading(0.0).run().unwrap();
+    let mean = found.estimate("thresholds.mean").unwrap();
+    let profile = found.interval_by_profile("thresholds.mean", &mut ()).unwrap();
+    for (end, told) in profile.into_iter().zip(mean.interval) {
+        // The likelihood of 4000 readings is nearly a parabola: its third derivative is of the order of the relative error, .5 %.
+        assert!((end - told).abs() < 0.2 * mean.error, "{profile:?} {mean:?}");
+    }
+}
+
+#[test]
+fn what_a_record_does_not_determine_is_refused_with_the_direction() {
+    let record = simulated(2000, 0.1, 6);
+    // Noise and mean tell N⟨k⟩² and N⟨k⟩; where the zero of the force is not known, only the first.
+    let error = SteadyFit::new(guess(), record.clone())
+        .free(["count", "stiffness", "offset"])
+        .reading(0.0)
+        .run()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        ["record", "ln count", "ln stiffness", "offset"].iter().all(|name| error.contains(name)),
+        "{error}"
+    );
+    // A shift of thresholds and starts changes the mean only.
+    let free = ["thresholds.mean", "reforming.mean", "count", "stiffness"];
+    let error =
+        SteadyFit::new(guess(), record.clone()).free(free).reading(0.0).run().unwrap_err().to_string();
+    assert!(free.iter().all(|name| error.contains(name)), "{error}");
+    // A prior of one of them is enough.
+    let known = SteadyFit::new(guess(), record)
+        .free(["count", "stiffness", "offset"])
+        .prior("stiffness", Prior { value: 1.0, error: 0.01 })
+        .reading(0.0);
+    assert!(known.run().unwrap().converged);
+}
+
+#[test]
+fn wrong_input_is_refused_with_its_name() {
+    let record = simulated(100, 0.1, 1);
+    let refused = |fit: SteadyFit| fit.run().unwrap_err().to_string();
+    let fit = |record: &SteadyRecord| SteadyFit::new(guess(), record.clone());
+    let told = |error: &str, words: &str| assert!(error.contains(words), "{error}");
+    told(&refused(fit(&record)), "free: expected at least one key");
+    told(&refused(fit(&record).free(["initial.max"])), "free.0: expected one of thresholds.mean");
+    told(&refused(fit(&record).free(["count", "count"])), "free.1: expected each key once");
+    told(
+        &refused(fit(&record).free(["count"]).prior("stiffness", Prior { value: 1.0, error: 0.1 })),
+        "prior.stiffness",
+    );
+    told(&refused(fit(&record).free(["count"]).reading(-1.0)), "reading");
+    told(&refused(fit(&record).free(["count"]).offset(f64::NAN)), "offset");
+    told(
+        &refused(fit(&record).free([
+            "count",
+            "stiffness",
+            "thresholds.mean",
+            "thresholds.std",
+            "reforming.std",
+            "offset",
+            "reforming.mean",
+        ])),
+        "force: expected 112 readings",
+    );
+    told(&refused(fit(&SteadyRecord { spacing: 0.0, ..record.clone() }).free(["count"])), "spacing");
+    let mut broken = record.clone();
+    broken.forces[7] = f64::NAN;
+    told(&refused(fit(&broken).free(["count"])), "force.7");
+    told(
+        &refused(fit(&SteadyRecord { forces: vec![3.0; 50], ..record }).free(["count"])),
+        "force: expected forces that scatter",
+    );
+    let unequal = SteadyRecord::at_positions(&[0.0, 1.0, 2.1, 3.0], vec![0.0; 4]).unwrap_err().to_string();
+    told(&unequal, "position.2: expected equal steps");
+    let fewer = SteadyRecord::at_positions(&[0.0, 1.0], vec![0.0]).unwrap_err().to_string();
+    told(&fewer, "force: expected 2 forces");
+}
+
+#[test]
+fn contacts_without_a_known_noise_are_refused_with_the_reason() {
+    let record = simulated(100, 0.1, 1);
+    let alike = Contacts::new(Arc::new(Point::new(1.0).unwrap()), Arc::new(Point::new(0.0).unwrap()));
+    let mut free = contacts(1.0, [1.0, 0.1]);
+    free.rules.delay = 0.5;
+    for (contacts, reason) in [(alike, "lines"), (free, "delay")] {
+        let equation = MasterEquation::at(contacts, &Initial::default(), 1.0).unwrap();
+        let error = SteadyFit::new(equation, record.clone()).free(["count"]).run().unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+}
+
+#[test]
+fn friction_of_a_record_has_the_error_of_its_mean() {
+    let record = simulated(4000, 0.1, 2);
+    let found = SteadyFit::new(guess(), record.clone()).free(names()).reading(0.0).run().unwrap();
+    let friction = found.friction(&mut ()).unwrap().kinetic_friction;
+    // The mean is the only datum of F_k, and its variance is the mean of c(u) over all pairs of readings.
+    let advances: Vec<f64> = (0..4000).map(|u| 0.1 * f64::from(u)).collect();
+    let size = found.equation().contacts().count;
+    let covariance = found.equation().steady_state().autocovariance(&advances, size).unwrap();
+    let pairs = covariance
+        .iter()
+        .enumerate()
+        .map(|(u, c)| if u == 0 { 4000.0 * c } else { 2.0 * (4000 - u) as f64 * c });
+    let exact = pairs.sum::<f64>().sqrt() / 4000.0;
+    // The rest is the error of derivatives by differences, which the closed derivative of F_k has not.
+    assert!((friction.error / exact - 1.0).abs() < 1e-3, "{friction:?} {exact}");
+    assert!((friction.value - record.mean()).abs() < 0.05 * friction.error, "{friction:?}");
+}

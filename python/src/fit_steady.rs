@@ -1,0 +1,248 @@
+//! Fits of contacts to a record of the force in steady sliding.
+
+use std::collections::BTreeMap;
+
+use asperity::fit::{Prior, SteadyFit, SteadyRecord};
+use asperity::monitor::Part;
+use asperity::record::{self, Quantity};
+use asperity::scenario::Units;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert;
+use crate::description::Interface;
+use crate::equation::MasterEquation;
+use crate::fit::fitted_model;
+use crate::law::AnyLaw;
+use crate::model::interface;
+use crate::record::Record;
+use crate::watch::watched;
+use crate::{typed, values};
+
+/// Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
+///
+/// The force of the N_c contacts is a stationary process with the mean F_k and a known autocovariance, to which
+/// independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
+/// discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
+///
+/// contacts, velocity: as for MasterEquation; their free numbers are first values.
+/// spacing: the displacement of the slider from one reading to the next, above 0.
+/// force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
+/// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+/// "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
+/// Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
+/// count and stiffness cannot both be free, unless one has a prior.
+/// initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
+/// reading: the standard deviation of the independent error of a reading; estimated if None.
+/// offset: the reading of the force where there is none.
+/// prior: as for fit.
+/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+///
+/// Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
+/// determine. A search that does not converge is no error: see SteadyEstimates.converged.
+#[pyfunction(name = "fit_steady")]
+#[pyo3(
+    signature = (
+        contacts, spacing, force: "ArrayLike", *, free: "Sequence[str]", initial = None,
+        start: "Literal['conditional', 'relaxed']" = "conditional", velocity = None, reading = None, offset = 0.0,
+        prior: "Mapping[str, tuple[float, float]] | None" = None, progress: "_Progress" = None
+    ),
+    text_signature = "(contacts, spacing, force, *, free, initial=None, start='conditional', velocity=None, reading=None, offset=0.0, prior=None, progress=None)"
+)]
+#[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+pub fn fit_steady(
+    py: Python<'_>,
+    contacts: &Bound<'_, Contacts>,
+    spacing: f64,
+    force: &Bound<'_, PyAny>,
+    free: Vec<String>,
+    initial: Option<AnyLaw>,
+    start: &str,
+    velocity: Option<f64>,
+    reading: Option<f64>,
+    offset: f64,
+    prior: Option<BTreeMap<String, (f64, f64)>>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<SteadyEstimates> {
+    let interface = interface(contacts, initial, start)?;
+    let measured = SteadyRecord { spacing, forces: convert::list("force", force)? };
+    let prior = prior.unwrap_or_default();
+    let found = watched(progress, py, |monitor| {
+        let first = MasterEquation::build(&interface, velocity, &mut Part::new(monitor, 0.0, 0.05))?;
+        let mut fit = SteadyFit::new(first.equation, measured).free(free.iter().cloned()).offset(offset);
+        if let Some(reading) = reading {
+            fit = fit.reading(reading);
+        }
+        let fit = prior
+            .into_iter()
+            .fold(fit, |fit, (name, (value, error))| fit.prior(&name, Prior { value, error }));
+        fit.run_with(&mut Part::new(monitor, 0.05, 0.95))
+    })?;
+    SteadyEstimates::new(py, found, (interface, velocity), &free)
+}
+
+/// What a fit to a record of steady sliding has found: values of the free numbers with their errors, and how well they
+/// describe the record.
+///
+/// Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
+#[pyclass(frozen, module = "asperity")]
+pub struct SteadyEstimates {
+    found: asperity::fit::SteadyEstimates,
+    model: Py<MasterEquation>,
+    spectrum: Py<Record>,
+}
+
+impl SteadyEstimates {
+    fn new(
+        py: Python<'_>,
+        found: asperity::fit::SteadyEstimates,
+        first: (Interface, Option<f64>),
+        free: &[String],
+    ) -> PyResult<Self> {
+        let model = fitted_model(py, found.equation(), first, free)?;
+        let spectrum = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
+        Ok(Self { found, model: model.unbind(), spectrum })
+    }
+}
+
+#[pymethods]
+impl SteadyEstimates {
+    /// The free numbers by name, and after them "reading" if it was estimated: each an Estimate.
+    #[getter]
+    fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
+        values::estimates(py, &self.found.parameters)
+    }
+
+    /// The covariance of the estimates in the order of `params`, shape (n, n).
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        let n = self.found.parameters.len();
+        convert::array(py, &[n, n], self.found.covariance.clone()).map(typed::Array)
+    }
+
+    /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
+    #[getter]
+    fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
+        values::correlations(py, self.found.correlations())
+    }
+
+    /// Whether the search has converged; otherwise the estimates are its last values.
+    #[getter]
+    fn converged(&self) -> bool {
+        self.found.converged
+    }
+
+    /// The number of solutions of the master equation that the search took, without those for derivatives.
+    #[getter]
+    fn solutions(&self) -> usize {
+        self.found.solutions
+    }
+
+    /// The number of readings of the record.
+    #[getter]
+    fn readings(&self) -> usize {
+        self.found.record().forces.len()
+    }
+
+    /// How well the record is described, a Misfit: of its Fourier components, each divided by its expected size.
+    #[getter]
+    fn misfit<'py>(&self, py: Python<'py>) -> PyResult<typed::Misfit<'py>> {
+        values::misfit(py, &self.found.misfit)
+    }
+
+    /// The standard deviation of the independent error of a reading, given or estimated, a force.
+    #[getter]
+    fn reading(&self) -> f64 {
+        self.found.reading
+    }
+
+    /// The reading of the force where there is none, given or estimated, a force.
+    #[getter]
+    fn offset(&self) -> f64 {
+        self.found.offset
+    }
+
+    /// The contacts of the estimated numbers.
+    #[getter]
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Contacts>> {
+        self.model.bind(py).getattr("contacts")?.cast_into().map_err(PyErr::from)
+    }
+
+    /// The master equation of the estimated numbers.
+    #[getter]
+    fn model(&self, py: Python<'_>) -> Py<MasterEquation> {
+        self.model.clone_ref(py)
+    }
+
+    /// The periodogram of the record of n readings, a Record of arrays of shape (n // 2,).
+    ///
+    /// `wave_number` is q = 2πk/(n spacing), k = 1, 2, ..., `periodogram` the squared modulus of the discrete Fourier
+    /// transform times spacing/n, and `expected` its expectation by the estimated contacts, with aliasing, leakage and the
+    /// error of a reading.
+    #[getter]
+    fn spectrum(&self, py: Python<'_>) -> Py<Record> {
+        self.spectrum.clone_ref(py)
+    }
+
+    /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
+    /// the initial stretches, of which the record tells nothing.
+    fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
+        values::friction(py, &watched(None, py, |monitor| self.found.friction(monitor))?)
+    }
+
+    /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
+    /// numbers, has risen by 3.84.
+    ///
+    /// name: a name of `params`.
+    /// progress: as for MasterEquation.pull.
+    #[pyo3(signature = (name, *, progress: "_Progress" = None))]
+    fn interval_by_profile(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(f64, f64)> {
+        let [low, high] = watched(progress, py, |monitor| self.found.interval_by_profile(name, monitor))?;
+        Ok((low, high))
+    }
+
+    /// A table in plain English: values with errors and intervals, correlations, and how well the record is described.
+    fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("steady_summary", (slf,))?.extract()
+    }
+
+    /// Plots the periodogram as dots and its expectation as a line, on logarithmic axes. Returns the axes. It needs
+    /// matplotlib.
+    ///
+    /// ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("fit_spectrum", (slf, ax), style)
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("steady_text", (slf,))?.extract()
+    }
+
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("steady_html", (slf,))?.extract()
+    }
+}
+
+/// The periodogram as columns.
+fn columns(found: &asperity::fit::SteadyEstimates) -> record::Record {
+    let spectrum = &found.spectrum;
+    let mut record = record::Record::default();
+    let mut add = |name, words, quantity, values: &[f64]| {
+        record.push(name, words, quantity, &["wave_number"], values.to_vec());
+    };
+    add("wave_number", "wave number q, radians per length", Quantity::PerLength, &spectrum.wave_numbers);
+    add("periodogram", "measured periodogram", Quantity::ForceSquaredLength, &spectrum.periodogram);
+    add("expected", "expected periodogram", Quantity::ForceSquaredLength, &spectrum.expected);
+    record
+}
