@@ -43,6 +43,7 @@ mod measurement;
 mod misfit;
 mod prediction;
 mod search;
+mod standardised;
 
 pub use estimates::{Correlation, Estimate, Estimates, Readings};
 pub use free::Prior;
@@ -51,6 +52,7 @@ pub use friction::{FrictionEstimates, WithError};
 pub use measurement::{ErrorModel, Machine, Measurement};
 pub use misfit::Misfit;
 pub use prediction::Prediction;
+pub use standardised::Standardised;
 
 use faer::Mat;
 

@@ -1,8 +1,8 @@
 //! `[fit]`: numbers of the contacts, and of the machine, from a measured curve.
 
-use super::Output;
 use super::accuracy::ForceAccuracy;
 use super::summary::{Extended, FitFriction, FitLaw, FitLaws, FitNumber, FitNumbers, FitSummary, Uncertain};
+use super::{Output, posterior};
 use crate::fit::{Correlation, Estimate, Estimates, Fit, Measurement, Readings, WithError};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
@@ -44,18 +44,45 @@ pub(super) const TABLES: &[CsvTable] = &[CsvTable {
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![("fit", Record::declared(&[&COLUMNS]))]
+    vec![("fit", Record::declared(&[&COLUMNS, &posterior::COLUMNS]))]
+}
+
+/// What the fit of a scenario has found, with the keys of its numbers.
+#[derive(Debug)]
+pub struct KeyedEstimates {
+    /// The estimates.
+    pub estimates: Estimates,
+    keys: FitKeys,
+}
+
+impl KeyedEstimates {
+    /// The key in the scenario for the name of a number.
+    pub fn key(&self, name: &str) -> String {
+        self.keys.key(name)
+    }
 }
 
 /// Fits the numbers that `task` lists.
 ///
 /// # Errors
-/// A key that is no number of the contacts or of the machine; those of [`crate::fit::Fit::run`].
+/// As [`found`].
 pub(super) fn run(
     model: &Model,
     task: &scenario::Fit,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<FitNumbers>> {
+    Ok(found(model, task, monitor)?.0)
+}
+
+/// The same with the estimates.
+///
+/// # Errors
+/// A key that is no number of the contacts or of the machine; those of [`crate::fit::Fit::run`].
+pub(super) fn found(
+    model: &Model,
+    task: &scenario::Fit,
+    monitor: &mut dyn Monitor,
+) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
     let share = 0.85 / (1 + task.laws.len()) as f64;
     let found = fit.run_with(&mut Part::new(monitor, 0.05, share)).map_err(scenario::Fit::keyed)?;
@@ -80,6 +107,7 @@ pub(super) fn run(
             critical_stiffness: error(friction.critical_stiffness),
         },
         laws,
+        posterior: None,
         sources: task.curves().into_iter().filter_map(|curve| curve.source).collect(),
     };
     let mut warnings = Vec::new();
@@ -91,7 +119,8 @@ pub(super) fn run(
     }
     let accuracy = ForceAccuracy::new(model, found.pull(0).error_estimate(), found.equation().life().mean());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
-    accuracy.of(model, "the force of the fit", output)
+    let output = accuracy.of(model, "the force of the fit", output)?;
+    Ok((output, KeyedEstimates { estimates: found, keys }))
 }
 
 /// The same fit with each of the distributions of `fit.laws`, from the mean and the standard deviation of the fitted thresholds.

@@ -1,0 +1,74 @@
+//! Draws from the posterior of a fit: against the errors of the fit, against the law by which curves are made, and their files.
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial};
+use asperity::fit::{ErrorModel, Estimates, Fit, Measurement};
+use asperity::law::{Gaussian, Law, Point};
+use asperity::master::MasterEquation;
+use asperity::random::{Purpose, Stream};
+use asperity::scenario::FitPosterior;
+use asperity_runner::posterior::{Posterior, sample};
+
+/// The master equation of `count` contacts with Gaussian thresholds.
+fn equation([mean, std, count]: [f64; 3]) -> MasterEquation {
+    let thresholds = Arc::new(Gaussian::new(mean, std).unwrap());
+    let contacts = Contacts { count, ..Contacts::new(thresholds, Arc::new(Point::new(0.0).unwrap())) };
+    MasterEquation::new(contacts, &Initial::default()).unwrap()
+}
+
+/// `count` readings up to X = 4 with independent normal errors of standard deviation `error`.
+fn readings(truth: [f64; 3], (count, error): (usize, f64), seed: u64) -> Measurement {
+    let positions: Vec<f64> = (1..=count).map(|i| 4.0 * i as f64 / count as f64).collect();
+    let pull = equation(truth).pull(4.0).unwrap();
+    let normal = Gaussian::new(0.0, error).unwrap();
+    let mut stream = Stream::new(seed, Purpose::Sample, 0);
+    let forces = positions.iter().map(|&x| pull.force(x) + normal.quantile(stream.uniform())).collect();
+    Measurement::new(positions, forces)
+}
+
+const NAMES: [&str; 3] = ["thresholds.mean", "thresholds.std", "count"];
+
+/// A fit of 150 readings with a known error, which determines all three numbers.
+fn found() -> Estimates {
+    let measured = readings([1.0, 0.2, 1000.0], (150, 5.0), 3);
+    let white = ErrorModel { contacts: false, reading: Some(5.0), drift: None };
+    Fit::new(equation([0.95, 0.25, 1050.0]), measured).free(NAMES).errors(white).run().unwrap()
+}
+
+#[test]
+fn a_curve_that_determines_its_numbers_has_the_posterior_of_the_estimates() {
+    let found = found();
+    let drawn = sample(&found, FitPosterior { draws: 1000, chains: 4, seed: 1 }, &mut ()).unwrap();
+    assert_eq!(drawn.names, NAMES);
+    assert_eq!(drawn.divergences(), 0);
+    let summary = drawn.summary(str::to_owned);
+    assert!(summary.warnings().is_empty(), "{summary:?}");
+    for (name, number) in NAMES.iter().zip(&summary.numbers) {
+        let (estimate, effective) = (found.estimate(name).unwrap(), number.effective_size.0);
+        let (shift, ratio) = ((number.mean - estimate.value) / estimate.error, number.std / estimate.error);
+        println!("{name}: {shift:+.3} {ratio:.3} {number:?} steps {}", drawn.steps.iter().sum::<u64>());
+        // Four standard errors of the mean, 1/√ess, and of the standard deviation, 1/√(2 ess); relative errors of 1 % in the
+        // estimates, by which the logarithm of a number differs from a straight line.
+        assert!(shift.abs() < 4.0 / effective.sqrt() + 0.05, "{name}: {shift}");
+        assert!((ratio - 1.0).abs() < 4.0 / (2.0 * effective).sqrt() + 0.02, "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn draws_depend_on_the_seed_and_not_on_the_threads() {
+    let found = found();
+    let sampling = FitPosterior { draws: 20, chains: 3, seed: 5 };
+    let on = |threads: usize, sampling: FitPosterior| -> Posterior {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| sample(&found, sampling, &mut ()).unwrap())
+    };
+    let one = on(1, sampling);
+    assert_eq!(one, on(3, sampling));
+    let other = on(2, FitPosterior { seed: 6, ..sampling });
+    assert_ne!(one.values, other.values);
+    assert_ne!(one.values[0][..20], one.values[0][20..40], "each chain has its own random numbers");
+    // The logarithm of the density is that of the draw.
+    let target = found.standardised().unwrap();
+    assert!(one.log_density.iter().all(|density| *density <= target.log_density(&[0.0; 3], &mut ()).unwrap().0 + 1e-3));
+}
