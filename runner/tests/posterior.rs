@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial};
-use asperity::fit::{ErrorModel, Estimates, Fit, Measurement};
+use asperity::fit::{ErrorModel, Estimates, Fit, Measurement, Prior};
 use asperity::law::{Gaussian, Law, Point};
 use asperity::master::MasterEquation;
 use asperity::random::{Purpose, Stream};
@@ -17,13 +17,17 @@ fn equation([mean, std, count]: [f64; 3]) -> MasterEquation {
     MasterEquation::new(contacts, &Initial::default()).unwrap()
 }
 
+/// A normal number. Laws are truncated at 0: so far above it, nothing of this one is.
+fn normal(stream: &mut Stream) -> f64 {
+    Gaussian::new(40.0, 1.0).unwrap().quantile(stream.uniform()) - 40.0
+}
+
 /// `count` readings up to X = 4 with independent normal errors of standard deviation `error`.
 fn readings(truth: [f64; 3], (count, error): (usize, f64), seed: u64) -> Measurement {
     let positions: Vec<f64> = (1..=count).map(|i| 4.0 * i as f64 / count as f64).collect();
     let pull = equation(truth).pull(4.0).unwrap();
-    let normal = Gaussian::new(0.0, error).unwrap();
     let mut stream = Stream::new(seed, Purpose::Sample, 0);
-    let forces = positions.iter().map(|&x| pull.force(x) + normal.quantile(stream.uniform())).collect();
+    let forces = positions.iter().map(|&x| pull.force(x) + error * normal(&mut stream)).collect();
     Measurement::new(positions, forces)
 }
 
@@ -71,4 +75,38 @@ fn draws_depend_on_the_seed_and_not_on_the_threads() {
     // The logarithm of the density is that of the draw.
     let target = found.standardised().unwrap();
     assert!(one.log_density.iter().all(|density| *density <= target.log_density(&[0.0; 3], &mut ()).unwrap().0 + 1e-3));
+}
+
+#[test]
+fn truths_drawn_from_the_prior_have_uniform_ranks_among_the_draws() {
+    // Simulation-based calibration (Talts et al., arXiv:1804.06788): a truth from the prior, readings of it, draws from the
+    // posterior; the rank of the truth among them is uniform.
+    const REPLICAS: u64 = 200;
+    const BINS: usize = 10;
+    let names = ["thresholds.mean", "count"];
+    let prior = [Prior { value: 1.0, error: 0.1 }, Prior { value: 1000.0, error: 150.0 }];
+    let began = std::time::Instant::now();
+    let ranks = |replica: u64| -> [usize; 2] {
+        let mut stream = Stream::new(replica, Purpose::Sample, 1);
+        // Normal in the logarithm, as priors of numbers above 0 are.
+        let truth = prior.map(|prior| prior.value * (prior.error / prior.value * normal(&mut stream)).exp());
+        let measured = readings([truth[0], 0.2, truth[1]], (8, 60.0), replica);
+        let white = ErrorModel { contacts: false, reading: Some(60.0), drift: None };
+        let fit = Fit::new(equation([1.0, 0.2, 1000.0]), measured).free(names).errors(white);
+        let fit = fit.prior(names[0], prior[0]).prior(names[1], prior[1]);
+        // Every second of 198 draws, so that they are nearly independent.
+        let sampling = FitPosterior { draws: 198, chains: 1, seed: replica };
+        let drawn = sample(&fit.run().unwrap(), sampling, &mut ()).unwrap();
+        [0, 1].map(|k| drawn.values[k].iter().step_by(2).filter(|value| **value < truth[k]).count())
+    };
+    let all: Vec<[usize; 2]> = (0..REPLICAS).map(ranks).collect();
+    for k in 0..2 {
+        let mut counts = [0.0; BINS];
+        all.iter().for_each(|ranks| counts[ranks[k] * BINS / 100] += 1.0);
+        let expected = REPLICAS as f64 / BINS as f64;
+        let chi_squared: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
+        // p = 0.001 for 9 degrees of freedom.
+        assert!(chi_squared < 27.88, "{}: {chi_squared} {counts:?}", names[k]);
+        println!("{}: {chi_squared:.1} {counts:?}, {:?}", names[k], began.elapsed());
+    }
 }
