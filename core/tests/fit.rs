@@ -238,11 +238,14 @@ fn the_standardised_density_is_that_of_the_values_and_near_a_standard_normal_one
     // The search ends at a thousandth of an error.
     assert!(at_estimates.iter().all(|slope| slope.abs() < 2e-3), "{at_estimates:?}");
     for k in 0..4 {
-        let both: f64 = [-0.5, 0.5].map(|step| {
-            let mut moved = [0.0; 4];
-            moved[k] = step;
-            target.log_density(&moved, &mut ()).unwrap().0 - highest
-        }).iter().sum();
+        let both: f64 = [-0.5, 0.5]
+            .map(|step| {
+                let mut moved = [0.0; 4];
+                moved[k] = step;
+                target.log_density(&moved, &mut ()).unwrap().0 - highest
+            })
+            .iter()
+            .sum();
         // −z²/2 twice. The information is the expected one; that of one curve of 100 readings differs by a few 1/√100.
         assert!((both / -0.25 - 1.0).abs() < 0.35, "{k}: {both}");
     }

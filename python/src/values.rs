@@ -15,8 +15,8 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use crate::convert::{Import, array, row};
 use crate::typed::{
     Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FrictionEstimates,
-    InterfaceEnergy, MeasuredNoise, Misfit, PosteriorNumbers, Potential, Prediction, Profile, Sizes, Stability, State,
-    StaticFriction, StretchDensity,
+    InterfaceEnergy, MeasuredNoise, Misfit, PosteriorNumbers, Potential, Prediction, Profile, Sizes,
+    Stability, State, StaticFriction, StretchDensity,
 };
 
 static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction");

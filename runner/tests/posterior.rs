@@ -74,7 +74,11 @@ fn draws_depend_on_the_seed_and_not_on_the_threads() {
     assert_ne!(one.values[0][..20], one.values[0][20..40], "each chain has its own random numbers");
     // The logarithm of the density is that of the draw.
     let target = found.standardised().unwrap();
-    assert!(one.log_density.iter().all(|density| *density <= target.log_density(&[0.0; 3], &mut ()).unwrap().0 + 1e-3));
+    assert!(
+        one.log_density
+            .iter()
+            .all(|density| *density <= target.log_density(&[0.0; 3], &mut ()).unwrap().0 + 1e-3)
+    );
 }
 
 #[test]

@@ -40,7 +40,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .map(|(number, values)| Drawn { label: label(&number.key), values, range: range(values) })
         .collect();
     let count = numbers.len();
-    let pairs: Vec<(usize, usize)> = (0..count).flat_map(|row| (0..=row).map(move |column| (row, column))).collect();
+    let pairs: Vec<(usize, usize)> =
+        (0..count).flat_map(|row| (0..=row).map(move |column| (row, column))).collect();
     let panel = |&(row, column): &(usize, usize)| -> (Plots, Layout) {
         let (below, left) = (&numbers[column], &numbers[row]);
         let (plots, heights) =

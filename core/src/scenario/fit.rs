@@ -6,7 +6,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::law::ParametricFamily;
-use super::{Compare, FitCompliance, FitCurve, FitPosterior, FitSource, Law, Model, Pull, Scenario, Start, positive};
+use super::{
+    Compare, FitCompliance, FitCurve, FitPosterior, FitSource, Law, Model, Pull, Scenario, Start, positive,
+};
 use crate::fit::{ERRORS, ErrorModel, MACHINE, Prior};
 use crate::law;
 use crate::master::MasterEquation;
@@ -169,7 +171,9 @@ impl Fit {
         for (i, name) in self.laws.iter().enumerate() {
             threshold_family(&format!("laws.{i}"), name)?;
         }
-        self.posterior.map_or(Ok(()), |posterior| posterior.check()).map_err(|error| error.under("posterior"))?;
+        self.posterior
+            .map_or(Ok(()), |posterior| posterior.check())
+            .map_err(|error| error.under("posterior"))?;
         if self.average == 0 {
             return Err(Error::invalid("average", "1 reading or more", 0));
         }

@@ -120,10 +120,7 @@ pub fn run_with(
 ///
 /// # Errors
 /// As [`run`]; a scenario with another task.
-pub fn run_fit(
-    scenario: &Scenario,
-    monitor: &mut dyn Monitor,
-) -> Result<(Summary, Record, KeyedEstimates)> {
+pub fn run_fit(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, Record, KeyedEstimates)> {
     let model = &scenario.build()?;
     let Task::Fit(task) = scenario.task()? else {
         return Err(Error::invalid("fit", "a table [fit]", "another task"));

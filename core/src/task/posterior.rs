@@ -22,8 +22,12 @@ const LOG_DENSITY: Column = Column::new(
     Quantity::Number,
     &["chain", "draw"],
 );
-const DIVERGING: Column =
-    Column::new("posterior_diverging", "1 where the path to a draw diverged", Quantity::Number, &["chain", "draw"]);
+const DIVERGING: Column = Column::new(
+    "posterior_diverging",
+    "1 where the path to a draw diverged",
+    Quantity::Number,
+    &["chain", "draw"],
+);
 const STEPS: Column =
     Column::new("posterior_steps", "steps of the sampler to a draw", Quantity::Number, &["chain", "draw"]);
 

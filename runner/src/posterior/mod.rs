@@ -169,7 +169,8 @@ fn on_threads(
     });
     let results: Vec<_> = made.into_iter().filter_map(OnceLock::into_inner).collect();
     // An error of one chain stops the others; it is the one to tell.
-    let failure = results.iter().filter_map(|chain| chain.as_ref().err()).find(|error| **error != Error::Stopped);
+    let failure =
+        results.iter().filter_map(|chain| chain.as_ref().err()).find(|error| **error != Error::Stopped);
     failure.map_or(Ok(()), |error| Err(error.clone()))?;
     results.into_iter().collect()
 }
