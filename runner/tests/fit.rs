@@ -205,12 +205,3 @@ fn draws_from_the_posterior_are_told_and_written() {
     );
     assert!(format!("{:?}", refused.unwrap_err()).contains("fit.posterior.draws"));
 }
-
-#[test]
-#[ignore = "a minute, for the stated cost"]
-fn four_thousand_draws_take_a_minute() {
-    let began = std::time::Instant::now();
-    let outcome = fitted(&["fit.posterior={ draws = 1000, chains = 4, seed = 1 }"]);
-    println!("{:?} {:#?}", began.elapsed(), outcome.summary.numbers.fit().unwrap().posterior);
-    assert!(began.elapsed().as_secs() < 120);
-}
