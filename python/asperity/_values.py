@@ -277,7 +277,9 @@ class PosteriorNumber(NamedTuple):
     interval: tuple[float, float]
     """Their quantiles of 2.5 and 97.5 %."""
     r_hat: float
-    """The rank-normalised r̂ of the halves of the chains: near 1 where they agree; above 1.01 more draws are needed."""
+    """The rank-normalised r̂ of the halves of the chains: near 1 where they agree; above 1.01 more draws
+    are needed.
+    """
     ess: float
     """The effective number of independent draws; for intervals 400 or more are needed."""
 
