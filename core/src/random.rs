@@ -39,6 +39,8 @@ pub enum Purpose {
     Diffusion = 9,
     /// Sample paths of the force of many contacts.
     SamplePaths = 10,
+    /// Chains of draws from a posterior.
+    Posterior = 11,
 }
 
 /// A stream of random words, addressed by seed, purpose and index.

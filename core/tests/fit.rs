@@ -209,6 +209,49 @@ fn the_gradient_of_the_likelihood_is_its_slope() {
 }
 
 #[test]
+fn the_standardised_density_is_that_of_the_values_and_near_a_standard_normal_one() {
+    let positions = positions(100, 4.0);
+    let prior = Prior { value: 1.0, error: 0.1 };
+    let found = fit(&positions, simulated(&positions, 9)).free(TRUE.map(|n| n.0)).prior("stiffness", prior);
+    let found = found.run().unwrap();
+    let target = found.standardised().unwrap();
+    // The readings are exact, so that their error is known by a limit only.
+    assert_eq!(target.names(), TRUE.map(|number| number.0));
+    let reading = found.estimate("reading").unwrap().value;
+    let z = [0.4, -0.7, 0.3, 0.5];
+    let (density, gradient) = target.log_density(&z, &mut ()).unwrap();
+    let values = [target.values(&z), vec![reading]].concat();
+    // The same point by another way; its coordinates are logarithms of values, rounded.
+    let likelihood = found.log_likelihood(&values, &mut ()).unwrap().0;
+    assert!((density - likelihood).abs() < 1e-9 * likelihood.abs(), "{density} {likelihood}");
+    for k in 0..4 {
+        let at = |step: f64| {
+            let mut moved = z;
+            moved[k] += step;
+            target.log_density(&moved, &mut ()).unwrap().0
+        };
+        let slope = (at(1e-4) - at(-1e-4)) / 2e-4;
+        // Rounding of ln L, some hundreds, over the step, and errors of the derivatives of the curve.
+        assert!((gradient[k] - slope).abs() < 1e-4, "{k}: {} {slope}", gradient[k]);
+    }
+    let (highest, at_estimates) = target.log_density(&[0.0; 4], &mut ()).unwrap();
+    // The search ends at a thousandth of an error.
+    assert!(at_estimates.iter().all(|slope| slope.abs() < 2e-3), "{at_estimates:?}");
+    for k in 0..4 {
+        let both: f64 = [-0.5, 0.5]
+            .map(|step| {
+                let mut moved = [0.0; 4];
+                moved[k] = step;
+                target.log_density(&moved, &mut ()).unwrap().0 - highest
+            })
+            .iter()
+            .sum();
+        // −z²/2 twice. The information is the expected one; that of one curve of 100 readings differs by a few 1/√100.
+        assert!((both / -0.25 - 1.0).abs() < 0.35, "{k}: {both}");
+    }
+}
+
+#[test]
 fn a_planned_measurement_has_the_errors_of_one_that_is_made() {
     let positions = positions(300, 6.0);
     let truth = || MasterEquation::new(contacts(2000.0, [1.0, 0.12], spread()), &Initial::default()).unwrap();

@@ -36,6 +36,7 @@ from asperity._values import (
     Label,
     MeasuredNoise,
     Misfit,
+    PosteriorNumber,
     Potential,
     Prediction,
     Profile,
@@ -687,6 +688,30 @@ class Estimates:
         the number of the curve then.
         """
 
+    def sample(
+        self,
+        /,
+        draws: SupportsIndex = 1000,
+        chains: SupportsIndex = 4,
+        seed: _Seed = 1,
+        *,
+        progress: _Progress = None,
+    ) -> Posterior:
+        """Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
+
+        The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0.
+        The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
+        before, which are left out.
+
+        draws: the number of draws of each chain, 4 or more.
+        chains: their number, 1 or more; as many are made at a time as there are threads.
+        seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
+        numpy.random.Generator, from which one is drawn.
+        progress: as for MasterEquation.pull.
+
+        Raises ValueError for a planned measurement, and if no number is known to better than a limit.
+        """
+
     @property
     def solutions(self, /) -> int:
         """The number of solutions of the master equation that the search took."""
@@ -1241,6 +1266,59 @@ class Point(Law):
     """
 
     def __new__(cls, /, at: _Number) -> Point: ...
+
+@final
+class Posterior:
+    """Draws from the posterior of a fit by the No-U-turn sampler.
+
+    Printed, or by `summary()`, it is a table. Numbers of which the fit knows only a limit keep their estimates and are not
+    among those that are drawn.
+    """
+
+    def __repr__(self, /) -> str: ...
+    def _repr_html_(self, /) -> str: ...
+    @property
+    def divergences(self, /) -> int:
+        """The number of draws whose paths diverged, because the density bends too much: 0 where the draws can be trusted."""
+
+    @property
+    def diverging(self, /) -> _Array:
+        """1 where the path to a draw diverged, otherwise 0, shape (chains, draws)."""
+
+    @property
+    def draws(self, /) -> dict[str, _Array]:
+        """The draws of each number by name: arrays of shape (chains, draws)."""
+
+    @property
+    def log_density(self, /) -> _Array:
+        """The logarithm of the posterior density at each draw, without its constant, shape (chains, draws).
+
+        It is the density of the numbers, or of the logarithms of those above 0.
+        """
+
+    @property
+    def params(self, /) -> dict[str, PosteriorNumber]:
+        """The drawn numbers by name: each a PosteriorNumber."""
+
+    def plot(self, /) -> NDArray[Any]:
+        """Plots the draws: histograms of the numbers on the diagonal, pairs of them below it. Returns the axes, shape (n, n).
+        It needs matplotlib.
+        """
+
+    def summary(self, /) -> str:
+        """A table in plain English: means with standard deviations, intervals of 95 %, and how well the chains agree."""
+
+    def to_arviz(self, /) -> Any:
+        """The draws as ArviZ holds them, with the groups `posterior` and `sample_stats`. It needs arviz.
+
+        Returns a DataTree of xarray; before version 1 of ArviZ its InferenceData.
+        """
+
+    @property
+    def warnings(self, /) -> list[str]:
+        """Sentences about draws that are not to be trusted: divergences, chains that differ (r_hat above 1.01), too few
+        independent draws (ess below 400).
+        """
 
 @final
 class Pull(Record):

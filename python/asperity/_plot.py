@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
-    from asperity._core import Estimates, Healing, Pull, Record, SteadyEstimates, VelocityStep
+    from asperity._core import Estimates, Healing, Posterior, Pull, Record, SteadyEstimates, VelocityStep
 
 
 def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
@@ -90,6 +90,30 @@ def fit_spectrum(fit: "SteadyEstimates", ax: "Axes | None" = None, **style: Any)
     ax.loglog(spectrum["wave_number"], spectrum["periodogram"], "k.", markersize=1)
     curve(spectrum, ax, {"wave_number": "q", "expected": "S"}, **style)
     return ax
+
+
+def corner(posterior: "Posterior") -> "NDArray[Any]":
+    """Histograms of the numbers on the diagonal, and pairs of draws below it."""
+    draws = {name: values.ravel() for name, values in posterior.draws.items()}
+    count = len(draws)
+    size = 2.2 * max(count, 2)
+    axes: NDArray[Any] = pyplot().subplots(count, count, sharex="col", squeeze=False, figsize=(size, size))[1]
+    for row, (below, heights) in enumerate(draws.items()):
+        for column, (left, values) in enumerate(draws.items()):
+            ax = axes[row, column]
+            if column > row:
+                ax.set_axis_off()
+                continue
+            if column == row:
+                ax.hist(values, bins=30, color="tab:blue")
+                ax.set_yticks([])
+            else:
+                ax.plot(values, heights, ".", markersize=1, color="tab:blue", alpha=0.4)
+                if column == 0:
+                    ax.set_ylabel(below)
+            if row == count - 1:
+                ax.set_xlabel(left)
+    return axes
 
 
 def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":

@@ -265,6 +265,25 @@ class Prediction(NamedTuple):
     """The standard error of the expected force, from the covariance of the estimates."""
 
 
+class PosteriorNumber(NamedTuple):
+    """A number by draws from its posterior."""
+
+    mean: float
+    """The mean of the draws."""
+    std: float
+    """Their standard deviation."""
+    median: float
+    """Their median."""
+    interval: tuple[float, float]
+    """Their quantiles of 2.5 and 97.5 %."""
+    r_hat: float
+    """The rank-normalised r̂ of the halves of the chains: near 1 where they agree; above 1.01 more draws
+    are needed.
+    """
+    ess: float
+    """The effective number of independent draws; for intervals 400 or more are needed."""
+
+
 class Profile(NamedTuple):
     """The profile of the likelihood of a number: arrays of shape (n,)."""
 

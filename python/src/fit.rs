@@ -9,17 +9,19 @@ use asperity::law::Parameter;
 use asperity::master;
 use asperity::monitor::{Monitor, Part};
 use asperity::record::{self, Quantity};
-use asperity::scenario::{self, Units};
+use asperity::scenario::{self, FitPosterior, Units};
+use asperity_runner::posterior;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, Whole};
+use crate::convert::{self, Domain, Seed, Whole};
 use crate::description::{Interface, Solved};
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
 use crate::model::interface;
+use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
 use crate::watch::watched;
@@ -367,6 +369,37 @@ impl Estimates {
         let values = convert::list("values", values)?;
         let (value, gradient) = watched(None, py, |monitor| self.found.log_likelihood(&values, monitor))?;
         Ok((value, typed::Array(convert::row(py, gradient)?)))
+    }
+
+    /// Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
+    ///
+    /// The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0.
+    /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
+    /// before, which are left out.
+    ///
+    /// draws: the number of draws of each chain, 4 or more.
+    /// chains: their number, 1 or more; as many are made at a time as there are threads.
+    /// seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
+    /// numpy.random.Generator, from which one is drawn.
+    /// progress: as for MasterEquation.pull.
+    ///
+    /// Raises ValueError for a planned measurement, and if no number is known to better than a limit.
+    #[pyo3(
+        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None),
+        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None)"
+    )]
+    fn sample(
+        &self,
+        py: Python<'_>,
+        draws: Whole,
+        chains: Whole,
+        seed: Seed,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Posterior> {
+        let sampling =
+            FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
+        let drawn = watched(progress, py, |monitor| posterior::sample(&self.found, sampling, monitor))?;
+        Ok(Posterior::new(drawn))
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.

@@ -15,6 +15,7 @@ mod interface;
 mod law;
 mod measured;
 mod model;
+mod posterior;
 mod pull;
 mod rate_state;
 mod record;
@@ -64,6 +65,8 @@ mod _core {
     };
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::posterior::Posterior;
     #[pymodule_export]
     use crate::pull::{FrictionGradient, Gradient, Pull, ThresholdResponse};
     #[pymodule_export]

@@ -81,6 +81,8 @@ objects! {
     FrictionEstimates: "FrictionEstimates",
     Prediction: "Prediction",
     Profile: "Profile",
+    PosteriorNumbers: "dict[str, PosteriorNumber]",
+    Draws: "dict[str, _Array]",
     Stability: "Stability",
     State: "State",
     BlockEnergy: "Energy",

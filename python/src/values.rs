@@ -8,15 +8,15 @@ use asperity::master::Stretches;
 use asperity::rate_state::{self, MeasuredValue};
 use asperity::record::{Quantity, Record};
 use asperity::task::LinearStability;
-use asperity::task::summary::SliderState;
+use asperity::task::summary::{PosteriorSummary, SliderState};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::convert::{Import, array, row};
 use crate::typed::{
     Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FrictionEstimates,
-    InterfaceEnergy, MeasuredNoise, Misfit, Potential, Prediction, Profile, Sizes, Stability, State,
-    StaticFriction, StretchDensity,
+    InterfaceEnergy, MeasuredNoise, Misfit, PosteriorNumbers, Potential, Prediction, Profile, Sizes,
+    Stability, State, StaticFriction, StretchDensity,
 };
 
 static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction");
@@ -42,6 +42,7 @@ static WITH_ERROR: Import = Import::new("asperity._values", "WithError");
 static FRICTION_ESTIMATES: Import = Import::new("asperity._values", "FrictionEstimates");
 static PREDICTION: Import = Import::new("asperity._values", "Prediction");
 static PROFILE: Import = Import::new("asperity._values", "Profile");
+static POSTERIOR_NUMBER: Import = Import::new("asperity._values", "PosteriorNumber");
 
 /// F_s with X_s.
 pub fn static_friction(py: Python<'_>, force: f64, position: f64) -> PyResult<StaticFriction<'_>> {
@@ -210,6 +211,17 @@ pub fn friction<'py>(py: Python<'py>, found: &fit::FrictionEstimates) -> PyResul
 pub fn prediction(py: Python<'_>, found: fit::Prediction) -> PyResult<Prediction<'_>> {
     let fit::Prediction { forces, std, error } = found;
     PREDICTION.get(py)?.call1((row(py, forces)?, row(py, std)?, row(py, error)?)).map(Prediction)
+}
+
+/// The numbers that were drawn from a posterior.
+pub fn posterior<'py>(py: Python<'py>, told: &PosteriorSummary) -> PyResult<PosteriorNumbers<'py>> {
+    let numbers = PyDict::new(py);
+    for one in &told.numbers {
+        let [low, median, high] = one.quantiles;
+        let arguments = (one.mean, one.std, median, (low, high), one.r_hat.0, one.effective_size.0);
+        numbers.set_item(&one.key, POSTERIOR_NUMBER.get(py)?.call1(arguments)?)?;
+    }
+    Ok(PosteriorNumbers(numbers.into_any()))
 }
 
 /// The profile of −2 ln L of a number.

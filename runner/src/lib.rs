@@ -6,6 +6,7 @@ mod folder;
 pub mod input;
 pub mod memory;
 pub mod output;
+pub mod posterior;
 mod run;
 
 pub use run::{run, run_with};

@@ -1,12 +1,14 @@
 //! Computation of a scenario, from its text to its outcome.
 
-use asperity::monitor::Monitor;
-use asperity::scenario::Scenario;
+use asperity::monitor::{Monitor, Part};
+use asperity::record::Record;
+use asperity::scenario::{FitPosterior, Scenario};
+use asperity::task::summary::{FitNumbers, Numbers, Summary};
 use asperity::{Result, task};
 
 use crate::checkpoint::Checkpoints;
-use crate::input;
 use crate::output::Outcome;
+use crate::{input, posterior};
 
 /// Computes `scenario`.
 ///
@@ -25,7 +27,36 @@ pub fn run_with(
     checkpoints: Option<&mut Checkpoints>,
     monitor: &mut dyn Monitor,
 ) -> Result<Outcome> {
-    let checkpoints = checkpoints.map(|checkpoints| checkpoints as &mut dyn task::Checkpoints);
-    let (summary, record) = task::run_with(scenario, checkpoints, monitor)?;
+    let (summary, record) = match scenario.fit.as_ref().and_then(|fit| fit.posterior) {
+        Some(sampling) => fit_and_sample(scenario, sampling, monitor)?,
+        None => {
+            let checkpoints = checkpoints.map(|checkpoints| checkpoints as &mut dyn task::Checkpoints);
+            task::run_with(scenario, checkpoints, monitor)?
+        }
+    };
     Ok(Outcome { scenario: input::to_text(scenario), summary, record })
+}
+
+/// A fit, and draws from its posterior.
+fn fit_and_sample(
+    scenario: &Scenario,
+    sampling: FitPosterior,
+    monitor: &mut dyn Monitor,
+) -> Result<(Summary, Record)> {
+    /// Share of the fit in the work.
+    const FIT: f64 = 0.1;
+    let (mut summary, mut record, found) = task::run_fit(scenario, &mut Part::new(monitor, 0.0, FIT))?;
+    let monitor = &mut Part::new(monitor, FIT, 1.0 - FIT);
+    let drawn = posterior::sample(&found.estimates, sampling, monitor).map_err(|error| error.under("fit"))?;
+    let told = drawn.summary(|name| found.key(name));
+    summary.warnings.extend(told.warnings().into_iter().map(|text| format!("fit.posterior: {text}")));
+    summary.seed = Some(sampling.seed);
+    if let Numbers::Fit(FitNumbers { fit }) = &mut summary.numbers {
+        fit.posterior = Some(told);
+    }
+    let diverging = drawn.diverging.iter().map(|&diverging| f64::from(u8::from(diverging))).collect();
+    let steps = drawn.steps.iter().map(|&steps| steps as f64).collect();
+    let draws = [drawn.log_density, diverging, steps];
+    task::record_posterior(&mut record, sampling.chains, &drawn.values, draws);
+    Ok((summary, record))
 }

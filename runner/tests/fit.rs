@@ -219,8 +219,7 @@ fn a_record_may_have_positions_and_be_part_of_the_scenario() {
         forces.iter().enumerate().map(|(i, force)| format!("{},{force}\n", 60.0 + 0.05 * i as f64)).collect();
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("record.csv"), format!("position,force\n{rows}")).unwrap();
-    let text =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fit-steady.toml"));
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fit-steady.toml"));
     let text = text.unwrap().replace("measured-noise.csv", "record.csv").replace("spacing = 0.05", "");
     let path = folder.path().join("fit.toml");
     fs::write(&path, text).unwrap();
@@ -232,4 +231,46 @@ fn a_record_may_have_positions_and_be_part_of_the_scenario() {
         // The spacing of positions is that of the first and the last, but for rounding.
         assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
     }
+}
+
+#[test]
+fn draws_from_the_posterior_are_told_and_written() {
+    let outcome = fitted(&["fit.posterior={ draws = 12, chains = 2, seed = 3 }"]);
+    let found = outcome.summary.numbers.fit().unwrap();
+    let told = found.posterior.as_ref().unwrap();
+    assert_eq!((told.chains, told.draws, outcome.summary.seed), (2, 12, Some(3)));
+    let keys = |numbers: Vec<&String>| numbers.into_iter().cloned().collect::<Vec<String>>();
+    assert_eq!(
+        keys(told.numbers.iter().map(|number| &number.key).collect()),
+        keys(found.numbers.iter().map(|number| &number.key).collect())
+    );
+    // 24 draws are not worth 400.
+    assert!(
+        outcome.summary.warnings.iter().any(|text| text.starts_with("fit.posterior: more draws are needed"))
+    );
+    let values = outcome.record.values("posterior_value").unwrap();
+    let mean = values[..24].iter().sum::<f64>() / 24.0;
+    assert!((mean / told.numbers[0].mean - 1.0).abs() < 1e-14);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fit");
+    output::write(&path, &outcome, &[]).unwrap();
+    assert_eq!(output::read(&path).unwrap(), outcome);
+    let file = netcdf_reader::NcFile::open(path.join("posterior.nc")).unwrap();
+    for (number, drawn) in told.numbers.iter().zip(values.chunks_exact(24)) {
+        let stored = file.read_variable::<f64>(&format!("posterior/{}", number.key)).unwrap();
+        assert_eq!(
+            (stored.shape(), stored.iter().copied().collect::<Vec<f64>>().as_slice()),
+            (&[2, 12][..], drawn)
+        );
+    }
+    for (name, shape) in [("posterior/chain", vec![2]), ("sample_stats/draw", vec![12])] {
+        assert_eq!(file.read_variable::<i64>(name).unwrap().shape(), shape, "{name}");
+    }
+    let refused = input::parse(
+        "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n[fit]\nfile = 'measured-pull.csv'\nfree = ['contacts.count']\nposterior.draws = 3",
+        "test",
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios"),
+        &[],
+    );
+    assert!(format!("{:?}", refused.unwrap_err()).contains("fit.posterior.draws"));
 }

@@ -1,6 +1,7 @@
 //! The pictures of a run, as SVG and PNG.
 
 mod catalogue;
+mod corner;
 mod covariance;
 mod curve;
 mod dashes;
@@ -58,6 +59,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("spectrum", spectrum::scene(outcome).or_else(|| fit_spectrum::scene(outcome))),
         ("correlation", spectrum::correlation(outcome)),
         ("fit", fit::scene(outcome)),
+        ("corner", corner::scene(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

@@ -1,7 +1,9 @@
 //! Text of the summary for a fit.
 
 use asperity::record::Quantity;
-use asperity::task::summary::{FitLaw, FitLaws, FitNumber, FitSummary, Summary, Uncertain};
+use asperity::task::summary::{
+    FitLaw, FitLaws, FitNumber, FitSummary, PosteriorNumber, PosteriorSummary, Summary, Uncertain,
+};
 
 use super::{digits, with_unit};
 
@@ -57,6 +59,7 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
         ));
     }
     lines.extend(fit.laws.iter().flat_map(laws));
+    lines.extend(fit.posterior.iter().flat_map(posterior));
     let friction = &fit.friction;
     let of = |name: &str, value: Option<Uncertain>, quantity| {
         let text =
@@ -83,6 +86,20 @@ fn laws(laws: &FitLaws) -> Vec<(String, String)> {
         (format!("ΔAIC of {}", law.law), text)
     };
     std::iter::once(own).chain(laws.others.iter().map(other)).collect()
+}
+
+/// A line for each number that was drawn, and one for all draws.
+fn posterior(told: &PosteriorSummary) -> Vec<(String, String)> {
+    let PosteriorSummary { chains, draws, divergences, numbers } = told;
+    let all = format!("{chains} chains of {draws} draws, {divergences} of them diverged");
+    let number = |number: &PosteriorNumber| {
+        let PosteriorNumber { key, mean, std, quantiles: [low, _, high], r_hat, effective_size } = number;
+        let (value, error) = rounded(*mean, *std);
+        let interval = format!("95 % from {} to {}", like(*low, *std), like(*high, *std));
+        let chains = format!("r̂ = {:.3}, worth {:.0} draws", r_hat.0, effective_size.0);
+        (format!("posterior of {key}"), format!("{value} ± {error}, {interval}; {chains}"))
+    };
+    std::iter::once(("posterior".to_owned(), all)).chain(numbers.iter().map(number)).collect()
 }
 
 /// A probability with two digits.

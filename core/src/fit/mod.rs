@@ -45,6 +45,7 @@ mod misfit;
 mod prediction;
 mod search;
 mod smoothness;
+mod standardised;
 mod steady;
 
 pub use estimates::{Correlation, Estimate, Estimates, Readings};
@@ -55,6 +56,7 @@ pub use friction::{FrictionEstimates, WithError};
 pub use measurement::{ErrorModel, Machine, Measurement};
 pub use misfit::Misfit;
 pub use prediction::Prediction;
+pub use standardised::Standardised;
 pub use steady::{FittedSpectrum, SteadyEstimates, SteadyFit, SteadyRecord};
 
 use faer::Mat;

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::law::ParametricFamily;
 use super::{
-    Compare, FitCompliance, FitCurve, FitSource, FitSteady, Law, Model, Pull, Scenario, Start, exactly_one,
-    positive,
+    Compare, FitCompliance, FitCurve, FitPosterior, FitSource, FitSteady, Law, Model, Pull, Scenario, Start,
+    exactly_one, positive,
 };
 use crate::fit::{ERRORS, ErrorModel, MACHINE, Prior};
 use crate::law;
@@ -90,7 +90,10 @@ pub struct Fit {
     /// of which are free instead of those of `contacts.thresholds`, for a comparison by Akaike's criterion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub laws: Vec<String>,
-    /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
+    /// Draws from the posterior, beside the estimates and their errors; without this table there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<FitPosterior>,
+    /// `"conditional" or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
     /// for others.
@@ -141,6 +144,7 @@ impl Default for Fit {
             average: 1,
             prior: BTreeMap::new(),
             laws: Vec::new(),
+            posterior: None,
             start: Start::Conditional,
             velocity: None,
         }
@@ -184,6 +188,9 @@ impl Fit {
         for (i, name) in self.laws.iter().enumerate() {
             threshold_family(&format!("laws.{i}"), name)?;
         }
+        self.posterior
+            .map_or(Ok(()), |posterior| posterior.check())
+            .map_err(|error| error.under("posterior"))?;
         if self.average == 0 {
             return Err(Error::invalid("average", "1 reading or more", 0));
         }

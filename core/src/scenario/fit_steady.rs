@@ -78,6 +78,7 @@ impl Fit {
             ("range", self.range.is_some()),
             ("average", self.average != 1),
             ("laws", !self.laws.is_empty()),
+            ("posterior", self.posterior.is_some()),
             ("noise", self.noise != FitNoise::Contacts),
         ];
         if let Some((key, _)) = of_curves.into_iter().find(|(_, given)| *given) {

@@ -2,7 +2,7 @@
 
 use super::accuracy::ForceAccuracy;
 use super::summary::{Extended, FitFriction, FitLaw, FitLaws, FitNumber, FitNumbers, FitSummary, Uncertain};
-use super::{Output, fit_steady};
+use super::{Output, fit_steady, posterior};
 use crate::fit::{
     Correlation, Estimate, Estimates, Fit, FrictionEstimates, Measurement, Readings, WithError,
 };
@@ -49,13 +49,28 @@ pub(super) const TABLES: &[CsvTable] = &[
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![("fit", Record::declared(&[&COLUMNS, &fit_steady::COLUMNS]))]
+    vec![("fit", Record::declared(&[&COLUMNS, &fit_steady::COLUMNS, &posterior::COLUMNS]))]
+}
+
+/// What the fit of a scenario has found, with the keys of its numbers.
+#[derive(Debug)]
+pub struct KeyedEstimates {
+    /// The estimates.
+    pub estimates: Estimates,
+    keys: FitKeys,
+}
+
+impl KeyedEstimates {
+    /// The key in the scenario for the name of a number.
+    pub fn key(&self, name: &str) -> String {
+        self.keys.key(name)
+    }
 }
 
 /// Fits the numbers that `task` lists.
 ///
 /// # Errors
-/// A key that is no number of the contacts or of the machine; those of [`crate::fit::Fit::run`].
+/// As [`found`].
 pub(super) fn run(
     model: &Model,
     task: &scenario::Fit,
@@ -64,6 +79,18 @@ pub(super) fn run(
     if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
         return fit_steady::run(model, &steady, &mut Part::new(monitor, 0.05, 0.95));
     }
+    Ok(found(model, task, monitor)?.0)
+}
+
+/// The same with the estimates.
+///
+/// # Errors
+/// A key that is no number of the contacts or of the machine; those of [`crate::fit::Fit::run`].
+pub(super) fn found(
+    model: &Model,
+    task: &scenario::Fit,
+    monitor: &mut dyn Monitor,
+) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
     let share = 0.85 / (1 + task.laws.len()) as f64;
     let found = fit.run_with(&mut Part::new(monitor, 0.05, share)).map_err(scenario::Fit::keyed)?;
@@ -82,12 +109,14 @@ pub(super) fn run(
         correlations: correlations(&keys, found.correlations()),
         friction: friction(&told),
         laws,
+        posterior: None,
         sources: task.curves().into_iter().filter_map(|curve| curve.source).collect(),
     };
     let warnings = not_converged(found.converged);
     let accuracy = ForceAccuracy::new(model, found.pull(0).error_estimate(), found.equation().life().mean());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
-    accuracy.of(model, "the force of the fit", output)
+    let output = accuracy.of(model, "the force of the fit", output)?;
+    Ok((output, KeyedEstimates { estimates: found, keys }))
 }
 
 /// The same fit with each of the distributions of `fit.laws`, from the mean and the standard deviation of the fitted thresholds.

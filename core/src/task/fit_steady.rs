@@ -63,6 +63,7 @@ pub(super) fn run(
         friction: friction(&told),
         laws: None,
         sources: Vec::new(),
+        posterior: None,
     };
     let warnings = not_converged(found.converged);
     let steady = found.equation().steady_state();

@@ -30,6 +30,7 @@ mod grid;
 mod hold_curve;
 mod in_time;
 pub mod interface;
+mod posterior;
 mod protocol;
 mod pull;
 mod renormalisation;
@@ -51,9 +52,11 @@ use crate::{Error, Result};
 
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use drive::first_loading_distance;
+pub use fit::KeyedEstimates;
 pub use grid::Grid;
 pub use in_time::finite_size_tolerance;
 pub use interface::cells_in_time;
+pub use posterior::record_posterior;
 pub use pull::record_pull;
 pub use stability::{LinearStability, stability};
 use summary::{Comparison, Extended, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary};
@@ -92,7 +95,7 @@ impl<N> Output<N> {
     }
 }
 
-/// Computes the task of `scenario`; returns its summary and all arrays.
+/// Computes the task of `scenario`; returns its summary and all arrays. Front ends draw `fit.posterior`, see [`run_fit`].
 ///
 /// # Errors
 /// An invalid value, results too large for one file, errors of the solvers, a stop by the monitor.
@@ -111,6 +114,25 @@ pub fn run_with(
 ) -> Result<(Summary, Record)> {
     let model = &scenario.build()?;
     let output = compute(scenario, model, checkpoints, monitor).map_err(Error::of_scenario)?;
+    Ok(summarised(scenario, output))
+}
+
+/// Computes the `[fit]` of `scenario` as [`run`] does, and returns the estimates too: front ends draw `fit.posterior` from them.
+///
+/// # Errors
+/// As [`run`]; a scenario with another task.
+pub fn run_fit(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, Record, KeyedEstimates)> {
+    let model = &scenario.build()?;
+    let Task::Fit(task) = scenario.task()? else {
+        return Err(Error::invalid("fit", "a table [fit]", "another task"));
+    };
+    let (output, found) = fit::found(model, task, monitor).map_err(Error::of_scenario)?;
+    let (summary, record) = summarised(scenario, output.erased());
+    Ok((summary, record, found))
+}
+
+/// The summary and the arrays of an output.
+fn summarised(scenario: &Scenario, output: Output<Numbers>) -> (Summary, Record) {
     let Output { numbers, accuracy, warnings, sample, seed, record } = output;
     let summary = Summary {
         title: scenario.title.clone(),
@@ -124,7 +146,7 @@ pub fn run_with(
         numbers,
         warnings: [scenario.warnings(), warnings].concat(),
     };
-    Ok((summary, record))
+    (summary, record)
 }
 
 /// The output of the task of `scenario`, which has built `model`.

@@ -6,6 +6,7 @@ mod error;
 mod fitted;
 mod listing;
 mod netcdf;
+mod posterior;
 mod read;
 
 use std::path::Path;
@@ -56,6 +57,7 @@ pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Resul
     files.extend(csv::tables(&outcome.record).map(|(name, text)| (name.to_owned(), text.into_bytes())));
     files.extend(fitted::fitted(outcome).into_iter().map(|(name, text)| (name, text.into_bytes())));
     files.push(("result.nc".to_owned(), netcdf::encode(outcome)?));
+    files.extend(posterior::encode(outcome)?.map(|bytes| ("posterior.nc".to_owned(), bytes)));
     let borrowed = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
     let attached = attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice()));
     directory::replace(dir, borrowed.chain(attached))

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Extended;
+use super::{Extended, PosteriorSummary};
 use crate::fit::{Correlation, Misfit};
 use crate::scenario::FitSource;
 
@@ -33,6 +33,9 @@ pub struct FitSummary {
     /// The comparison with other distributions of thresholds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laws: Option<FitLaws>,
+    /// Draws from the posterior.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<PosteriorSummary>,
     /// The files that the curves were read from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sources: Vec<FitSource>,

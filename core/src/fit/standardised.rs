@@ -1,0 +1,106 @@
+//! Coordinates in which the likelihood of a fit is near a standard normal distribution, for samplers.
+
+use faer::{Mat, Side};
+
+use super::estimates::{Ended, Estimates};
+use crate::monitor::{Monitor, Part};
+use crate::{Error, Result};
+
+/// The posterior of a fit in coordinates z in which the expected information at the estimates is the unit matrix: u = û + L z,
+/// with u the logarithm of a number above 0 or the number itself, û its estimate and L Lᵀ the covariance of u.
+///
+/// Numbers that are known only by a limit, or are at the end of their range, keep their estimates.
+#[derive(Debug)]
+pub struct Standardised<'a> {
+    ended: &'a Ended,
+    /// Which of the free numbers are varied.
+    varied: Vec<usize>,
+    /// L.
+    factor: Mat<f64>,
+}
+
+impl Estimates {
+    /// The posterior in standardised coordinates.
+    ///
+    /// # Errors
+    /// A measurement that is only planned; no number with an error.
+    pub fn standardised(&self) -> Result<Standardised<'_>> {
+        let Ended { likelihood, optimum } = &self.ended;
+        if self.misfit.is_none() {
+            let expected = "measured forces: a measurement that is only planned has no posterior";
+            return Err(Error::invalid("force", expected, "none"));
+        }
+        let known = |k: &usize| self.parameters[*k].error > 0.0 && self.parameters[*k].limit.is_none();
+        let varied: Vec<usize> = (0..self.parameters.len()).filter(known).collect();
+        let none = || Error::invalid("free", "a number with a finite error", "none");
+        if varied.is_empty() {
+            return Err(none());
+        }
+        let count = self.parameters.len();
+        let slope = |k: usize| likelihood.free[k].slope(optimum.coordinates[k]);
+        let covariance = Mat::from_fn(varied.len(), varied.len(), |i, j| {
+            let (a, b) = (varied[i], varied[j]);
+            self.covariance[a * count + b] / (slope(a) * slope(b))
+        });
+        let factor = covariance.llt(Side::Lower).map_err(|_| none())?.L().to_owned();
+        Ok(Standardised { ended: &self.ended, varied, factor })
+    }
+}
+
+impl Standardised<'_> {
+    /// The names of the n numbers that are varied.
+    pub fn names(&self) -> Vec<&str> {
+        self.varied.iter().map(|&k| self.ended.likelihood.free[k].name.as_str()).collect()
+    }
+
+    /// The values of these numbers at z, a list of n numbers.
+    ///
+    /// # Panics
+    /// Another number of coordinates.
+    pub fn values(&self, z: &[f64]) -> Vec<f64> {
+        let coordinates = self.coordinates(z);
+        self.varied.iter().map(|&k| self.ended.likelihood.free[k].value(coordinates[k])).collect()
+    }
+
+    /// ln L + ln(prior) at z, and its gradient by z; −∞ and zeros where the likelihood is 0, and beyond the range of a number.
+    ///
+    /// The prior is flat in u where none is given. The covariance of the noise of contacts is that of the estimates, scaled by
+    /// N⟨k⟩². With independent errors of unknown size L is the highest for any size; up to a constant this is the integral over
+    /// the size with a flat prior of its logarithm.
+    ///
+    /// # Errors
+    /// Errors of the solver; stopped by the monitor.
+    ///
+    /// # Panics
+    /// Another number of coordinates than [`Self::names`] has.
+    pub fn log_density(&self, z: &[f64], monitor: &mut dyn Monitor) -> Result<(f64, Vec<f64>)> {
+        let likelihood = &self.ended.likelihood;
+        let coordinates = self.coordinates(z);
+        let within = |&k: &usize| {
+            let [low, high] = likelihood.free[k].bounds;
+            (low..=high).contains(&coordinates[k])
+        };
+        let trial = if self.varied.iter().all(within) {
+            likelihood.trial(&coordinates, &mut Part::new(monitor, 0.0, 0.5))?
+        } else {
+            None
+        };
+        let Some(trial) = trial else { return Ok((f64::NEG_INFINITY, vec![0.0; z.len()])) };
+        let score = likelihood.score(&coordinates, &trial, &mut Part::new(monitor, 0.5, 0.5))?;
+        let slope = |j: usize| {
+            let rows = self.varied.iter().enumerate().skip(j);
+            -rows.map(|(i, &k)| self.factor[(i, j)] * score.slope[(k, 0)]).sum::<f64>()
+        };
+        Ok((-0.5 * trial.deviance, (0..z.len()).map(slope).collect()))
+    }
+
+    /// The coordinates u of all free numbers.
+    fn coordinates(&self, z: &[f64]) -> Vec<f64> {
+        assert_eq!(z.len(), self.varied.len(), "one coordinate for each number");
+        let mut coordinates = self.ended.optimum.coordinates.clone();
+        for (i, &k) in self.varied.iter().enumerate() {
+            coordinates[k] += (0..=i).map(|j| self.factor[(i, j)] * z[j]).sum::<f64>();
+        }
+        coordinates
+    }
+}

@@ -1,0 +1,109 @@
+//! Draws from the posterior of a fit.
+
+use asperity::scenario::FitPosterior;
+use asperity::task::summary::PosteriorSummary;
+use asperity_runner::posterior;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::array;
+use crate::{typed, values};
+
+/// Draws from the posterior of a fit by the No-U-turn sampler.
+///
+/// Printed, or by `summary()`, it is a table. Numbers of which the fit knows only a limit keep their estimates and are not
+/// among those that are drawn.
+#[pyclass(frozen, module = "asperity")]
+pub struct Posterior {
+    drawn: posterior::Posterior,
+    told: PosteriorSummary,
+}
+
+impl Posterior {
+    /// Draws with means, quantiles and the agreement of the chains.
+    pub fn new(drawn: posterior::Posterior) -> Self {
+        let told = drawn.summary(str::to_owned);
+        Self { drawn, told }
+    }
+
+    /// An array of shape (chains, draws).
+    fn shaped<'py>(&self, py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
+        let FitPosterior { draws, chains, .. } = self.drawn.sampling;
+        array(py, &[chains, draws], values.to_vec())
+    }
+}
+
+#[pymethods]
+impl Posterior {
+    /// The drawn numbers by name: each a PosteriorNumber.
+    #[getter]
+    fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::PosteriorNumbers<'py>> {
+        values::posterior(py, &self.told)
+    }
+
+    /// The draws of each number by name: arrays of shape (chains, draws).
+    #[getter]
+    fn draws<'py>(&self, py: Python<'py>) -> PyResult<typed::Draws<'py>> {
+        let draws = PyDict::new(py);
+        for (name, values) in self.drawn.names.iter().zip(&self.drawn.values) {
+            draws.set_item(name, self.shaped(py, values)?)?;
+        }
+        Ok(typed::Draws(draws.into_any()))
+    }
+
+    /// The logarithm of the posterior density at each draw, without its constant, shape (chains, draws).
+    ///
+    /// It is the density of the numbers, or of the logarithms of those above 0.
+    #[getter]
+    fn log_density<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        self.shaped(py, &self.drawn.log_density).map(typed::Array)
+    }
+
+    /// 1 where the path to a draw diverged, otherwise 0, shape (chains, draws).
+    #[getter]
+    fn diverging<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        let diverging: Vec<f64> = self.drawn.diverging.iter().map(|&one| f64::from(u8::from(one))).collect();
+        self.shaped(py, &diverging).map(typed::Array)
+    }
+
+    /// The number of draws whose paths diverged, because the density bends too much: 0 where the draws can be trusted.
+    #[getter]
+    fn divergences(&self) -> usize {
+        self.told.divergences
+    }
+
+    /// Sentences about draws that are not to be trusted: divergences, chains that differ (r_hat above 1.01), too few
+    /// independent draws (ess below 400).
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.told.warnings()
+    }
+
+    /// The draws as ArviZ holds them, with the groups `posterior` and `sample_stats`. It needs arviz.
+    ///
+    /// Returns a DataTree of xarray; before version 1 of ArviZ its InferenceData.
+    #[pyo3(signature = () -> "Any")]
+    fn to_arviz<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._posterior")?.call_method1("arviz", (slf,))
+    }
+
+    /// A table in plain English: means with standard deviations, intervals of 95 %, and how well the chains agree.
+    fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._posterior")?.call_method1("summary", (slf,))?.extract()
+    }
+
+    /// Plots the draws: histograms of the numbers on the diagonal, pairs of them below it. Returns the axes, shape (n, n).
+    /// It needs matplotlib.
+    #[pyo3(signature = () -> "NDArray[Any]")]
+    fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method1("corner", (slf,))
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._posterior")?.call_method1("text", (slf,))?.extract()
+    }
+
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._posterior")?.call_method1("html", (slf,))?.extract()
+    }
+}

@@ -1,0 +1,108 @@
+"""Draws from the posterior of a fit."""
+
+import sys
+from types import ModuleType
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+
+POSITION = np.linspace(0.03, 4.5, 150)
+NAMES = ("thresholds.mean", "thresholds.std", "count")
+TRUE = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000.0)
+FORCE = asp.MasterEquation(TRUE).pull(4.5)(POSITION) + 5.0 * np.random.default_rng(2).standard_normal(150)
+FIT = asp.fit(TRUE, POSITION, FORCE, free=NAMES, noise="white", reading=5.0)
+POSTERIOR = FIT.sample(draws=400, chains=4, seed=3)
+
+
+def test_a_curve_that_determines_its_numbers_has_the_posterior_of_the_estimates() -> None:
+    assert list(POSTERIOR.params) == list(NAMES)
+    assert POSTERIOR.divergences == 0
+    for name, one in POSTERIOR.params.items():
+        estimate = FIT.params[name]
+        # Four standard errors of the mean and of the standard deviation of as many draws, and 5 % since
+        # the likelihood is not quite normal.
+        assert abs(one.mean - estimate.value) < (4 / np.sqrt(one.ess) + 0.05) * estimate.error, name
+        assert abs(one.std / estimate.error - 1) < 4 / np.sqrt(2 * one.ess) + 0.05, name
+        draws = POSTERIOR.draws[name]
+        assert draws.shape == (4, 400)
+        assert one.mean == pytest.approx(draws.mean(), rel=1e-12)
+        assert one.std == pytest.approx(draws.std(ddof=1), rel=1e-9)
+        found = (one.interval[0], one.median, one.interval[1])
+        np.testing.assert_allclose(found, np.quantile(draws, [0.025, 0.5, 0.975]))
+
+
+def test_the_density_is_that_of_the_likelihood() -> None:
+    draw = [POSTERIOR.draws[name][1, 7] for name in NAMES]
+    assert POSTERIOR.log_density[1, 7] == pytest.approx(FIT.log_likelihood(draw)[0], rel=1e-9)
+
+
+def test_the_same_seed_gives_the_same_draws() -> None:
+    first, again, other = (FIT.sample(draws=8, chains=2, seed=seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.draws["count"], again.draws["count"])
+    assert (first.draws["count"] != other.draws["count"]).any()
+    # So few draws are not enough, and this is told.
+    assert first.warnings
+    assert first.warnings[0] in first.summary()
+
+
+def test_the_summary_has_a_row_for_each_number() -> None:
+    text = POSTERIOR.summary()
+    assert text.startswith("4 chains of 400 draws from the posterior\n  thresholds.mean ")
+    assert text.count("ESS") == 3
+    assert repr(POSTERIOR).startswith("<asperity.Posterior>\n")
+    assert "<table><caption>Posterior</caption>" in POSTERIOR._repr_html_()
+
+
+@pytest.mark.parametrize("version", ["0.21.0", "1.2.0"])
+def test_arviz_gets_its_groups(version: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a module in the place of arviz, with the two forms that its from_dict has had."""
+
+    def old(posterior: dict[str, Any], sample_stats: dict[str, Any]) -> dict[str, Any]:
+        return {"posterior": posterior, "sample_stats": sample_stats}
+
+    def new(groups: dict[str, Any]) -> dict[str, Any]:
+        return groups
+
+    arviz = ModuleType("arviz")
+    monkeypatch.setattr(arviz, "__version__", version, raising=False)
+    monkeypatch.setattr(arviz, "from_dict", new if version.startswith("1") else old, raising=False)
+    monkeypatch.setitem(sys.modules, "arviz", arviz)
+    groups = POSTERIOR.to_arviz()
+    np.testing.assert_array_equal(groups["posterior"]["count"], POSTERIOR.draws["count"])
+    np.testing.assert_array_equal(groups["sample_stats"]["lp"], POSTERIOR.log_density)
+    assert groups["sample_stats"]["diverging"].dtype == bool
+
+
+def test_without_arviz_the_package_to_install_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "arviz", None)
+    with pytest.raises(ImportError, match=r"^to_arviz\(\) needs arviz: pip install arviz$"):
+        POSTERIOR.to_arviz()
+
+
+def test_pairs_of_numbers_are_plotted() -> None:
+    pytest.importorskip("matplotlib")
+    axes = POSTERIOR.plot()
+    assert axes.shape == (3, 3)
+    (points,) = axes[2, 0].lines
+    np.testing.assert_array_equal(points.get_xdata(), POSTERIOR.draws["thresholds.mean"].ravel())
+    assert axes[2, 0].get_xlabel() == "thresholds.mean"
+    assert not axes[0, 2].axison
+
+
+def test_wrong_input_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^draws: expected 4 draws or more of each chain, got 3"):
+        FIT.sample(draws=3)
+    with pytest.raises(ValueError, match=r"^chains: expected 1 chain or more, got 0"):
+        FIT.sample(chains=0)
+    planned = asp.fit(TRUE, POSITION, None, free=NAMES, noise="white", reading=5.0)
+    with pytest.raises(ValueError, match=r"^force: expected measured forces"):
+        planned.sample()
+
+
+def test_progress_rises_to_one() -> None:
+    told: list[float] = []
+    FIT.sample(draws=20, chains=2, progress=told.append)
+    assert told[-1] == 1.0
+    assert told == sorted(told)

@@ -1,0 +1,124 @@
+//! Draws from the posterior of a fit: against the errors of the fit, against the law by which curves are made, and their files.
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial};
+use asperity::fit::{ErrorModel, Estimates, Fit, Measurement, Prior};
+use asperity::law::{Gaussian, Law, Point};
+use asperity::master::MasterEquation;
+use asperity::random::{Purpose, Stream};
+use asperity::scenario::FitPosterior;
+use asperity_runner::posterior::{Posterior, sample};
+
+/// The master equation of `count` contacts with Gaussian thresholds.
+fn equation([mean, std, count]: [f64; 3]) -> MasterEquation {
+    let thresholds = Arc::new(Gaussian::new(mean, std).unwrap());
+    let contacts = Contacts { count, ..Contacts::new(thresholds, Arc::new(Point::new(0.0).unwrap())) };
+    MasterEquation::new(contacts, &Initial::default()).unwrap()
+}
+
+/// A normal number. Laws are truncated at 0: so far above it, nothing of this one is.
+fn normal(stream: &mut Stream) -> f64 {
+    Gaussian::new(40.0, 1.0).unwrap().quantile(stream.uniform()) - 40.0
+}
+
+/// `count` readings up to X = 4 with independent normal errors of standard deviation `error`.
+fn readings(truth: [f64; 3], (count, error): (usize, f64), seed: u64) -> Measurement {
+    let positions: Vec<f64> = (1..=count).map(|i| 4.0 * i as f64 / count as f64).collect();
+    let pull = equation(truth).pull(4.0).unwrap();
+    let mut stream = Stream::new(seed, Purpose::Sample, 0);
+    let forces = positions.iter().map(|&x| pull.force(x) + error * normal(&mut stream)).collect();
+    Measurement::new(positions, forces)
+}
+
+const NAMES: [&str; 3] = ["thresholds.mean", "thresholds.std", "count"];
+
+/// A fit of 150 readings with a known error, which determines all three numbers.
+fn found() -> Estimates {
+    let measured = readings([1.0, 0.2, 1000.0], (150, 5.0), 3);
+    let white = ErrorModel { contacts: false, reading: Some(5.0), drift: None };
+    Fit::new(equation([0.95, 0.25, 1050.0]), measured).free(NAMES).errors(white).run().unwrap()
+}
+
+#[test]
+fn a_curve_that_determines_its_numbers_has_the_posterior_of_the_estimates() {
+    let found = found();
+    let drawn = sample(&found, FitPosterior { draws: 1000, chains: 4, seed: 1 }, &mut ()).unwrap();
+    assert_eq!(drawn.names, NAMES);
+    assert_eq!(drawn.divergences(), 0);
+    let summary = drawn.summary(str::to_owned);
+    assert!(summary.warnings().is_empty(), "{summary:?}");
+    for (name, number) in NAMES.iter().zip(&summary.numbers) {
+        let (estimate, effective) = (found.estimate(name).unwrap(), number.effective_size.0);
+        let (shift, ratio) = ((number.mean - estimate.value) / estimate.error, number.std / estimate.error);
+        // Four standard errors of the mean, 1/√ess, and of the standard deviation, 1/√(2 ess); relative errors of 1 % in the
+        // estimates, by which the logarithm of a number differs from a straight line.
+        assert!(shift.abs() < 4.0 / effective.sqrt() + 0.05, "{name}: {shift}");
+        assert!((ratio - 1.0).abs() < 4.0 / (2.0 * effective).sqrt() + 0.02, "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn draws_depend_on_the_seed_and_not_on_the_threads() {
+    let found = found();
+    let sampling = FitPosterior { draws: 20, chains: 3, seed: 5 };
+    let on = |threads: usize, sampling: FitPosterior| -> Posterior {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| sample(&found, sampling, &mut ()).unwrap())
+    };
+    let one = on(1, sampling);
+    assert_eq!(one, on(3, sampling));
+    let other = on(2, FitPosterior { seed: 6, ..sampling });
+    assert_ne!(one.values, other.values);
+    assert_ne!(one.values[0][..20], one.values[0][20..40], "each chain has its own random numbers");
+    // The logarithm of the density is that of the draw.
+    let target = found.standardised().unwrap();
+    assert!(
+        one.log_density
+            .iter()
+            .all(|density| *density <= target.log_density(&[0.0; 3], &mut ()).unwrap().0 + 1e-3)
+    );
+}
+
+/// The ranks of truths from the prior among 99 draws, for `replicas` simulated curves: χ² of their counts in `bins` bins, at most
+/// `most`.
+fn assert_uniform_ranks(replicas: u64, bins: usize, most: f64) {
+    // Simulation-based calibration (Talts et al., arXiv:1804.06788): a truth from the prior, readings of it, draws from the
+    // posterior; the rank of the truth among them is uniform.
+    let names = ["thresholds.mean", "count"];
+    let prior = [Prior { value: 1.0, error: 0.1 }, Prior { value: 1000.0, error: 150.0 }];
+    let ranks = |replica: u64| -> [usize; 2] {
+        let mut stream = Stream::new(replica, Purpose::Sample, 1);
+        // Normal in the logarithm, as priors of numbers above 0 are.
+        let truth = prior.map(|prior| prior.value * (prior.error / prior.value * normal(&mut stream)).exp());
+        let measured = readings([truth[0], 0.2, truth[1]], (8, 60.0), replica);
+        let white = ErrorModel { contacts: false, reading: Some(60.0), drift: None };
+        let fit = Fit::new(equation([1.0, 0.2, 1000.0]), measured).free(names).errors(white);
+        let fit = fit.prior(names[0], prior[0]).prior(names[1], prior[1]);
+        // Every second of 198 draws, so that they are nearly independent.
+        let sampling = FitPosterior { draws: 198, chains: 1, seed: replica };
+        let drawn = sample(&fit.run().unwrap(), sampling, &mut ()).unwrap();
+        [0, 1].map(|k| drawn.values[k].iter().step_by(2).filter(|value| **value < truth[k]).count())
+    };
+    let all: Vec<[usize; 2]> = (0..replicas).map(ranks).collect();
+    for k in 0..2 {
+        let mut counts = vec![0.0; bins];
+        all.iter().for_each(|ranks| counts[ranks[k] * bins / 100] += 1.0);
+        let expected = replicas as f64 / bins as f64;
+        let chi_squared: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
+        assert!(chi_squared < most, "{}: {chi_squared} {counts:?}", names[k]);
+    }
+}
+
+#[test]
+fn truths_drawn_from_the_prior_have_uniform_ranks_among_the_draws() {
+    // p = 0.001 for 4 degrees of freedom.
+    assert_uniform_ranks(25, 5, 18.47);
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn truths_drawn_from_the_prior_have_uniform_ranks_in_ten_bins() {
+    // p = 0.001 for 9 degrees of freedom.
+    assert_uniform_ranks(200, 10, 27.88);
+}
