@@ -484,10 +484,10 @@ fn fitted(
     (mut interface, mut velocity): (Interface, Option<f64>),
     equation: &master::MasterEquation,
     parameters: &[Parameter],
+    free: &[String],
 ) -> (Interface, Option<f64>) {
     // The description is that of the first curve.
-    let names = found.parameters.iter().map(|estimate| estimate.name.as_str());
-    let free: Vec<&str> = names.map(|name| name.strip_prefix("curve.0.").unwrap_or(name)).collect();
+    let free: Vec<&str> = free.iter().map(|name| name.strip_prefix("curve.0.").unwrap_or(name)).collect();
     let owner = |name: &str| LAWS.into_iter().find(|owner| is_of(name, owner));
     for Parameter { name, value } in parameters {
         let owner = owner(name);

@@ -162,7 +162,7 @@ fn several_curves_are_fitted_together_and_each_has_its_fitted_scenario() {
     for (name, points) in [("fitted-0.toml", 80), ("fitted-1.toml", 60)] {
         let read = input::read(&path("fit").join(name), &[]).expect("it runs as it is");
         let compared = run(&read.scenario, &mut ()).unwrap();
-        let compared = compared.summary.numbers.compare().unwrap().clone();
+        let compared = *compared.summary.numbers.compare().unwrap();
         assert_eq!(compared.points, points);
         // Of forces of a thousand; the fit is exact to 1e-6 of it.
         assert!(compared.residual_rms.unwrap() < 1e-3, "{compared:?}");

@@ -16,7 +16,7 @@ pub struct Fault {
     pub expected: String,
     pub found: String,
     /// The most similar known name.
-    pub nearest: Option<String>,
+    pub nearest: Option<Box<str>>,
     /// Whether the key itself is wrong, not its value.
     pub on_key: bool,
     /// Keys in the table at `path` that exclude one another.
@@ -48,9 +48,9 @@ impl Fault {
 }
 
 /// The known name that is most similar to `name`, if it is similar at all.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
     let nearest = known.max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
-    nearest.filter(|known| likeness(name, known) > 0.5).map(str::to_owned)
+    nearest.filter(|known| likeness(name, known) > 0.5).map(Box::from)
 }
 
 fn likeness(a: &str, b: &str) -> f64 {
