@@ -31,6 +31,7 @@ from asperity._values import (
     Energy,
     Equilibria,
     Estimate,
+    FreeForm,
     FrictionEstimates,
     InterfaceEnergy,
     Label,
@@ -602,6 +603,19 @@ class Estimates:
     @property
     def covariance(self, /) -> _Array:
         """The covariance of the estimates in the order of `params`, shape (n, n)."""
+
+    def free_form(self, /, kernels: SupportsIndex = 36, *, progress: _Progress = None) -> FreeForm:
+        """The thresholds of free form that fit the curve: a density without a name, as smooth as the curve allows.
+
+        The logarithm of the density is a sum of Gaussian kernels over eight standard deviations of the fitted thresholds to
+        either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
+        that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
+
+        kernels: their number, 12 or more.
+        progress: as for MasterEquation.pull.
+
+        Raises ValueError if no number of the thresholds was free.
+        """
 
     def friction(self, /) -> FrictionEstimates:
         """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error."""

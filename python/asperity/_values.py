@@ -6,6 +6,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from asperity._core import Series
+
 
 class Atoms(NamedTuple):
     """Point masses, in order of increasing position."""
@@ -252,6 +254,36 @@ class FrictionEstimates(NamedTuple):
     """X*, a length."""
     critical_stiffness: WithError
     """K_c, force per length."""
+
+
+class FreeForm(NamedTuple):
+    """Thresholds of free form, found by a fit: their density and distribution function with errors.
+
+    Arrays have shape (n,).
+    """
+
+    thresholds: "Series"
+    """The distribution."""
+    mean: WithError
+    """The mean threshold, a length."""
+    std: WithError
+    """The standard deviation of the thresholds, a length."""
+    effective: float
+    """The number of parameters of the shape beyond a Gaussian that the curve determines."""
+    converged: bool
+    """Whether the search has converged."""
+    threshold: "NDArray[np.float64]"
+    """Thresholds."""
+    density: "NDArray[np.float64]"
+    """P_c, per length."""
+    low: "NDArray[np.float64]"
+    """Lower ends of the intervals of 95 % of P_c."""
+    high: "NDArray[np.float64]"
+    """Their upper ends."""
+    cumulative: "NDArray[np.float64]"
+    """The distribution function."""
+    cumulative_error: "NDArray[np.float64]"
+    """Its standard error."""
 
 
 class Prediction(NamedTuple):

@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Seed, Whole};
-use crate::description::{Interface, Solved};
+use crate::description::{Interface, Plain, Solved};
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
@@ -299,6 +299,38 @@ impl Estimates {
         let (positions, curve) = (convert::list("position", position)?, curve.get("curve")?);
         let predicted = watched(None, py, |monitor| self.found.predict(curve, &positions, monitor))?;
         values::prediction(py, predicted)
+    }
+
+    /// The thresholds of free form that fit the curve: a density without a name, as smooth as the curve allows.
+    ///
+    /// The logarithm of the density is a sum of Gaussian kernels over eight standard deviations of the fitted thresholds to
+    /// either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
+    /// that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
+    ///
+    /// kernels: their number, 12 or more.
+    /// progress: as for MasterEquation.pull.
+    ///
+    /// Raises ValueError if no number of the thresholds was free.
+    #[pyo3(
+        signature = (kernels = Whole::new(36), *, progress: "_Progress" = None),
+        text_signature = "(self, kernels=36, *, progress=None)"
+    )]
+    fn free_form<'py>(
+        &self,
+        py: Python<'py>,
+        kernels: Whole,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<typed::FreeForm<'py>> {
+        let kernels = kernels.get("kernels")?;
+        let form = watched(progress, py, |monitor| self.found.free_form(kernels, monitor))?;
+        let series = form.thresholds.series();
+        let law = scenario::Law::Series {
+            boundaries: series.boundaries().to_vec(),
+            coefficients: series.coefficients().iter().map(|cell| cell.to_vec()).collect(),
+            cut: 0.0,
+        };
+        let law = Plain::Law(law).instance::<crate::law::Law>(py)?;
+        values::free_form(py, &form, law.into_any())
     }
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.

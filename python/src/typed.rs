@@ -78,6 +78,7 @@ objects! {
     Laws: "dict[str, Estimates]",
     Correlations: "list[Correlation]",
     Misfit: "Misfit",
+    FreeForm: "FreeForm",
     FrictionEstimates: "FrictionEstimates",
     Prediction: "Prediction",
     Profile: "Profile",

@@ -14,9 +14,9 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::convert::{Import, array, row};
 use crate::typed::{
-    Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FrictionEstimates,
-    InterfaceEnergy, MeasuredNoise, Misfit, PosteriorNumbers, Potential, Prediction, Profile, Sizes,
-    Stability, State, StaticFriction, StretchDensity,
+    Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FreeForm,
+    FrictionEstimates, InterfaceEnergy, MeasuredNoise, Misfit, PosteriorNumbers, Potential, Prediction,
+    Profile, Sizes, Stability, State, StaticFriction, StretchDensity,
 };
 
 static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction");
@@ -39,6 +39,7 @@ static COURSE: Import = Import::new("asperity._values", "Course");
 static CORRELATION: Import = Import::new("asperity._values", "Correlation");
 static MISFIT: Import = Import::new("asperity._values", "Misfit");
 static WITH_ERROR: Import = Import::new("asperity._values", "WithError");
+static FREE_FORM: Import = Import::new("asperity._values", "FreeForm");
 static FRICTION_ESTIMATES: Import = Import::new("asperity._values", "FrictionEstimates");
 static PREDICTION: Import = Import::new("asperity._values", "Prediction");
 static PROFILE: Import = Import::new("asperity._values", "Profile");
@@ -205,6 +206,34 @@ pub fn friction<'py>(py: Python<'py>, found: &fit::FrictionEstimates) -> PyResul
         with_error(found.critical_stiffness)?,
     );
     FRICTION_ESTIMATES.get(py)?.call1(numbers).map(FrictionEstimates)
+}
+
+/// Thresholds of free form; `law` is their distribution.
+pub fn free_form<'py>(
+    py: Python<'py>,
+    found: &fit::FreeForm,
+    law: Bound<'py, PyAny>,
+) -> PyResult<FreeForm<'py>> {
+    let class = WITH_ERROR.get(py)?;
+    let with_error = |one: fit::WithError| class.call1((one.value, one.error));
+    let table = found.table().map_err(crate::error::core)?;
+    let fit::ThresholdBand { thresholds, density, low, high, cumulative, cumulative_error } = table;
+    FREE_FORM
+        .get(py)?
+        .call1((
+            law,
+            with_error(found.mean)?,
+            with_error(found.std)?,
+            found.effective,
+            found.estimates.converged,
+            row(py, thresholds)?,
+            row(py, density)?,
+            row(py, low)?,
+            row(py, high)?,
+            row(py, cumulative)?,
+            row(py, cumulative_error)?,
+        ))
+        .map(FreeForm)
 }
 
 /// Expected readings.

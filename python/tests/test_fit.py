@@ -561,3 +561,23 @@ def test_an_unknown_compliance_is_found() -> None:
     assert found.params["compliance"].value == pytest.approx(1e-4, rel=1e-5)
     with pytest.raises(ValueError, match=r"^compliance: expected a number or \"free\", got"):
         asp.fit(contacts, slider, force, free=("count",), compliance="fre")  # type: ignore[arg-type]
+
+
+def test_thresholds_of_free_form_agree_with_those_that_made_the_curve() -> None:
+    contacts = TRUE.replace(reforming=asp.Point(0.0))
+    force = asp.Ensemble(contacts, size=2000, seed=7).pull(4.5, 151).force[1:]
+    found = asp.fit(
+        GUESS.replace(reforming=asp.Point(0.0)), POSITION, force, free=("thresholds.mean", "thresholds.std", "count")
+    )
+    form = found.free_form()
+    assert form.converged
+    exact = TRUE.thresholds
+    assert exact is not None
+    # 2000 contacts know a distribution function to about 0.011.
+    np.testing.assert_allclose(form.cumulative, exact.cdf(form.threshold), atol=0.02)
+    np.testing.assert_allclose(form.density, form.thresholds.pdf(form.threshold), rtol=1e-9)
+    assert np.all(form.low <= form.density)
+    assert np.all(form.high >= form.density)
+    assert abs(form.mean.value - 1.0) < 4 * form.mean.error
+    with pytest.raises(ValueError, match=r"^kernels: expected 12 or more"):
+        found.free_form(5)

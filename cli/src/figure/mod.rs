@@ -12,6 +12,7 @@ mod field;
 mod fit;
 mod fit_spectrum;
 mod force;
+mod free_form;
 mod hold_curve;
 mod potential;
 mod protocol;
@@ -59,6 +60,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("spectrum", spectrum::scene(outcome).or_else(|| fit_spectrum::scene(outcome))),
         ("correlation", spectrum::correlation(outcome)),
         ("fit", fit::scene(outcome)),
+        ("free_form", free_form::scene(outcome)),
         ("corner", corner::scene(outcome)),
     ];
     let mut pictures = Vec::new();

@@ -1,8 +1,10 @@
 //! Text of the summary for a fit.
 
 use asperity::record::Quantity;
+use asperity::scenario::Units;
 use asperity::task::summary::{
-    FitLaw, FitLaws, FitNumber, FitSummary, PosteriorNumber, PosteriorSummary, Summary, Uncertain,
+    FitFreeForm, FitLaw, FitLaws, FitNumber, FitSummary, PosteriorNumber, PosteriorSummary, Summary,
+    Uncertain,
 };
 
 use super::{digits, with_unit};
@@ -59,6 +61,7 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
         ));
     }
     lines.extend(fit.laws.iter().flat_map(laws));
+    lines.extend(fit.free_form.iter().flat_map(|form| free_form(form, &summary.units)));
     lines.extend(fit.posterior.iter().flat_map(posterior));
     let friction = &fit.friction;
     let of = |name: &str, value: Option<Uncertain>, quantity| {
@@ -71,6 +74,21 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
     lines.push(of("relaxation length", Some(friction.relaxation_length), Quantity::Length));
     lines.push(of("critical stiffness", Some(friction.critical_stiffness), Quantity::Stiffness));
     lines
+}
+
+/// Lines for thresholds of free form.
+fn free_form(form: &FitFreeForm, units: &Units) -> Vec<(String, String)> {
+    let unit = units.label(Quantity::Length);
+    let unsure = if form.converged { "" } else { ", not converged" };
+    let misfit = form.chi_squared.map_or(String::new(), |found| format!(", χ² {found:.1}"));
+    vec![
+        ("free form, mean threshold".to_owned(), uncertain(&form.mean, &unit)),
+        ("free form, std of thresholds".to_owned(), uncertain(&form.std, &unit)),
+        (
+            "free form, parameters".to_owned(),
+            format!("{:.1} beyond a Gaussian{misfit}{unsure}", form.effective),
+        ),
+    ]
 }
 
 /// A line for each distribution of thresholds, with its difference of Akaike's criterion from the lowest.

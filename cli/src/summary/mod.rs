@@ -40,7 +40,9 @@ pub fn readable(summary: &Summary) -> String {
             .into_iter()
             .flat_map(|found| renormalisation::lines(summary, found)),
     );
-    if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
+    // The seed of a fit is that of draws from the posterior.
+    let sample = summary.sample.filter(|_| summary.numbers.fit().is_none());
+    if let (Some(seed), Some(size)) = (summary.seed, sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
         lines.push(("ensemble", format!("{size} contacts, {quenched}seed {seed}")));

@@ -5,6 +5,7 @@ use faer::Mat;
 use super::estimates::{Ended, Estimates};
 use super::free::FreeParameter;
 use super::friction::WithError;
+use super::interval::TWO_SIDED;
 use super::likelihood::{Errors, Likelihood};
 use super::matrix;
 use super::search::{Optimum, search};
@@ -39,8 +40,10 @@ pub struct ThresholdBand {
     pub thresholds: Vec<f64>,
     /// P_c.
     pub density: Vec<f64>,
-    /// The standard error of ln P_c.
-    pub log_density_error: Vec<f64>,
+    /// The ends of its interval of 95 %, 1.96 standard errors of ln P_c to both sides.
+    pub low: Vec<f64>,
+    /// The upper ends.
+    pub high: Vec<f64>,
     /// The distribution function ∫_0^x P_c.
     pub cumulative: Vec<f64>,
     /// Its standard error.
@@ -224,6 +227,18 @@ impl FreeForm {
         })
     }
 
+    /// The same at 201 thresholds, over all but 1e-5 of the contacts at either end.
+    ///
+    /// # Errors
+    /// Those of [`Self::band`].
+    pub fn table(&self) -> Result<ThresholdBand> {
+        const POINTS: usize = 201;
+        const LEFT_OUT: f64 = 1e-5;
+        let (low, high) = (self.thresholds.quantile(LEFT_OUT), self.thresholds.upper_quantile(LEFT_OUT));
+        let place = |i: usize| low + (high - low) * (i as f64 / (POINTS - 1) as f64);
+        self.band(&(0..POINTS).map(place).collect::<Vec<_>>())
+    }
+
     /// P_c and its distribution function at thresholds, with standard errors that follow from the covariance V of the coefficients:
     /// ∂ ln P_c/∂θ_i = B_i − ∫P_c B_i, and −∂S/∂θ_i.
     ///
@@ -240,7 +255,9 @@ impl FreeForm {
             let by_log: Vec<f64> = law.kernels(x).iter().zip(&means).map(|(b, mean)| b - mean).collect();
             let by_cumulative: Vec<f64> = changes.iter().map(|change| -change(x)).collect();
             band.density.push(law.density(x));
-            band.log_density_error.push(error(&by_log));
+            let factor = (TWO_SIDED * error(&by_log)).exp();
+            band.low.push(law.density(x) / factor);
+            band.high.push(law.density(x) * factor);
             band.cumulative.push(law.cumulative(x));
             band.cumulative_error.push(error(&by_cumulative));
         }
@@ -276,6 +293,14 @@ fn propagated(law: &LogKernels, estimates: &Estimates, g: impl Fn(f64) -> f64) -
 }
 
 impl Estimates {
+    /// The fit with thresholds of free form: [`Fit::free_form`].
+    ///
+    /// # Errors
+    /// Those of [`Fit::free_form`].
+    pub fn free_form(&self, count: usize, monitor: &mut dyn Monitor) -> Result<FreeForm> {
+        self.ended.likelihood.fit.free_form(self, count, monitor)
+    }
+
     /// The standard error of what has these derivatives by the first free numbers, and none by the others.
     fn propagate(&self, gradient: &[f64]) -> f64 {
         let (n, m) = (self.parameters.len(), gradient.len());

@@ -93,7 +93,12 @@ pub struct Fit {
     /// Draws from the posterior, beside the estimates and their errors; without this table there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<FitPosterior>,
-    /// `"conditional" or `"relaxed"`: relation between initial stretches and thresholds.
+    /// `"free_form"`: in addition to the fit with the distribution of `contacts.thresholds`, one of the density itself, as smooth
+    /// as the curve allows; `"law"`: without it.
+    pub thresholds: FitThresholds,
+    /// Number of kernels in the density of free form, 12 or more.
+    pub kernels: usize,
+    /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
     /// for others.
@@ -111,6 +116,17 @@ pub enum FitNoise {
     Contacts,
     /// Independent errors.
     White,
+}
+
+/// What is known of the form of the distribution of thresholds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FitThresholds {
+    /// It is that of `contacts.thresholds`.
+    #[default]
+    Law,
+    /// It is smooth.
+    FreeForm,
 }
 
 /// A slow drift of the measured force.
@@ -144,6 +160,8 @@ impl Default for Fit {
             average: 1,
             prior: BTreeMap::new(),
             laws: Vec::new(),
+            thresholds: FitThresholds::Law,
+            kernels: 36,
             posterior: None,
             start: Start::Conditional,
             velocity: None,
@@ -339,8 +357,8 @@ impl Fit {
 
     /// An error of a fit, with the key that gave its argument.
     pub(crate) fn keyed(error: Error) -> Error {
-        const ARGUMENTS: [&str; 8] =
-            ["free", "prior", "position", "force", "drift", "reading", "compliance", "curve"];
+        const ARGUMENTS: [&str; 9] =
+            ["free", "prior", "position", "force", "drift", "reading", "compliance", "curve", "kernels"];
         match &error {
             Error::Invalid { key, .. } if ARGUMENTS.contains(&key.split('.').next().unwrap_or_default()) => {
                 error.under("fit")

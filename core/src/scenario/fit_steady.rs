@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fit::FitKeys;
-use super::{Fit, FitNoise, Model, Scenario, Spectrum, exactly_one, positive};
+use super::{Fit, FitNoise, FitThresholds, Model, Scenario, Spectrum, exactly_one, positive};
 use crate::fit::{SteadyFit, SteadyRecord};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -78,6 +78,7 @@ impl Fit {
             ("range", self.range.is_some()),
             ("average", self.average != 1),
             ("laws", !self.laws.is_empty()),
+            ("thresholds", self.thresholds != FitThresholds::Law),
             ("posterior", self.posterior.is_some()),
             ("noise", self.noise != FitNoise::Contacts),
         ];

@@ -48,7 +48,7 @@ pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
 pub(crate) use fit::FitKeys;
-pub use fit::{Fit, FitDrift, FitNoise, threshold_family};
+pub use fit::{Fit, FitDrift, FitNoise, FitThresholds, threshold_family};
 pub use fit_curve::{FitCompliance, FitCurve, FitSource};
 pub use fit_steady::FitSteady;
 pub use hold_curve::HoldCurve;

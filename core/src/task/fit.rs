@@ -2,13 +2,13 @@
 
 use super::accuracy::ForceAccuracy;
 use super::summary::{Extended, FitFriction, FitLaw, FitLaws, FitNumber, FitNumbers, FitSummary, Uncertain};
-use super::{Output, fit_steady, posterior};
+use super::{Output, fit_steady, free_form, posterior};
 use crate::fit::{
     Correlation, Estimate, Estimates, Fit, FrictionEstimates, Measurement, Readings, WithError,
 };
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
-use crate::scenario::{self, FitKeys, Model};
+use crate::scenario::{self, FitKeys, FitThresholds, Model};
 use crate::{Error, Result};
 
 const CURVE: Column =
@@ -45,11 +45,15 @@ pub(super) const TABLES: &[CsvTable] = &[
         needed: EXPECTED,
     },
     fit_steady::TABLE,
+    free_form::TABLE,
 ];
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![("fit", Record::declared(&[&COLUMNS, &fit_steady::COLUMNS, &posterior::COLUMNS]))]
+    vec![(
+        "fit",
+        Record::declared(&[&COLUMNS, &fit_steady::COLUMNS, &free_form::COLUMNS, &posterior::COLUMNS]),
+    )]
 }
 
 /// What the fit of a scenario has found, with the keys of its numbers.
@@ -92,11 +96,17 @@ pub(super) fn found(
     monitor: &mut dyn Monitor,
 ) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
-    let share = 0.85 / (1 + task.laws.len()) as f64;
+    let is_free = task.thresholds == FitThresholds::FreeForm;
+    let share = 0.85 / (1 + task.laws.len() + if is_free { 10 } else { 0 }) as f64;
     let found = fit.run_with(&mut Part::new(monitor, 0.05, share)).map_err(scenario::Fit::keyed)?;
-    let laws = laws(task, (&fit, &keys), &found, &mut Part::new(monitor, 0.05 + share, 0.85 - share))?;
+    let others = share * task.laws.len() as f64;
+    let laws = laws(task, (&fit, &keys), &found, &mut Part::new(monitor, 0.05 + share, others))?;
+    let part = &mut Part::new(monitor, 0.05 + share + others, 0.85 - share - others);
+    let form = is_free.then(|| fit.free_form(&found, task.kernels, part)).transpose();
+    let form = form.map_err(scenario::Fit::keyed)?;
     let told = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
-    let record = record(&found);
+    let mut record = record(&found);
+    let form = form.map(|form| free_form::tell(&form, &mut record)).transpose()?;
     let summary = FitSummary {
         converged: found.converged,
         readings: found.readings.iter().map(|curve| curve.positions.len()).sum(),
@@ -109,6 +119,7 @@ pub(super) fn found(
         correlations: correlations(&keys, found.correlations()),
         friction: friction(&told),
         laws,
+        free_form: form,
         posterior: None,
         sources: task.curves().into_iter().filter_map(|curve| curve.source).collect(),
     };
@@ -200,14 +211,18 @@ pub(super) fn not_converged(converged: bool) -> Vec<String> {
     if converged { Vec::new() } else { vec![text.into()] }
 }
 
+/// A value with its error, as the summary has it.
+pub(super) fn uncertain(of: WithError) -> Uncertain {
+    Uncertain { value: Extended(of.value), error: Extended(of.error) }
+}
+
 /// Friction with its errors.
 pub(super) fn friction(found: &FrictionEstimates) -> FitFriction {
-    let error = |of: WithError| Uncertain { value: Extended(of.value), error: Extended(of.error) };
     FitFriction {
-        static_friction: found.static_friction.map(error),
-        kinetic_friction: error(found.kinetic_friction),
-        relaxation_length: error(found.relaxation_length),
-        critical_stiffness: error(found.critical_stiffness),
+        static_friction: found.static_friction.map(uncertain),
+        kinetic_friction: uncertain(found.kinetic_friction),
+        relaxation_length: uncertain(found.relaxation_length),
+        critical_stiffness: uncertain(found.critical_stiffness),
     }
 }
 

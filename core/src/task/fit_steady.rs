@@ -62,6 +62,7 @@ pub(super) fn run(
         correlations: correlations(keys, found.correlations()),
         friction: friction(&told),
         laws: None,
+        free_form: None,
         sources: Vec::new(),
         posterior: None,
     };

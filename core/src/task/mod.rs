@@ -26,6 +26,7 @@ mod drive;
 mod ensemble;
 mod fit;
 mod fit_steady;
+mod free_form;
 mod grid;
 mod hold_curve;
 mod in_time;

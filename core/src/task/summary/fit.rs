@@ -33,12 +33,33 @@ pub struct FitSummary {
     /// The comparison with other distributions of thresholds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laws: Option<FitLaws>,
+    /// Thresholds of free form.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free_form: Option<FitFreeForm>,
     /// Draws from the posterior.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorSummary>,
     /// The files that the curves were read from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sources: Vec<FitSource>,
+}
+
+/// Thresholds of free form; their density is in the record.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FitFreeForm {
+    /// Whether the search has converged.
+    pub converged: bool,
+    /// The mean threshold.
+    pub mean: Uncertain,
+    /// The standard deviation of the thresholds.
+    pub std: Uncertain,
+    /// λ, the strength of the penalty for third differences of the logarithmic density.
+    pub strength: f64,
+    /// The number of parameters of the shape beyond a Gaussian that the curve determines.
+    pub effective: f64,
+    /// χ²; absent for a measurement that is only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chi_squared: Option<f64>,
 }
 
 /// A comparison of distributions of thresholds by Akaike's criterion.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use crate::rate_state::Fitted;
 pub use catalogue::{Catalogue, Largest, PowerLaw};
-pub use fit::{FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
+pub use fit::{FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use posterior::{PosteriorNumber, PosteriorSummary};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
 pub use time::{CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, Stability};
