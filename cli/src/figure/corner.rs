@@ -48,7 +48,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
             if row == column { histogram(below) } else { (vec![pair(below, left)], left.range) };
         let quiet = || TickFormat::Custom(Arc::new(|_| String::new()));
         let mut layout = style::layout(below.range, heights)
-            .with_ticks(3)
+            .with_ticks(2)
             .with_tick_size(9)
             .with_label_size(11)
             .with_force_margins(if column == 0 { LABELS.0 } else { MARGIN }, MARGIN)

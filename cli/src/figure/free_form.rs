@@ -13,8 +13,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (threshold, density) = (record.values("free_form_threshold")?, record.values("free_form_density")?);
     let (low, high) = (record.values("free_form_density_low")?, record.values("free_form_density_high")?);
     // The interval of the tails, where nothing is known, may be higher than the density anywhere.
-    let top = 1.5 * style::range([density]).1;
-    let cut: Vec<f64> = high.iter().map(|height| height.min(top)).collect();
+    let highest = 1.5 * style::range([density]).1;
+    let cut: Vec<f64> = high.iter().map(|height| height.min(highest)).collect();
+    let top = style::headroom(style::range([cut.as_slice()]).1);
     let band = BandPlot::new(threshold.to_vec(), low.to_vec(), cut).with_color(BLUE).with_opacity(0.22);
     let plots: Plots = vec![Plot::Band(band), line(curve(threshold, density), BLUE, 2.0, None)];
     let legend = vec![style::line("density of free form", BLUE, None), style::area("95 %", "#C7DFEE")];
