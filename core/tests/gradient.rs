@@ -374,3 +374,13 @@ fn friction_changes_with_the_delay() {
         friction_agrees(name, value, |value| equation.with_parameters(&[(name, value)], &mut ()).unwrap());
     }
 }
+
+/// Exponential thresholds of mean θ re-formed at 0 have no root: F = θ(1 − e^{−X/θ}), and X* = θ.
+#[test]
+fn the_relaxation_length_of_exponential_thresholds_is_their_mean() {
+    let zero = point(0.0);
+    let equation = equation(&exponential(1.3), &zero, &zero, Start::Conditional);
+    let found = equation.pull(4.0).unwrap().friction_gradient("thresholds.mean").unwrap();
+    // The length of the tail is closed; its difference of eighth order has the rounding of 1e-16 over a step of 1e-2.
+    assert!((found.relaxation_length - 1.0).abs() < 1e-12, "{}", found.relaxation_length);
+}

@@ -40,7 +40,9 @@ def steady_html(fit: "SteadyEstimates") -> str:
 
 
 def steady_summary(fit: "SteadyEstimates") -> str:
-    title = f"fit to {fit.readings} readings in steady sliding, {fit.solutions} solutions of the master equation"
+    title = (
+        f"fit to {fit.readings} readings in steady sliding, {fit.solutions} solutions of the master equation"
+    )
     return "\n".join([_show.listed(title, rows(fit)), *remarks(fit, "record")])
 
 

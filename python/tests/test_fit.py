@@ -567,7 +567,10 @@ def test_thresholds_of_free_form_agree_with_those_that_made_the_curve() -> None:
     contacts = TRUE.replace(reforming=asp.Point(0.0))
     force = asp.Ensemble(contacts, size=2000, seed=7).pull(4.5, 151).force[1:]
     found = asp.fit(
-        GUESS.replace(reforming=asp.Point(0.0)), POSITION, force, free=("thresholds.mean", "thresholds.std", "count")
+        GUESS.replace(reforming=asp.Point(0.0)),
+        POSITION,
+        force,
+        free=("thresholds.mean", "thresholds.std", "count"),
     )
     form = found.free_form()
     assert form.converged

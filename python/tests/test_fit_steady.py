@@ -50,8 +50,12 @@ def test_the_periodogram_is_that_of_numpy() -> None:
     spectrum = FOUND.spectrum
     n = len(RECORD)
     modes = np.fft.rfft(RECORD - RECORD.mean())[1:]
-    np.testing.assert_allclose(spectrum["periodogram"], SPACING / n * np.abs(modes) ** 2, rtol=1e-8, atol=1e-9)
-    np.testing.assert_allclose(spectrum["wave_number"], 2 * np.pi * np.fft.rfftfreq(n, SPACING)[1:], rtol=1e-12)
+    np.testing.assert_allclose(
+        spectrum["periodogram"], SPACING / n * np.abs(modes) ** 2, rtol=1e-8, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        spectrum["wave_number"], 2 * np.pi * np.fft.rfftfreq(n, SPACING)[1:], rtol=1e-12
+    )
     # The expectation by the sum over all pairs of readings, at some wave numbers.
     covariance = FOUND.model.steady_state().autocovariance(SPACING * np.arange(n), size=FOUND.contacts.count)
     lags = np.arange(n)

@@ -130,4 +130,6 @@ def test_friction_gradients_together() -> None:
     pull = EQUATION.pull(5.0)
     names = list(pull.parameters())
     for name, found in zip(names, pull.friction_gradients(names), strict=True):
-        assert found.kinetic_friction == pytest.approx(pull.friction_gradient(name).kinetic_friction, rel=1e-9)
+        assert found.kinetic_friction == pytest.approx(
+            pull.friction_gradient(name).kinetic_friction, rel=1e-9
+        )

@@ -137,8 +137,10 @@ impl Fit {
                 other.quantity == parameter.quantity && both
             };
             if let Some(other) = free.iter().find(|other| same(other)) {
-                let expected = "each key once, for all curves or for one of them";
-                let found = format!("{name} beside {}", other.name);
+                let twice = other.name == *name;
+                let expected =
+                    if twice { "each key once" } else { "each key once, for all curves or for one of them" };
+                let found = if twice { name.clone() } else { format!("{name} beside {}", other.name) };
                 return Err(Error::invalid(format!("free.{i}"), expected, found));
             }
             free.push(parameter);

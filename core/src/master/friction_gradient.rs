@@ -7,6 +7,7 @@ use super::pull::Pull;
 use super::relaxation::Relaxation;
 use super::{Extremum, Gradient};
 use crate::Result;
+use crate::law::EIGHTH_ORDER;
 use crate::life::{Life, LifeDerivative};
 use crate::monitor::{Monitor, Part};
 use crate::numerics::piecewise::Piecewise;
@@ -72,7 +73,33 @@ impl Pull {
         let gradients = self.gradients_of(&changes, &mut Part::new(monitor, 0.4, 0.4))?;
         let relaxation = self.equation.relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
         let friction = |(change, gradient)| self.friction_gradient_of(change, gradient, &relaxation);
-        Ok(changes.iter().zip(&gradients).map(friction).collect())
+        let mut found: Vec<FrictionGradient> = changes.iter().zip(&gradients).map(friction).collect();
+        for (gradient, name) in found.iter_mut().zip(parameters) {
+            if relaxation.length().is_finite() && gradient.relaxation_length.is_nan() {
+                gradient.relaxation_length = self.relaxation_difference(name)?;
+            }
+        }
+        Ok(found)
+    }
+
+    /// ∂X*/∂θ by central differences of eighth order, for tails that decay more slowly than any root tells: those of exponential
+    /// thresholds, where X* is the length of the tail.
+    fn relaxation_difference(&self, name: &str) -> Result<f64> {
+        /// Step relative to the value.
+        const STEP: f64 = 1e-2;
+        let known = self.parameters().into_iter().find(|parameter| parameter.name == name);
+        let value = known.map_or(f64::NAN, |parameter| parameter.value);
+        let step = STEP * value.abs();
+        let length = |away: f64| -> Result<f64> {
+            let equation = self.equation.with_parameters(&[(name, value + away)], &mut ())?;
+            Ok(equation.relaxation()?.length())
+        };
+        let mut sum = 0.0;
+        for (k, weight) in (1..).zip(EIGHTH_ORDER) {
+            let away = f64::from(k) * step;
+            sum += weight * (length(away)? - length(-away)?);
+        }
+        Ok(sum / step)
     }
 
     fn friction_gradient_of(

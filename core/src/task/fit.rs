@@ -1,11 +1,10 @@
 //! `[fit]`: numbers of the contacts, and of the machine, from a measured curve.
 
 use super::accuracy::ForceAccuracy;
-use super::summary::{Extended, FitFriction, FitLaw, FitLaws, FitNumber, FitNumbers, FitSummary, Uncertain};
+use super::fit_numbers::{correlations, friction, not_converged, number};
+use super::summary::{FitLaw, FitLaws, FitNumbers, FitSummary};
 use super::{Output, fit_steady, free_form, posterior};
-use crate::fit::{
-    Correlation, Estimate, Estimates, Fit, FrictionEstimates, Measurement, Readings, WithError,
-};
+use crate::fit::{Estimates, Fit, Measurement, Readings};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, FitKeys, FitThresholds, Model};
@@ -203,44 +202,4 @@ fn record(found: &Estimates) -> Record {
         record.add(WHITENED, all(|curve| &curve.whitened));
     }
     record
-}
-
-/// The warning of a search that has not converged.
-pub(super) fn not_converged(converged: bool) -> Vec<String> {
-    let text = "fit: the search has not converged; the values are the last ones, without meaningful errors";
-    if converged { Vec::new() } else { vec![text.into()] }
-}
-
-/// A value with its error, as the summary has it.
-pub(super) fn uncertain(of: WithError) -> Uncertain {
-    Uncertain { value: Extended(of.value), error: Extended(of.error) }
-}
-
-/// Friction with its errors.
-pub(super) fn friction(found: &FrictionEstimates) -> FitFriction {
-    FitFriction {
-        static_friction: found.static_friction.map(uncertain),
-        kinetic_friction: uncertain(found.kinetic_friction),
-        relaxation_length: uncertain(found.relaxation_length),
-        critical_stiffness: uncertain(found.critical_stiffness),
-    }
-}
-
-pub(super) fn number(keys: &FitKeys, estimate: &Estimate) -> FitNumber {
-    let Estimate { name, value, error, interval, limit } = estimate;
-    FitNumber {
-        key: keys.key(name),
-        value: *value,
-        error: *error,
-        interval: interval.map(Extended),
-        limit: limit.map(Extended),
-    }
-}
-
-pub(super) fn correlations(keys: &FitKeys, told: Vec<Correlation>) -> Vec<Correlation> {
-    let named = |correlation: Correlation| Correlation {
-        between: correlation.between.map(|name| keys.key(&name)),
-        coefficient: correlation.coefficient,
-    };
-    told.into_iter().map(named).collect()
 }

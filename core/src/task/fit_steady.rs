@@ -2,7 +2,7 @@
 
 use super::Output;
 use super::accuracy::ForceAccuracy;
-use super::fit::{correlations, friction, not_converged, number};
+use super::fit_numbers::{correlations, friction, not_converged, number};
 use super::summary::{FitNumbers, FitSummary};
 use crate::Result;
 use crate::fit::SteadyFit;

@@ -1,6 +1,6 @@
 //! Thresholds of free form, of a fit: their density and distribution function with errors.
 
-use super::fit::uncertain;
+use super::fit_numbers::uncertain;
 use super::summary::FitFreeForm;
 use crate::Result;
 use crate::fit::FreeForm;

@@ -25,6 +25,7 @@ mod distribution;
 mod drive;
 mod ensemble;
 mod fit;
+mod fit_numbers;
 mod fit_steady;
 mod free_form;
 mod grid;
