@@ -356,6 +356,8 @@ impl<'a> Walk<'a> {
             "seed" => 1000,
             "pieces" | "runs" | "average" => 6,
             "cells" => 8,
+            "kernels" => 40,
+            "draws" | "chains" => 6,
             _ => panic!("{key}: how large this number is is not listed"),
         };
         if !self.consistent && self.random.chance(0.06) {
