@@ -121,7 +121,7 @@ impl JsonSchema for FitCompliance {
     }
 
     fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": ["number", "string"], "pattern": format!("^{FREE}$") })
+        json_schema!({ "type": ["number", "string"], "pattern": format!("^{FREE}$"), "x-dimension": "length/force" })
     }
 }
 
