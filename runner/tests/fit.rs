@@ -97,7 +97,7 @@ fn the_file_of_the_curve_is_stated_with_its_hash() {
     let outcome = fitted(&[]);
     let sources = &outcome.summary.numbers.fit().unwrap().sources;
     assert_eq!(sources.len(), 1);
-    assert_eq!(sources[0].file, "measured-pull.csv");
+    assert_eq!(sources[0].name, "measured-pull.csv");
     // By `sha256sum scenarios/measured-pull.csv`.
     assert_eq!(sources[0].sha256, "20a6908872c2ee4a37c906c6c8c29570f0e91ee9e85101b67df4e3658ad4b5d9");
 }

@@ -17,7 +17,7 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
         .map(|source| {
             (
                 "curve".to_owned(),
-                format!("{}, SHA-256 {}…", source.file, source.sha256.get(..12).unwrap_or(&source.sha256)),
+                format!("{}, SHA-256 {}…", source.name, source.sha256.get(..12).unwrap_or(&source.sha256)),
             )
         })
         .collect();

@@ -60,7 +60,7 @@ pub struct FitCurve {
 #[serde(deny_unknown_fields)]
 pub struct FitSource {
     /// Its name, as it was given.
-    pub file: String,
+    pub name: String,
     /// The SHA-256 of its bytes, in hexadecimal digits.
     pub sha256: String,
 }

@@ -87,7 +87,7 @@ impl Measured<'_> {
         *self.force = Some(force);
         let bytes = fs::read(&path).map_err(|why| Fault::new("a file that can be read", &why.to_string()))?;
         let digits = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        *self.source = Some(FitSource { file, sha256: digits });
+        *self.source = Some(FitSource { name: file, sha256: digits });
         Ok(())
     }
 }
