@@ -34,10 +34,11 @@ impl Fault {
         self
     }
 
-    /// A value that is none of the names that were expected, if these are listed after "one of".
+    /// A value that is none of the names that were expected, if these are listed after "one of" and it is quoted.
     pub fn among_names(expected: &str, found: &str) -> Self {
         let names = expected.strip_prefix("one of ").map(|names| names.split(", "));
-        let nearest = names.and_then(|names| nearest(found.trim_matches('"'), names));
+        let name = found.strip_prefix('"').and_then(|found| found.strip_suffix('"'));
+        let nearest = name.zip(names).and_then(|(name, names)| nearest(name, names));
         Self { nearest, ..Self::new(expected, found) }
     }
 
