@@ -11,16 +11,17 @@ if TYPE_CHECKING:
 
 
 def text(fit: "Estimates") -> str:
-    return "\n".join([_show.listed("<asperity.Estimates>", rows(fit)), *remarks(fit)])
+    return "\n".join([_show.listed("<asperity.Estimates>", {**rows(fit), **compared(fit)}), *remarks(fit)])
 
 
 def html(fit: "Estimates") -> str:
     remark = " ".join(remarks(fit))
-    return _show.table("Estimates", {**rows(fit), **({"remark": remark} if remark else {})})
+    told = {"remark": remark} if remark else {}
+    return _show.table("Estimates", {**rows(fit), **compared(fit), **told})
 
 
 def summary(fit: "Estimates") -> str:
-    return "\n".join([_show.listed(title(fit), rows(fit)), *remarks(fit)])
+    return "\n".join([_show.listed(title(fit), {**rows(fit), **compared(fit)}), *remarks(fit)])
 
 
 def title(fit: "Estimates") -> str:
@@ -60,13 +61,14 @@ def rows(fit: "Estimates | SteadyEstimates") -> dict[str, str]:
             f"{misfit.chi_squared:.1f} for {misfit.degrees_of_freedom} degrees of freedom, {of}"
         )
         rows["whiteness of the residuals"] = f"p = {misfit.whiteness:.2g}"
-        lowest = min(one.misfit.akaike for one in (fit, *fit.laws.values()) if one.misfit is not None)
-        if fit.laws:
-            rows["ΔAIC of the fitted thresholds"] = f"{misfit.akaike - lowest:.1f}"
-        for name, other in fit.laws.items():
-            if other.misfit is not None:
-                rows[f"ΔAIC of {name}"] = f"{other.misfit.akaike - lowest:.1f}"
     return rows
+
+
+def compared(fit: "Estimates") -> dict[str, str]:
+    """The differences of Akaike's criterion between distributions of thresholds."""
+    known = {"the fitted thresholds": fit, **fit.laws} if fit.laws else {}
+    criteria = {name: one.misfit.akaike for name, one in known.items() if one.misfit is not None}
+    return {f"ΔAIC of {name}": f"{value - min(criteria.values()):.1f}" for name, value in criteria.items()}
 
 
 def remarks(fit: "Estimates | SteadyEstimates", what: str = "curve") -> list[str]:

@@ -1,5 +1,6 @@
 """Draws from a posterior, as text and for ArviZ."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from asperity import _show
@@ -42,7 +43,7 @@ def number(one: "PosteriorNumber") -> str:
 def arviz(posterior: "Posterior") -> Any:
     """The groups `posterior` and `sample_stats`."""
     try:
-        import arviz
+        arviz = import_module("arviz")
     except ImportError as error:
         raise ImportError("to_arviz() needs arviz: pip install arviz") from error
     groups = {
