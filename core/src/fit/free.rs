@@ -108,6 +108,27 @@ impl FreeParameter {
     }
 }
 
+/// The free numbers with what is known of them beforehand.
+///
+/// # Errors
+/// No free number; a prior of a number that is fixed, or one that is not finite.
+pub(super) fn with_priors(
+    mut free: Vec<FreeParameter>,
+    priors: &[(String, Prior)],
+) -> Result<Vec<FreeParameter>> {
+    if free.is_empty() {
+        return Err(Error::invalid("free", "at least one key", "none"));
+    }
+    for (name, prior) in priors {
+        let Some(parameter) = free.iter_mut().find(|parameter| parameter.name == *name) else {
+            let expected = "priors of free numbers only";
+            return Err(Error::invalid(format!("prior.{name}"), expected, "a fixed one"));
+        };
+        parameter.prior = Some(prior.of(parameter)?);
+    }
+    Ok(free)
+}
+
 /// The curve that a name belongs to, if it begins with `curve.` and its number, and the name of the quantity.
 fn of_curve(name: &str) -> (Option<usize>, &str) {
     let own = name.strip_prefix("curve.").and_then(|rest| rest.split_once('.'));
@@ -145,17 +166,7 @@ impl Fit {
             }
             free.push(parameter);
         }
-        if free.is_empty() {
-            return Err(Error::invalid("free", "at least one key", "none"));
-        }
-        for (name, prior) in &self.priors {
-            let Some(parameter) = free.iter_mut().find(|parameter| parameter.name == *name) else {
-                let expected = "priors of free numbers only";
-                return Err(Error::invalid(format!("prior.{name}"), expected, "a fixed one"));
-            };
-            parameter.prior = Some(prior.of(parameter)?);
-        }
-        Ok(free)
+        with_priors(free, &self.priors)
     }
 
     fn free_parameter(&self, name: &str, known: &[crate::law::Parameter]) -> Option<Result<FreeParameter>> {
@@ -213,7 +224,7 @@ impl Fit {
 
 impl Prior {
     /// Mean and standard deviation of the coordinate of `parameter`.
-    pub(super) fn of(&self, parameter: &FreeParameter) -> Result<[f64; 2]> {
+    fn of(&self, parameter: &FreeParameter) -> Result<[f64; 2]> {
         let key = |part: &str| format!("prior.{}.{part}", parameter.name);
         let error = crate::error::positive(&key("error"), self.error)?;
         if !self.value.is_finite() || (parameter.logarithmic && self.value <= 0.0) {

@@ -12,10 +12,10 @@ use crate::{Error, Result};
 /// p(x) = exp(Σ_i θ_i B_i(x))/Z between two ends and 0 outside, with kernels B_i(x) = exp(−((x − x_i)/h)²/2)/√(2π) at equal
 /// distances h.
 ///
-/// The kernels add up to 1 but for 2e^{−2π²} = 5e-9, and coefficients that are values of a polynomial of second degree give that
-/// polynomial and a constant: they serve as B-splines do, with a density that has all derivatives. The parameters are the
-/// coefficients θ_i, `coefficient_0`, `coefficient_1`, …; a constant added to all of them changes nothing. A Gaussian has
-/// coefficients whose third differences are 0.
+/// The kernels add up to 1 but for 2e^{−2π²} = 5e-9 (1.4e-4 at the ends, beyond which there are three more), and coefficients
+/// that are values of a polynomial of second degree give that polynomial and a constant: they serve as B-splines do, with a
+/// density that has all derivatives. The parameters are the coefficients θ_i, `coefficient_0`, `coefficient_1`, …; a constant
+/// added to all of them changes nothing. A Gaussian has coefficients whose third differences are 0.
 #[derive(Debug, Clone)]
 pub struct LogKernels {
     ends: [f64; 2],

@@ -42,7 +42,7 @@ mod start;
 pub use estimates::{FittedSpectrum, SteadyEstimates};
 pub use record::SteadyRecord;
 
-use super::free::{FreeParameter, Prior, Role};
+use super::free::{FreeParameter, Prior, Role, with_priors};
 use super::search::search;
 use crate::error::positive;
 use crate::master::MasterEquation;
@@ -194,17 +194,7 @@ impl SteadyFit {
             };
             free.push(parameter);
         }
-        if free.is_empty() {
-            return Err(Error::invalid("free", "at least one key", "none"));
-        }
-        for (name, prior) in &self.priors {
-            let Some(parameter) = free.iter_mut().find(|parameter| parameter.name == *name) else {
-                let expected = "priors of free numbers only";
-                return Err(Error::invalid(format!("prior.{name}"), expected, "a fixed one"));
-            };
-            parameter.prior = Some(prior.of(parameter)?);
-        }
-        Ok(free)
+        with_priors(free, &self.priors)
     }
 
     /// The size of the independent errors of readings, where it is free.
