@@ -54,7 +54,6 @@ def test_what_is_found_fits_together() -> None:
     np.testing.assert_array_equal(readings["expected"], FOUND.pull(POSITION))
     np.testing.assert_array_equal(readings["residual"], SIMULATED - readings["expected"])
     np.testing.assert_array_equal(readings["slider_position"], POSITION)
-    assert readings.to_xarray()["std"].dims == ("reading",)
     errors = np.sqrt(np.diag(FOUND.covariance))
     np.testing.assert_allclose(errors, [one.error for one in FOUND.params.values()], rtol=1e-12)
     (pair,) = [one for one in FOUND.correlations if set(one.between) == {"count", "stiffness"}]
@@ -505,7 +504,8 @@ def test_progress_rises_to_one() -> None:
     assert told[-1] == 1.0
 
 
-def test_several_curves_share_their_numbers_but_for_those_of_one_curve() -> None:
+def fit_of_two_curves() -> tuple[asp.Estimates, NDArray[np.float64], asp.Pull]:
+    """A fit to two curves without noise, the second shifted by 40, with its positions and the pull."""
     longer = np.linspace(0.05, 6.0, 200)
     pull = asp.MasterEquation(TRUE).pull(6.0)
     found = asp.fit(
@@ -515,6 +515,11 @@ def test_several_curves_share_their_numbers_but_for_those_of_one_curve() -> None
         free=("thresholds.mean", "thresholds.std", "count", "curve.1.offset"),
         noise="white",
     )
+    return found, longer, pull
+
+
+def test_several_curves_share_their_numbers_but_for_those_of_one_curve() -> None:
+    found, longer, pull = fit_of_two_curves()
     values = {name: one.value for name, one in found.params.items()}
     # There is no noise; errors of the solution and of its derivatives remain.
     truth = {"thresholds.mean": 1.0, "thresholds.std": 0.12, "count": 2000.0, "curve.1.offset": 40.0}
@@ -527,8 +532,17 @@ def test_several_curves_share_their_numbers_but_for_those_of_one_curve() -> None
         found.predict([2.0], 2)
     with pytest.raises(ValueError, match=r"^force: expected the forces of 2 curves, got those of 1"):
         asp.fit(GUESS, [POSITION, longer], pull(POSITION), free=("count",))
-    axes = found.plot()
+
+
+def test_a_plot_shows_each_of_several_curves() -> None:
+    pytest.importorskip("matplotlib")
+    axes = fit_of_two_curves()[0].plot()
     assert len([line for line in axes[0].get_lines() if line.get_linestyle() == "-"]) == 2
+
+
+def test_readings_open_with_xarray() -> None:
+    pytest.importorskip("xarray")
+    assert FOUND.readings.to_xarray()["std"].dims == ("reading",)
 
 
 def test_distributions_of_thresholds_are_compared() -> None:
