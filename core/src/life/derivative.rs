@@ -125,9 +125,9 @@ impl StartingContacts<'_> {
             let at = |b: &Breakpoint| b.position - u;
             let cuts: Vec<f64> = hazards.iter().map(at).collect();
             let steep: Vec<f64> = hazards.iter().filter(|b| b.is_steep()).map(at).collect();
-            quadrature.each(&cuts, &steep, |points, divided| {
+            quadrature.each(&cuts, &steep, |points, near_steep| {
                 let y = points.r.map(|r| r + u);
-                let values = if divided { integrands.values(&y, NODES) } else { integrands.tabulated(&y) };
+                let values = if near_steep { integrands.values(&y, NODES) } else { integrands.tabulated(&y) };
                 integrands.add(&y, &values, &points.weights, &mut sums);
             });
             for (masses, weights) in masses.clone().zip(&of_masses) {

@@ -44,9 +44,9 @@ impl StartingContacts<'_> {
             let at = |b: &Breakpoint| b.position - u;
             let cuts: Vec<f64> = hazards.iter().map(at).collect();
             let steep: Vec<f64> = hazards.iter().filter(|b| b.is_steep()).map(at).collect();
-            quadrature.each(&cuts, &steep, |points, divided| {
+            quadrature.each(&cuts, &steep, |points, near_steep| {
                 let y = points.r.map(|r| r + u);
-                let values = if divided { table.values(&y, NODES) } else { table.tabulated(&y) };
+                let values = if near_steep { table.values(&y, NODES) } else { table.tabulated(&y) };
                 for j in 0..NODES {
                     let survivors = points.weights[0][j] * values[0][j];
                     sums[0] += survivors;

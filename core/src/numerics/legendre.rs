@@ -108,6 +108,7 @@ impl GaussLegendre {
 
     /// Weights r_i of values at the points such that Σ_i r_i f(t_i) = Σ_n `moments[n]` c_n, with c_n the
     /// Legendre coefficients of f: the transpose of [`GaussLegendre::coefficients`].
+    #[inline(always)]
     pub fn functional(&self, moments: &Nodal) -> Nodal {
         let mut row = [0.0; NODES];
         for (moment, transform) in moments.iter().zip(&self.transform) {
@@ -198,6 +199,27 @@ pub fn add_moments(t: f64, weight: f64, moments: &mut Nodal) {
     for n in 1..NODES {
         (previous, current) = (current, RECURRENCE[n].0 * t * current - RECURRENCE[n].1 * previous);
         moments[n] += current;
+    }
+}
+
+/// Adds weight × P_n(t) of 16 points to `moments[n]`, point after point; the recurrence vectorises.
+#[inline(always)]
+pub fn add_moments_at(t: &Nodal, weights: &Nodal, moments: &mut Nodal) {
+    let (t, mut previous, mut current) = (*t, [0.0; NODES], *weights);
+    let mut terms = [current; NODES];
+    for n in 1..NODES {
+        let (up, down) = RECURRENCE[n];
+        for i in 0..NODES {
+            let term = up * t[i] * current[i] - down * previous[i];
+            previous[i] = current[i];
+            current[i] = term;
+            terms[n][i] = term;
+        }
+    }
+    for i in 0..NODES {
+        for n in 0..NODES {
+            moments[n] += terms[n][i];
+        }
     }
 }
 

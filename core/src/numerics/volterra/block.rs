@@ -5,8 +5,9 @@ use std::collections::HashMap;
 
 use super::kernel::Kernel;
 use super::mesh::{Mesh, Resampled, SHORT_RUN};
-use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments};
+use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments_at, gauss_points};
 use crate::numerics::piecewise::Piecewise;
+use crate::numerics::wide::wide;
 
 /// A matrix from the Gauss values on one cell to those on another, column by column.
 pub(super) type ConvolutionBlock = [Nodal; NODES];
@@ -191,6 +192,16 @@ const NEGLIGIBLE: f64 = 1e-20;
 /// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`; ℓ_j are the
 /// cardinal polynomials.
 pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBlock {
+    let on_wide = wide(
+        #[inline(always)]
+        || computed(kernel, target, source),
+    );
+    on_wide.unwrap_or_else(|| computed(kernel, target, source))
+}
+
+/// The same, compiled for the registers of its caller.
+#[inline(always)]
+fn computed(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBlock {
     let gap = target.0 - source.0;
     let reach = target.1 + source.1;
     let negligible = NEGLIGIBLE * kernel.size() / kernel.curve().end();
@@ -198,7 +209,7 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
         return LaggedBlock { block: None, roughness: 0.0 };
     }
     let mut out = Box::new([[0.0; NODES]; NODES]);
-    let (mut largest, mut split) = (0.0_f64, false);
+    let (mut largest, mut split) = ([0.0_f64; NODES], false);
     let mut cuts = Vec::new();
     for i in 0..NODES {
         let offset = gap + target.1 * RULE.nodes[i];
@@ -212,7 +223,7 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
         cuts.push(high);
         let mut row = [0.0; NODES];
         if cuts.len() == 2 && offset >= source.1 {
-            let values = kernel.curve().values(&RULE.nodes.map(|t| offset - source.1 * t));
+            let values = kernel.curve().values(&gauss_points(offset, -source.1));
             (0..NODES).for_each(|j| row[j] = source.1 * RULE.weights[j] * values[j]);
         } else {
             split = true;
@@ -220,16 +231,17 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
         }
         for j in 0..NODES {
             out[j][i] = row[j];
-            largest = largest.max(row[j].abs());
+            largest[j] = largest[j].max(row[j].abs());
         }
     }
-    let width = 2.0 * source.1;
+    let (width, largest) = (2.0 * source.1, largest.into_iter().fold(0.0, f64::max));
     let spacing = width / (2 * NODES) as f64;
     let roughness = if split { kernel.roughness(gap - reach, gap + reach, width, spacing) } else { 0.0 };
     LaggedBlock { block: (largest > width * negligible).then_some(out), roughness }
 }
 
 /// One row of a block whose integrand is smooth only between the `cuts` in u.
+#[inline(always)]
 fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
     let (curve, mut moments) = (kernel.curve(), [0.0; NODES]);
     for pair in cuts.windows(2) {
@@ -237,12 +249,14 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
         let Some(cell) = curve.find(middle) else { continue };
         // One look-up serves the whole part if it lies in one cell.
         let inside = curve.boundaries[cell] <= pair[0] && pair[1] <= curve.boundaries[cell + 1];
-        let places = RULE.nodes.map(|t| middle + part * t);
-        let values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
+        let places = gauss_points(middle, part);
+        let mut values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
+        let (weights, mut t) = (RULE.weights, places);
         for i in 0..NODES {
-            let place = ((offset - places[i]) / half).clamp(-1.0, 1.0);
-            add_moments(place, part * RULE.weights[i] * values[i], &mut moments);
+            t[i] = ((offset - t[i]) / half).clamp(-1.0, 1.0);
+            values[i] *= part * weights[i];
         }
+        add_moments_at(&t, &values, &mut moments);
     }
     RULE.functional(&moments)
 }
