@@ -87,8 +87,10 @@ impl Panel {
     fn section(&self, low: f64, high: f64) -> Points {
         let middle = 0.5 * (low + high);
         let cell = self.cells.partition_point(|&end| end <= middle) - 1;
-        let (centre, half) =
-            (0.5 * (self.cells[cell] + self.cells[cell + 1]), 0.5 * (self.cells[cell + 1] - self.cells[cell]));
+        let (centre, half) = (
+            0.5 * (self.cells[cell] + self.cells[cell + 1]),
+            0.5 * (self.cells[cell + 1] - self.cells[cell]),
+        );
         let t = gauss_points((middle - centre) / half, 0.5 * (high - low) / half);
         gauss(low, high, self.series[cell].iter().map(|series| series_at(series, &t)).collect())
     }

@@ -95,11 +95,10 @@ impl Pull {
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Gradient>> {
         let (mut sources, mut direct) = (Vec::new(), Vec::new());
-        let share = 0.5 / changes.len().max(1) as f64;
-        for (k, change) in changes.iter().enumerate() {
-            let monitor = &mut Part::new(monitor, k as f64 * share, share);
-            sources.push(self.summed(change, LifeDerivative::survival, monitor)?.scaled(-1.0));
-            direct.push(self.summed(change, LifeDerivative::force, monitor)?);
+        let mut sums = self.summed(changes, &mut Part::new(monitor, 0.0, 0.5))?.into_iter();
+        while let (Some(survival), Some(force)) = (sums.next(), sums.next()) {
+            sources.push(survival.scaled(-1.0));
+            direct.push(force);
         }
         for (change, (source, direct)) in changes.iter().zip(sources.iter_mut().zip(&mut direct)) {
             if change.wait != 0.0 {
@@ -133,16 +132,17 @@ impl Pull {
         Ok(terms.map(|(direct, (breaks, later))| direct.plus(1.0, later).plus(start, breaks)).collect())
     }
 
-    /// Sum over all contacts of a derivative of their lives.
-    fn summed(
-        &self,
-        change: &LifeChange,
-        of: fn(&LifeDerivative) -> &Kernel,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Piecewise> {
-        let (empty, none) = (Piecewise::default(), Kernel::default());
-        let first = change.first.as_ref().map_or(&empty, |change| of(change).curve());
-        self.renewal.solution.convolve(first, change.reformed.as_ref().map_or(&none, of), monitor)
+    /// The sums over all contacts of the derivatives of their lives: survival of the first change, force of the first
+    /// change, and so on.
+    fn summed(&self, changes: &[LifeChange], monitor: &mut dyn Monitor) -> Result<Vec<Piecewise>> {
+        let curves = [LifeDerivative::survival, LifeDerivative::force];
+        let empty = Piecewise::default();
+        let (mut firsts, mut kernels) = (Vec::new(), Vec::new());
+        for (change, of) in changes.iter().flat_map(|change| curves.map(|of| (change, of))) {
+            firsts.push(change.first.as_ref().map_or(&empty, |first| of(first).curve()));
+            kernels.push(change.reformed.as_ref().map(of));
+        }
+        self.renewal.solution.convolve_each(&firsts, &kernels, monitor)
     }
 
     /// Γ − φ_i and (F − m_i)', on the mesh of the solution.

@@ -12,7 +12,6 @@ use crate::monitor::{Monitor, Part, Watch};
 use crate::numerics::breakpoints::Atom;
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
-use crate::numerics::volterra::Kernel;
 use crate::{Error, Result};
 
 /// The response δF(X)/δP_c(ξ) of the force on a pull to the probability of some thresholds ξ.
@@ -323,11 +322,10 @@ impl Pull {
         } else {
             [survival, force] = [equation.first.survival().curve(), equation.first.force().curve()];
         }
-        let held = |first: &Piecewise, reformed: &Kernel, monitor: &mut dyn Monitor| {
-            solution.convolve(first, reformed, monitor)
-        };
-        let unbroken = held(survival, reformed.survival(), &mut Part::new(monitor, 0.4, 0.1))?;
-        let direct = held(force, reformed.force(), &mut Part::new(monitor, 0.5, 0.1))?;
+        let kernels = [reformed.survival(), reformed.force()].map(Some);
+        let part = &mut Part::new(monitor, 0.4, 0.2);
+        let mut held = solution.convolve_each(&[survival, force], &kernels, part)?.into_iter();
+        let [unbroken, direct] = [(); 2].map(|()| held.next().unwrap_or_default());
         // Those that have broken at least once are all that formed without those that have not.
         let source = constant(counts[0], &unbroken).plus(counts[1], number).plus(-1.0, &unbroken);
         let carried = self.carried(&[source], vec![direct], &mut Part::new(monitor, 0.6, 0.4))?;

@@ -132,6 +132,18 @@ pub fn dot(a: &Nodal, b: &Nodal) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Scalar product by four sums, which vectorises.
+#[inline(always)]
+pub fn dot_in_lanes(a: &Nodal, b: &Nodal) -> f64 {
+    let mut sums = [0.0; NODES / 4];
+    for j in 0..NODES / 4 {
+        for k in 0..4 {
+            sums[j] += a[4 * k + j] * b[4 * k + j];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
 /// Value at t of a Legendre series, by Clenshaw's recurrence.
 #[inline]
 pub fn series(coefficients: &Nodal, t: f64) -> f64 {

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::kernel::Kernel;
 use super::mesh::{Mesh, Resampled, SHORT_RUN};
-use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments_at, gauss_points};
+use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments_at, dot_in_lanes, gauss_points, series_at};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::wide::wide;
 
@@ -37,6 +37,9 @@ const MOST_CACHED: usize = 1 << 14;
 
 /// The solution before a run on cells as wide as those of the run, once it is needed.
 pub(super) type Past = Option<Vec<Resampled>>;
+
+/// A cell by its middle and half width, and the density at its Gauss points.
+pub(super) type FarCell = ((f64, f64), Nodal);
 
 /// The blocks of one kernel on the latest run of a mesh, each computed once.
 pub(super) struct Blocks<'a> {
@@ -88,8 +91,23 @@ impl<'a> Blocks<'a> {
         &mut self,
         mesh: &Mesh,
         cell: usize,
+        history: (&[Nodal], &Piecewise, &mut Past),
+        out: &mut Nodal,
+    ) {
+        let target = mesh.cell(cell);
+        self.add_history_by(mesh, cell, history, out, |blocks, source, values, out| {
+            blocks.add_cell(target, source, values, out);
+        });
+    }
+
+    /// The same, with `far` for cells, each by its middle, half width and values, that no block of the run applies to.
+    pub(super) fn add_history_by(
+        &mut self,
+        mesh: &Mesh,
+        cell: usize,
         (values, density, past): (&[Nodal], &Piecewise, &mut Past),
         out: &mut Nodal,
+        mut far: impl FnMut(&mut Self, (f64, f64), &Nodal, &mut Nodal),
     ) {
         if mesh.run_of[cell] != self.run {
             self.reset(mesh.run_of[cell]);
@@ -110,7 +128,12 @@ impl<'a> Blocks<'a> {
         // long as neither the density nor the kernel has structure that the resampling loses.
         let slack = self.slack;
         let Some(past) = past else {
-            return self.add_cells(mesh, cell, &values[..run.first.min(values.len())], out);
+            let start = mesh.boundaries[cell];
+            let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
+            for source in (0..run.first.min(values.len())).rev().take_while(near) {
+                far(self, mesh.cell(source), &values[source], out);
+            }
+            return;
         };
         for (k, source) in past.iter().enumerate().take_while(|(k, _)| near(ahead + 1 + k)) {
             let lagged = self.within_run(run.width, ahead + 1 + k);
@@ -118,9 +141,11 @@ impl<'a> Blocks<'a> {
                 block if source.roughness * lagged.roughness * run.width <= slack => {
                     block.iter().for_each(|block| apply(block, &source.values, out));
                 }
-                _ => source.parts.iter().for_each(|(middle, half, values)| {
-                    self.add_cell(mesh.cell(cell), (*middle, *half), values, out);
-                }),
+                _ => {
+                    for (middle, half, values) in &source.parts {
+                        far(self, (*middle, *half), values, out);
+                    }
+                }
             }
         }
     }
@@ -133,15 +158,6 @@ impl<'a> Blocks<'a> {
         let width = mesh.runs[self.run as usize].width;
         if let Some(block) = &self.within_run(width, 0).block {
             apply(block, values, out);
-        }
-    }
-
-    /// Adds the contributions of cells of other runs, one by one.
-    fn add_cells(&mut self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
-        let (start, end) = (mesh.boundaries[cell], self.kernel.curve().end());
-        let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
-        for source in (0..values.len()).rev().take_while(near) {
-            self.add_cell(mesh.cell(cell), mesh.cell(source), &values[source], out);
         }
     }
 
@@ -259,6 +275,65 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
         add_moments_at(&t, &values, &mut moments);
     }
     RULE.functional(&moments)
+}
+
+/// Adds ∫_source g(Y) k(X_i − Y) dY at the Gauss points X_i of the cell `target` for several kernels k on the same cells,
+/// and g with these values: for a pair of cells that is met once, this costs less than blocks, and the kernels share the
+/// values of g where an integral is split.
+pub(super) fn add_directly(kernels: &[&Kernel], target: (f64, f64), source: &FarCell, out: &mut [Nodal]) {
+    let on_wide = wide(
+        #[inline(always)]
+        || integrate_directly(kernels, target, source, out),
+    );
+    if on_wide.is_none() {
+        integrate_directly(kernels, target, source, out);
+    }
+}
+
+#[inline(always)]
+fn integrate_directly(
+    kernels: &[&Kernel],
+    target: (f64, f64),
+    &((centre, half), ref values): &FarCell,
+    out: &mut [Nodal],
+) {
+    let (shared, density) = (kernels[0], RULE.coefficients(values));
+    let mut cuts = Vec::new();
+    for i in 0..NODES {
+        let offset = target.0 - centre + target.1 * RULE.nodes[i];
+        let (low, high) = ((offset - half).max(0.0), offset + half);
+        if high <= 0.0 || low >= shared.curve().end() {
+            continue;
+        }
+        cuts.clear();
+        cuts.push(low);
+        shared.splits(low, high, 2.0 * half, &mut cuts);
+        cuts.push(high);
+        if cuts.len() == 2 && offset >= half {
+            let (places, mut weights) = (gauss_points(offset, -half), *values);
+            (0..NODES).for_each(|j| weights[j] *= half * RULE.weights[j]);
+            for (kernel, out) in kernels.iter().zip(&mut *out) {
+                out[i] += dot_in_lanes(&weights, &kernel.curve().values(&places));
+            }
+            continue;
+        }
+        for pair in cuts.windows(2) {
+            let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            let Some(cell) = shared.curve().find(middle) else { continue };
+            let places = gauss_points(middle, part);
+            let mut t = places;
+            t.iter_mut().for_each(|u| *u = ((offset - *u) / half).clamp(-1.0, 1.0));
+            let mut weights = series_at(&density, &t);
+            (0..NODES).for_each(|j| weights[j] *= part * RULE.weights[j]);
+            let edges = &shared.curve().boundaries;
+            let inside = edges[cell] <= pair[0] && pair[1] <= edges[cell + 1];
+            for (kernel, out) in kernels.iter().zip(&mut *out) {
+                let curve = kernel.curve();
+                let values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
+                out[i] += dot_in_lanes(&weights, &values);
+            }
+        }
+    }
 }
 
 /// The inverse of a small matrix by Gauss–Jordan elimination with pivoting. The matrices are near the

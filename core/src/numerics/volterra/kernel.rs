@@ -112,6 +112,11 @@ impl Kernel {
         self.size
     }
 
+    /// Whether cells and breakpoints are those of another kernel.
+    pub(super) fn has_cells_of(&self, other: &Self) -> bool {
+        self.curve.boundaries == other.curve.boundaries && self.at_breakpoint == other.at_breakpoint
+    }
+
     /// Whether it has a steep breakpoint.
     pub(super) fn is_steep(&self) -> bool {
         self.breakpoints.iter().any(Breakpoint::is_steep)

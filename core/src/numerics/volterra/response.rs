@@ -1,9 +1,9 @@
 //! Further functions on the mesh of a solution: convolutions of them, and the solutions for other sources. Several
 //! functions share the blocks of a kernel, which are most of the cost.
 
-use super::Solution;
-use super::block::{Blocks, ConvolutionBlock, Past, apply, block, inverted};
+use super::block::{Blocks, ConvolutionBlock, FarCell, Past, add_directly, apply, block, inverted};
 use super::kernel::Kernel;
+use super::{Solution, convolve_atoms};
 use crate::Result;
 use crate::monitor::{Monitor, report};
 use crate::numerics::breakpoints::Atom;
@@ -11,6 +11,59 @@ use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
 
 impl Solution {
+    /// source + kernel ∗ g on the mesh of g for several sources, each with its kernel or none, which has no point masses. Kernels with the same cells and breakpoints share the
+    /// values of g between cells of different widths.
+    ///
+    /// # Errors
+    /// [`crate::Error::Stopped`] by the monitor.
+    pub fn convolve_each(
+        &self,
+        sources: &[&Piecewise],
+        kernels: &[Option<&Kernel>],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Piecewise>> {
+        let present: Vec<&Kernel> = kernels.iter().copied().flatten().collect();
+        let alike = present.windows(2).all(|pair| pair[0].has_cells_of(pair[1]));
+        let mut blocks: Vec<_> = present.iter().map(|kernel| Blocks::new(kernel, self.resolved)).collect();
+        let mut pasts: Vec<Past> = present.iter().map(|_| None).collect();
+        let empty = Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients: Vec::new() };
+        let mut out = vec![empty; kernels.len()];
+        for cell in 0..self.values.len() {
+            self.forget(cell, &mut pasts);
+            let mut far: Vec<Vec<FarCell>> = vec![Vec::new(); present.len()];
+            let mut sums: Vec<Nodal> = Vec::with_capacity(present.len());
+            for (k, kernel) in present.iter().enumerate() {
+                let points = self.mesh.points(cell);
+                sums.push(points.map(|point| convolve_atoms(kernel.curve(), &self.atoms, point)));
+                let history = (&self.values[..=cell], &self.density, &mut pasts[k]);
+                blocks[k].add_history_by(&self.mesh, cell, history, &mut sums[k], |_, source, values, _| {
+                    far[k].push((source, *values));
+                });
+            }
+            let target = self.mesh.cell(cell);
+            if alike && far.windows(2).all(|pair| pair[0] == pair[1]) {
+                for source in far.first().into_iter().flatten() {
+                    add_directly(&present, target, source, &mut sums);
+                }
+            } else {
+                for (k, cells) in far.iter().enumerate() {
+                    cells.iter().for_each(|source| {
+                        add_directly(&present[k..=k], target, source, &mut sums[k..=k]);
+                    });
+                }
+            }
+            let mut sums = sums.into_iter();
+            for ((out, source), kernel) in out.iter_mut().zip(sources).zip(kernels) {
+                let convolved = kernel.and_then(|_| sums.next()).unwrap_or([0.0; NODES]);
+                let mut values = self.mesh.points(cell).map(|(start, offset)| source.value(start + offset));
+                values.iter_mut().zip(convolved).for_each(|(value, convolved)| *value += convolved);
+                out.coefficients.push(RULE.coefficients(&values));
+            }
+            self.report(cell, monitor)?;
+        }
+        Ok(out)
+    }
+
     /// kernel ∗ function, point masses of the kernel included, for functions on the mesh of this solution.
     ///
     /// # Errors
