@@ -143,7 +143,7 @@ figures: $(venv)/installed
 
 # How fast it is, what a call from Python costs, and what the same jobs cost that one would write in Python.
 bench: $(venv)/installed $(venv)-peers/installed
-	cargo bench --locked --package asperity --bench ensemble --bench block --bench coupling --bench elastic --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
+	cargo bench --locked --package asperity --bench ensemble --bench block --bench coupling --bench elastic --bench fit --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
 	$(venv)/bin/python -P python/benches/overhead.py
 	$(paired)
 

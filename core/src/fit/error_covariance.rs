@@ -120,6 +120,12 @@ impl CovarianceDerivatives {
     }
 }
 
+/// tr P_a and tr(P_a P_b).
+struct Traces {
+    single: Vec<f64>,
+    double: Mat<f64>,
+}
+
 impl DenseCovariance {
     fn derivatives(
         &self,
@@ -127,34 +133,58 @@ impl DenseCovariance {
         parts: &[ErrorPart],
         residuals: &Mat<f64>,
     ) -> CovarianceDerivatives {
-        let n = positions.len();
         let z = self.factor.solve(residuals);
         let inverse = self.factor.inverse();
         let variance = self.sizes.reading * self.sizes.reading;
-        let relative: Vec<Mat<f64>> =
-            parts.iter().map(|&part| self.relative(part, &inverse, positions)).collect();
         let white = variance * z.squared_norm_l2();
         let slow = self.drift.as_ref().map_or(0.0, |drift| quadratic(drift.as_ref(), &z));
-        let slope = parts.iter().zip(&relative).map(|(part, relative)| {
-            let misfit = match part {
-                ErrorPart::Noise => dot(residuals, &z) - white - slow,
-                ErrorPart::Reading => 2.0 * white,
-                ErrorPart::DriftAmplitude => 2.0 * slow,
-                ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
-            };
-            let trace: f64 = (0..n).map(|i| relative[(i, i)]).sum();
-            0.5 * (trace - misfit)
-        });
-        let slope = slope.collect();
-        let count = parts.len();
-        let mut information = Mat::zeros(count, count);
+        let misfit = |part: &ErrorPart| match part {
+            ErrorPart::Noise => dot(residuals, &z) - white - slow,
+            ErrorPart::Reading => 2.0 * white,
+            ErrorPart::DriftAmplitude => 2.0 * slow,
+            ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
+        };
+        let traces = match self.drift {
+            None => self.traces_without_drift(parts, &inverse),
+            Some(_) => self.traces(parts, &inverse, positions),
+        };
+        let slope = parts.iter().zip(&traces.single).map(|(part, trace)| 0.5 * (trace - misfit(part)));
+        CovarianceDerivatives { slope: slope.collect(), information: traces.double * faer::Scale(0.5) }
+    }
+
+    fn traces(&self, parts: &[ErrorPart], inverse: &Mat<f64>, positions: &[f64]) -> Traces {
+        let (n, count) = (positions.len(), parts.len());
+        let relative: Vec<Mat<f64>> =
+            parts.iter().map(|&part| self.relative(part, inverse, positions)).collect();
+        let trace = |relative: &Mat<f64>| (0..n).map(|i| relative[(i, i)]).sum();
+        let mut double = Mat::zeros(count, count);
         for a in 0..count {
             for b in 0..=a {
-                let half = 0.5 * trace_of_product(&relative[a], &relative[b]);
-                (information[(a, b)], information[(b, a)]) = (half, half);
+                let trace = trace_of_product(&relative[a], &relative[b]);
+                (double[(a, b)], double[(b, a)]) = (trace, trace);
             }
         }
-        CovarianceDerivatives { slope, information }
+        Traces { single: relative.iter().map(trace).collect(), double }
+    }
+
+    /// The same where Σ = a C + σ², from tr Σ⁻¹ and tr Σ⁻² alone: P is 2σ²Σ⁻¹ for the reading, 1 − σ²Σ⁻¹ for the noise.
+    fn traces_without_drift(&self, parts: &[ErrorPart], inverse: &Mat<f64>) -> Traces {
+        let (n, variance) = (inverse.nrows(), self.sizes.reading * self.sizes.reading);
+        let once = variance * (0..n).map(|i| inverse[(i, i)]).sum::<f64>();
+        let twice = (variance * inverse.norm_l2()).powi(2);
+        // P = p + q σ²Σ⁻¹.
+        let factors = |part: &ErrorPart| match part {
+            ErrorPart::Noise => [1.0, -1.0],
+            ErrorPart::Reading => [0.0, 2.0],
+            ErrorPart::DriftAmplitude | ErrorPart::DriftLength => [0.0; 2],
+        };
+        let factors: Vec<[f64; 2]> = parts.iter().map(factors).collect();
+        let n = n as f64;
+        let double = |[p, q]: [f64; 2], [r, s]: [f64; 2]| p * r * n + (p * s + q * r) * once + q * s * twice;
+        Traces {
+            single: factors.iter().map(|[p, q]| p * n + q * once).collect(),
+            double: Mat::from_fn(parts.len(), parts.len(), |a, b| double(factors[a], factors[b])),
+        }
     }
 
     /// Σ⁻¹ ∂Σ/∂b. The parts add up to Σ, so that the largest one follows from the others.
@@ -201,6 +231,7 @@ fn quadratic(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> f64 {
 
 /// tr(AB).
 fn trace_of_product(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
-    let n = a.nrows();
-    (0..n).map(|j| (0..n).map(|i| a[(j, i)] * b[(i, j)]).sum::<f64>()).sum()
+    let transposed = a.transpose().to_owned();
+    let column = |j: usize| transposed.col(j).transpose() * b.col(j);
+    (0..a.nrows()).map(column).sum()
 }

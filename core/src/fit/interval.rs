@@ -1,6 +1,6 @@
 //! Intervals of estimates: from the information, and by the profile of the likelihood.
 
-use super::search::{Objective, Optimum, search};
+use super::search::{Objective, Optimum, SHORT, search_from};
 use crate::Result;
 use crate::monitor::Monitor;
 use crate::numerics::roots::brent_root;
@@ -19,18 +19,26 @@ const ACCURACY: f64 = 0.01;
 /// # Errors
 /// Errors of the solver; stopped by the monitor.
 pub(super) fn profile<O: Objective>(
+    ended: (&O, &Optimum<O::Point>),
+    at: (usize, f64),
+    monitor: &mut dyn Monitor,
+) -> Result<f64> {
+    profile_to(ended, at, SHORT, monitor)
+}
+
+/// The same, to a deviance that is too high by `short`.
+fn profile_to<O: Objective>(
     (likelihood, optimum): (&O, &Optimum<O::Point>),
     (number, u): (usize, f64),
+    short: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
     let mut held = vec![false; optimum.coordinates.len()];
     held[number] = true;
     let mut start = optimum.coordinates.clone();
     start[number] = u;
-    if likelihood.trial(&start, monitor)?.is_none() {
-        return Ok(f64::INFINITY);
-    }
-    Ok(O::deviance(&search(likelihood, &start, &held, monitor)?.trial))
+    let Some(trial) = likelihood.trial(&start, monitor)? else { return Ok(f64::INFINITY) };
+    Ok(O::deviance(&search_from(likelihood, (&start, trial), (&held, short), monitor)?.trial))
 }
 
 /// The value below which a number is with 95 %.
@@ -76,12 +84,22 @@ fn end_of_rise<O: Objective>(
     /// Steps after which the profile counts as flat.
     const STEPS: usize = 40;
     let lowest = O::deviance(&ended.1.trial);
-    let mut failed = None;
-    let mut above = |u: f64| match profile(ended, (number, u), monitor) {
-        Ok(deviance) => deviance.min(lowest + 1e6) - lowest - rise,
-        Err(error) => {
-            failed = Some(error);
-            f64::NAN
+    // The slope of the deviance at the end is of the order of the rise over the step.
+    let short = 0.1 * ACCURACY * rise;
+    let (mut failed, mut known) = (None, vec![(start, -rise)]);
+    let mut above = |u: f64| {
+        if let Some((_, above)) = known.iter().find(|(at, _)| *at == u) {
+            return *above;
+        }
+        match profile_to(ended, (number, u), short, monitor) {
+            Ok(deviance) => {
+                known.push((u, deviance.min(lowest + 1e6) - lowest - rise));
+                known[known.len() - 1].1
+            }
+            Err(error) => {
+                failed = Some(error);
+                f64::NAN
+            }
         }
     };
     let mut inside = start;

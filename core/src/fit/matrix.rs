@@ -32,6 +32,12 @@ pub(super) fn damped_step(score: &Score, active: &[usize], damping: f64) -> Opti
     Some(step)
 }
 
+/// The fall of the deviance over a step h that slope g and information I let expect, −2gᵀh − hᵀIh.
+pub(super) fn expected_fall(score: &Score, step: &[f64]) -> f64 {
+    let step = Mat::from_fn(step.len(), 1, |i, _| step[i]);
+    -2.0 * inner(&step, &score.slope) - inner(&step, &(&score.information * &step))
+}
+
 /// The information of the `active` numbers in units that make its diagonal 1.
 fn scaled(information: &Mat<f64>, active: &[usize]) -> Mat<f64> {
     let scale = |k: usize| information[(k, k)].sqrt();

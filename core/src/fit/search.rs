@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// Steps after which the search is given up.
 const STEPS: usize = 60;
 /// The search ends where the next step would be this short, in standard errors squared: a thousandth of an error.
-const SHORT: f64 = 1e-6;
+pub(super) const SHORT: f64 = 1e-6;
 /// Or, where no step lowers the deviance by reason of rounding, this short.
 const ROUNDED: f64 = 1e-3;
 /// Smallest damping, relative to the information, where a step without any has failed; factors by which it changes, and its
@@ -20,6 +20,9 @@ const DAMPING: f64 = 1e-2;
 const MORE: f64 = 8.0;
 const LESS: f64 = 0.1;
 const MOST: f64 = 1e9;
+/// Part of the expected fall of the deviance from which on there is less damping (K. Madsen, H. B. Nielsen and O. Tingleff,
+/// *Methods for Non-Linear Least Squares Problems*, 2004).
+const TRUSTED: f64 = 0.5;
 /// Longest step of a number that is varied by its logarithm, and of a coefficient of a logarithmic density, which may be of its
 /// tails.
 const LONGEST: f64 = 1.5;
@@ -101,13 +104,26 @@ pub(super) fn search<O: Objective>(
     held: &[bool],
     monitor: &mut dyn Monitor,
 ) -> Result<Optimum<O::Point>> {
-    let mut coordinates = start.to_vec();
-    let monitor = &mut Aside { fraction: 0.0, monitor };
-    let Some(mut trial) = likelihood.trial(&coordinates, monitor)? else {
+    let Some(trial) = likelihood.trial(start, &mut Aside { fraction: 0.0, monitor })? else {
         let expected =
             "first values from which a curve follows; where the machine has a compliance, one without a slip";
         return Err(Error::invalid("free", expected, "none at the first values"));
     };
+    search_from(likelihood, (start, trial), (held, SHORT), monitor)
+}
+
+/// The same from a start that is known, until a step would be `short`, in standard errors squared.
+///
+/// # Errors
+/// Errors of the solver; stopped by the monitor.
+pub(super) fn search_from<O: Objective>(
+    likelihood: &O,
+    (start, mut trial): (&[f64], O::Point),
+    (held, short): (&[bool], f64),
+    monitor: &mut dyn Monitor,
+) -> Result<Optimum<O::Point>> {
+    let mut coordinates = start.to_vec();
+    let monitor = &mut Aside { fraction: 0.0, monitor };
     let mut score = likelihood.score(&coordinates, &trial, monitor)?;
     let (mut damping, mut solutions, mut converged) = (0.0, 1, false);
     for step in 0..STEPS {
@@ -128,7 +144,7 @@ pub(super) fn search<O: Objective>(
             newton = step;
         }
         let decrement = -matrix::inner(&newton, &score.slope);
-        if decrement < SHORT {
+        if decrement < short {
             converged = true;
             break;
         }
@@ -144,8 +160,12 @@ pub(super) fn search<O: Objective>(
             solutions += 1;
             match found.filter(|found| O::deviance(found) <= O::deviance(&trial)) {
                 Some(found) => {
+                    let made: Vec<f64> = next.iter().zip(&coordinates).map(|(next, u)| next - u).collect();
+                    let fallen = O::deviance(&trial) - O::deviance(&found);
+                    if fallen > TRUSTED * matrix::expected_fall(&score, &made) {
+                        damping = less(damping);
+                    }
                     (coordinates, trial, moved) = (next, found, true);
-                    damping = less(damping);
                     break;
                 }
                 None if damping == 0.0 && halvings < O::HALVINGS => halvings += 1,

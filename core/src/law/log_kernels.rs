@@ -149,9 +149,15 @@ impl Law for LogKernels {
     }
 
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
-        let number = self.number(name)?;
+        self.with_parameters(&[(name, value)])
+    }
+
+    /// At once: a distribution is made only of all of them.
+    fn with_parameters(&self, values: &[(&str, f64)]) -> Result<SharedLaw> {
         let mut coefficients = self.coefficients.clone();
-        coefficients[number] = value;
+        for (name, value) in values {
+            coefficients[self.number(name)?] = *value;
+        }
         shared(Self::new(self.ends, coefficients))
     }
 

@@ -128,6 +128,23 @@ pub trait Law: Debug + Send + Sync {
     /// An unknown name, or a value outside the range of the parameter.
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw>;
 
+    /// The same distribution with several parameters replaced.
+    ///
+    /// # Errors
+    /// As [`Self::with_parameter`].
+    fn with_parameters(&self, values: &[(&str, f64)]) -> Result<SharedLaw> {
+        let in_order = |mut values: Vec<(&str, f64)>| {
+            let (name, value) = values.remove(0);
+            let first = self.with_parameter(name, value)?;
+            values.into_iter().try_fold(first, |law, (name, value)| law.with_parameter(name, value))
+        };
+        if values.is_empty() {
+            return Err(Error::invalid("parameters", "one or more", "none"));
+        }
+        // The ends of a range that moves are replaced one after the other: the far one must come first.
+        in_order(values.to_vec()).or_else(|_| in_order(values.iter().rev().copied().collect()))
+    }
+
     /// ∂S(x)/∂θ for one parameter θ, as a function of x: in closed form, or else by central differences of
     /// eighth order of S, with a relative error of about 1e-11.
     ///

@@ -11,6 +11,7 @@ use crate::monitor::{Monitor, Watch};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
+use crate::numerics::wide::wide;
 
 /// The derivatives of survival and of the carried force by a parameter θ, as functions of the advance u, per
 /// contact and unit stiffness.
@@ -269,7 +270,22 @@ impl<'a> Integrands<'a> {
 
     /// The values at 16 stretches from the table.
     pub(super) fn tabulated(&self, y: &Nodal) -> Vec<Nodal> {
-        self.table.iter().map(|curve| curve.values(y)).collect()
+        let mut values = vec![[0.0; NODES]; self.table.len()];
+        let on_wide = wide(
+            #[inline(always)]
+            || self.look_up(y, &mut values),
+        );
+        if on_wide.is_none() {
+            self.look_up(y, &mut values);
+        }
+        values
+    }
+
+    #[inline(always)]
+    fn look_up(&self, y: &Nodal, values: &mut [Nodal]) {
+        for (values, curve) in values.iter_mut().zip(&self.table) {
+            *values = curve.values(y);
+        }
     }
 
     /// Adds the integrals with the given weights.

@@ -177,14 +177,24 @@ impl MasterEquation {
     ///
     /// # Errors
     /// An unknown parameter; those of [`Self::new`] and [`Self::at`]; stopped by the monitor.
-    pub fn with_parameters(&self, values: &[(&str, f64)], monitor: &mut dyn Monitor) -> Result<Self> {
+    pub fn with_parameters<'a>(&self, values: &[(&'a str, f64)], monitor: &mut dyn Monitor) -> Result<Self> {
         let named = values.iter().map(|&(name, value)| Ok((self.named(name)?, value)));
         let named = named.collect::<Result<Vec<_>>>()?;
-        let one_more = |all: Description, &(named, value): &(Named<'_>, f64)| all.with(named, value);
-        // The ends of a range that moves are replaced one after the other: the far one must come first.
-        let all = named.iter().try_fold(self.description(), one_more);
-        let all = all.or_else(|_| named.iter().rev().try_fold(self.description(), one_more));
-        all?.equation(monitor)
+        let mut all = self.description();
+        for owner in LAWS {
+            let of_law = |&(named, value): &(Named<'a>, f64)| match named {
+                Named::OfLaw(of, name) if of == owner => Some((name, value)),
+                _ => None,
+            };
+            let values: Vec<(&str, f64)> = named.iter().filter_map(of_law).collect();
+            if let (false, Some(law)) = (values.is_empty(), all.law(owner)) {
+                *law = law.with_parameters(&values).map_err(|error| error.under(owner))?;
+            }
+        }
+        for &(named, value) in named.iter().filter(|(named, _)| matches!(named, Named::Number(_))) {
+            all = all.with(named, value)?;
+        }
+        all.equation(monitor)
     }
 
     /// The same contacts with another distribution of thresholds.

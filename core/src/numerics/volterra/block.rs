@@ -192,6 +192,17 @@ impl<'a> Blocks<'a> {
 /// out += block · values.
 #[inline]
 pub(super) fn apply(block: &ConvolutionBlock, values: &Nodal, out: &mut Nodal) {
+    let on_wide = wide(
+        #[inline(always)]
+        || multiply(block, values, out),
+    );
+    if on_wide.is_none() {
+        multiply(block, values, out);
+    }
+}
+
+#[inline(always)]
+fn multiply(block: &ConvolutionBlock, values: &Nodal, out: &mut Nodal) {
     let mut sums = *out;
     for (column, value) in block.iter().zip(values) {
         for (sum, entry) in sums.iter_mut().zip(column) {
