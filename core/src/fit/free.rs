@@ -40,6 +40,17 @@ pub(super) enum Role {
     DriftLength,
 }
 
+/// The coefficients of thresholds of free form.
+const COEFFICIENTS: &str = "thresholds.coefficient_";
+/// Longest step of the logarithm of a number, and of one of a distribution: a curve that has turned over in between has other
+/// slopes.
+const LONGEST: f64 = 1.5;
+const LONGEST_OF_DISTRIBUTIONS: f64 = 0.7;
+/// Of a coefficient of a logarithmic density, which may be of its tails.
+const LONGEST_OF_TAILS: f64 = 10.0;
+/// Longest step of a mean or an end of a distribution, in mean thresholds: the phase of what follows after the first peak.
+const LONGEST_SHIFT: f64 = 0.15;
+
 /// A number that a fit varies.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FreeParameter {
@@ -54,6 +65,8 @@ pub(super) struct FreeParameter {
     pub logarithmic: bool,
     /// Its first value.
     pub start: f64,
+    /// The longest step of its coordinate in a search.
+    pub longest: f64,
     /// The range of its coordinate.
     pub bounds: [f64; 2],
     /// Mean and standard deviation of its coordinate.
@@ -64,8 +77,14 @@ impl FreeParameter {
     pub fn new(name: &str, role: Role, logarithmic: bool, start: f64) -> Self {
         let bounds = [f64::NEG_INFINITY, f64::INFINITY];
         let (curve, quantity) = of_curve(name);
-        let quantity = quantity.to_owned();
-        Self { name: name.to_owned(), quantity, curve, role, logarithmic, start, bounds, prior: None }
+        let longest = match quantity {
+            _ if quantity.starts_with(COEFFICIENTS) => LONGEST_OF_TAILS,
+            _ if logarithmic && quantity.contains('.') => LONGEST_OF_DISTRIBUTIONS,
+            _ if logarithmic => LONGEST,
+            _ => f64::INFINITY,
+        };
+        let (name, quantity) = (name.to_owned(), quantity.to_owned());
+        Self { name, quantity, curve, role, logarithmic, start, longest, bounds, prior: None }
     }
 
     /// Whether it is a number of this curve.
@@ -86,11 +105,6 @@ impl FreeParameter {
     /// The derivative of the value by the coordinate.
     pub fn slope(&self, coordinate: f64) -> f64 {
         if self.logarithmic { coordinate.exp() } else { 1.0 }
-    }
-
-    /// Whether its coordinate is a logarithm, or a coefficient of one.
-    pub fn is_of_logarithm(&self) -> bool {
-        self.logarithmic || self.quantity.starts_with("thresholds.coefficient_")
     }
 
     /// Whether it only says how large errors are.
@@ -191,7 +205,11 @@ impl Fit {
                     start,
                 ));
             }
-            Ok(FreeParameter::new(name, role, logarithmic, start))
+            let mut parameter = FreeParameter::new(name, role, logarithmic, start);
+            if ["mean", "min", "max"].iter().any(|of| !logarithmic && quantity.ends_with(&format!(".{of}"))) {
+                parameter.longest = LONGEST_SHIFT * self.equation.contacts().thresholds.mean();
+            }
+            Ok(parameter)
         }))
     }
 

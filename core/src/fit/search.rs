@@ -23,11 +23,6 @@ const MOST: f64 = 1e9;
 /// Part of the expected fall of the deviance from which on there is less damping (K. Madsen, H. B. Nielsen and O. Tingleff,
 /// *Methods for Non-Linear Least Squares Problems*, 2004).
 const TRUSTED: f64 = 0.5;
-/// Longest step of a number that is varied by its logarithm, and of a coefficient of a logarithmic density, which may be of its
-/// tails.
-const LONGEST: f64 = 1.5;
-const LONGEST_OF_TAILS: f64 = 10.0;
-
 /// A likelihood as a function of the coordinates of free numbers.
 pub(super) trait Objective {
     /// What is computed at a point.
@@ -204,12 +199,7 @@ fn active(free: &[FreeParameter], coordinates: &[f64], score: &Score, held: &[bo
 
 /// The coordinates after a step, shortened as a whole so that no number moves too far, and cut at the ends of ranges.
 fn stepped(free: &[FreeParameter], coordinates: &[f64], step: &Mat<f64>) -> Vec<f64> {
-    let longest = |parameter: &FreeParameter| match parameter {
-        parameter if parameter.logarithmic => LONGEST,
-        parameter if parameter.is_of_logarithm() => LONGEST_OF_TAILS,
-        _ => f64::INFINITY,
-    };
-    let too_long = free.iter().enumerate().map(|(k, parameter)| step[(k, 0)].abs() / longest(parameter));
+    let too_long = free.iter().enumerate().map(|(k, parameter)| step[(k, 0)].abs() / parameter.longest);
     let share = 1.0 / too_long.fold(1.0, f64::max);
     let moved = coordinates.iter().enumerate().map(|(k, u)| {
         let [low, high] = free[k].bounds;
