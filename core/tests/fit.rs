@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial};
+use asperity::contacts::{Contacts, Initial, Stiffness};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::fit::{ErrorModel, Estimates, Fit, FreeForm, Machine, Measurement, Prior};
 use asperity::law::{Gamma, Gaussian, Law, Mixture, Point, SharedLaw, Weibull};
@@ -181,6 +181,45 @@ fn a_fit_is_the_same_on_any_number_of_threads() {
         (found.parameters, found.covariance)
     };
     assert_eq!(run(1), run(2));
+}
+
+#[test]
+fn units_do_not_matter() {
+    let positions = positions(120, 4.0);
+    let forces = simulated(&positions, 6);
+    let run = |length: f64, force: f64| {
+        let gaussian = |mean: f64, std: f64| Arc::new(Gaussian::new(mean * length, std * length).unwrap());
+        let contacts = Contacts {
+            count: 1500.0,
+            stiffness: Stiffness::Equal(force / length),
+            ..Contacts::new(gaussian(0.9, 0.15), gaussian(0.1, 0.03))
+        };
+        let equation = MasterEquation::new(contacts, &Initial::default()).unwrap();
+        let scaled = |values: &[f64], by: f64| values.iter().map(|value| value * by).collect();
+        let measured = Measurement::new(scaled(&positions, length), scaled(&forces, force));
+        let names = TRUE.map(|number| number.0).into_iter().chain(["offset"]);
+        Fit::new(equation, measured).free(names).run().unwrap()
+    };
+    let one = run(1.0, 1.0);
+    for (length, force) in [(2.0_f64.powi(-100), 2.0_f64.powi(60)), (2.0_f64.powi(100), 2.0_f64.powi(-150))] {
+        let other = run(length, force);
+        let units = [length, length, 1.0, force / length, force, force];
+        assert_eq!(other.parameters.len(), units.len());
+        for ((found, expected), unit) in other.parameters.iter().zip(&one.parameters).zip(units) {
+            // Searches end within a thousandth of an error of the same place, and limits within 0.01 of their logarithm.
+            let agree = match (found.limit, expected.limit) {
+                (Some(limit), Some(expected)) => (limit / unit / expected - 1.0).abs() < 0.02,
+                (None, None) => {
+                    (found.value / unit - expected.value).abs() < 2e-3 * expected.error
+                        && (found.error / unit / expected.error - 1.0).abs() < 1e-3
+                }
+                _ => false,
+            };
+            assert!(agree, "{found:?} {expected:?}");
+        }
+        let misfits = [other.misfit.unwrap().chi_squared, one.misfit.unwrap().chi_squared];
+        assert!((misfits[0] / misfits[1] - 1.0).abs() < 1e-3, "{misfits:?}");
+    }
 }
 
 #[test]
