@@ -175,6 +175,9 @@ fn the_numbers_that_made_the_shipped_record_are_found_and_its_fitted_scenario_ha
     let found = outcome.summary.numbers.fit().unwrap();
     assert!(found.converged && !found.misfit.unwrap().is_unlikely());
     assert_eq!(found.readings, 4500);
+    // By `sha256sum scenarios/measured-noise.csv`.
+    let hash = "3d3740aa7b6bf868f363a1fb6c689e7087f9469688676ee52b1b949963aa0072";
+    assert!(found.sources.iter().map(|source| source.sha256.as_str()).eq([hash]));
     let truth = [
         ("contacts.thresholds.gaussian.mean", 1.0),
         ("contacts.thresholds.gaussian.std", 0.12),

@@ -16,7 +16,7 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
         .iter()
         .map(|source| {
             (
-                "curve".to_owned(),
+                "data".to_owned(),
                 format!("{}, SHA-256 {}…", source.name, source.sha256.get(..12).unwrap_or(&source.sha256)),
             )
         })

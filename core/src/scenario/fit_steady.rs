@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fit::FitKeys;
-use super::{Fit, FitNoise, FitThresholds, Model, Scenario, Spectrum, exactly_one, positive};
+use super::{Fit, FitNoise, FitSource, FitThresholds, Model, Scenario, Spectrum, exactly_one, positive};
 use crate::fit::{SteadyFit, SteadyRecord};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -17,6 +17,9 @@ pub struct FitSteady {
     /// is relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The file that the record was read from; results state it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<FitSource>,
     /// Positions of the slider at the readings, rising in equal steps, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length"))]

@@ -80,7 +80,8 @@ pub(super) fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<Output<FitNumbers>> {
     if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
-        return fit_steady::run(model, &steady, &mut Part::new(monitor, 0.05, 0.95));
+        let source = task.steady.as_ref().and_then(|steady| steady.source.clone());
+        return fit_steady::run(model, &steady, source, &mut Part::new(monitor, 0.05, 0.95));
     }
     Ok(found(model, task, monitor)?.0)
 }

@@ -8,7 +8,7 @@ use crate::Result;
 use crate::fit::SteadyFit;
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
-use crate::scenario::{self, FitKeys, Model};
+use crate::scenario::{self, FitKeys, FitSource, Model};
 
 const WAVE_NUMBER: Column = Column::new(
     "fit_wave_number",
@@ -35,13 +35,14 @@ pub(super) const COLUMNS: [Column; 3] = [WAVE_NUMBER, PERIODOGRAM, EXPECTED];
 /// Its table in CSV.
 pub(super) const TABLE: CsvTable = CsvTable { file: "fit_spectrum.csv", columns: &COLUMNS, needed: EXPECTED };
 
-/// Fits the numbers whose `keys` are given.
+/// Fits the numbers whose `keys` are given to a record from the file `source`.
 ///
 /// # Errors
 /// Those of [`SteadyFit::run`].
 pub(super) fn run(
     model: &Model,
     (fit, keys): &(SteadyFit, FitKeys),
+    source: Option<FitSource>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<FitNumbers>> {
     let found = fit.run_with(&mut Part::new(monitor, 0.0, 0.9)).map_err(scenario::Fit::keyed_steady)?;
@@ -63,7 +64,7 @@ pub(super) fn run(
         friction: friction(&told),
         laws: None,
         free_form: None,
-        sources: Vec::new(),
+        sources: source.into_iter().collect(),
         posterior: None,
     };
     let warnings = not_converged(found.converged);

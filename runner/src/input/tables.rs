@@ -42,10 +42,12 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
         && let Some(file) = steady.file.take_if(|_| steady.position.is_none() && steady.force.is_none())
     {
         let layouts: [&[&str]; 2] = [&["position", "force"], &["force"]];
-        let found = read_one_of(&directory.join(file), &layouts);
-        let (_, mut columns) = found.map_err(|fault| fault.under("fit.steady.file"))?;
+        let found = read_one_of(&directory.join(&file), &layouts)
+            .and_then(|(_, columns)| Ok((columns, source(directory, file)?)));
+        let (mut columns, source) = found.map_err(|fault| fault.under("fit.steady.file"))?;
         steady.force = columns.pop();
         steady.position = columns.pop();
+        steady.source = Some(source);
     }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
     if let Some(scales) = scales
@@ -85,11 +87,17 @@ impl Measured<'_> {
         let [position, force] = exactly(columns);
         *(if layout == 0 { self.position } else { self.drive }) = Some(position);
         *self.force = Some(force);
-        let bytes = fs::read(&path).map_err(|why| Fault::new("a file that can be read", &why.to_string()))?;
-        let digits = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        *self.source = Some(FitSource { name: file, sha256: digits });
+        *self.source = Some(source(directory, file)?);
         Ok(())
     }
+}
+
+/// Which file was read.
+fn source(directory: &Path, name: String) -> Result<FitSource, Fault> {
+    let bytes = fs::read(directory.join(&name));
+    let bytes = bytes.map_err(|why| Fault::new("a file that can be read", &why.to_string()))?;
+    let digits = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(FitSource { name, sha256: digits })
 }
 
 /// The steps of a protocol, one per row.
