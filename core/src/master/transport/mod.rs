@@ -81,6 +81,8 @@ pub struct Transport {
     pace: StepControl,
     /// Present breaking rate, a fraction of contacts per time.
     rate: f64,
+    /// The velocity of steady sliding, as long as the slider has moved at this velocity only.
+    steady: Option<f64>,
     /// Times at which the rate of formation has a kink, because the breaking rate had one.
     kinks: Vec<f64>,
     /// A second solution with a larger tolerance, for the error estimate.
@@ -205,6 +207,7 @@ impl Transport {
             spent: EnergyChange::default(),
             pace: StepControl::new(contacts, tolerance),
             rate: 0.0,
+            steady: None,
             kinks: Vec::new(),
             rough: None,
         })
@@ -372,6 +375,7 @@ impl Transport {
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
+        self.steady = self.steady.filter(|steady| *steady == velocity);
         // Kept separately: after a long hold the time no longer resolves short durations.
         let mut left = during;
         loop {
@@ -496,6 +500,10 @@ impl RateDependentContacts for Transport {
 
     fn free(&self) -> f64 {
         Self::free(self)
+    }
+
+    fn steady_velocity(&self) -> Option<f64> {
+        self.steady
     }
 
     fn stretches(&self) -> Vec<StretchInterval> {
