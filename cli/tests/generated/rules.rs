@@ -38,7 +38,9 @@ impl Walk<'_> {
 
 /// Whether contacts can start in steady sliding.
 fn starts(walk: &Walk<'_>) -> bool {
-    !walk.given("initial") && !walk.is("ensemble.disorder", "quenched") && !walk.is("contacts.ageing", "mean_field")
+    !walk.given("initial")
+        && !walk.is("ensemble.disorder", "quenched")
+        && !walk.is("contacts.ageing", "mean_field")
 }
 
 /// Whether a key must be given, or must not; none where it may.

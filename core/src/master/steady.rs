@@ -65,7 +65,8 @@ impl SteadyState {
     }
 
     /// Q_s as a distribution: the stretches of contacts that start in steady sliding, with thresholds above them
-    /// ([`crate::contacts::Start::Conditional`]). It ends where one contact in 10⁹ still holds, above which none is placed.
+    /// ([`crate::contacts::Start::Conditional`]). It ends with the thresholds, or where one contact in
+    /// 10⁹ still holds.
     ///
     /// # Errors
     /// Time-dependent contacts, whose state their stretches do not determine; those of [`Series::resolve`].
@@ -137,7 +138,9 @@ impl SteadyState {
 fn edges(contacts: &Contacts) -> Vec<f64> {
     /// Parts of a zone whose density is a piecewise polynomial.
     const PARTS: f64 = 8.0;
-    let top = contacts.highest_start();
+    // An end close to that of the thresholds would be a second breakpoint beside it.
+    let end = contacts.thresholds.quantile(1.0);
+    let top = if end.is_finite() { end } else { contacts.highest_start() };
     let of = |law: &dyn Law| {
         let mut places: Vec<f64> = law.breakpoints().into_iter().map(|b| b.position).collect();
         places.extend(law.atoms().into_iter().map(|atom| atom.position));

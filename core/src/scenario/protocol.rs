@@ -171,7 +171,11 @@ impl Step {
             Some(TaskStart::Steady) if !self.velocity.is_some_and(|velocity| velocity > 0.0) => {
                 let expected =
                     "a velocity above 0 in the first step, at which contacts slide steadily at the start";
-                Err(Error::invalid("velocity", expected, self.velocity.map_or("none".into(), |v| v.to_string())))
+                Err(Error::invalid(
+                    "velocity",
+                    expected,
+                    self.velocity.map_or("none".into(), |v| v.to_string()),
+                ))
             }
             _ => Ok(()),
         }

@@ -375,7 +375,8 @@ impl Transport {
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
-        self.steady = self.steady.filter(|steady| *steady == velocity);
+        // Velocities are quotients of positions and times, with their rounding.
+        self.steady = self.steady.filter(|steady| (steady - velocity).abs() <= ROUNDING * steady);
         // Kept separately: after a long hold the time no longer resolves short durations.
         let mut left = during;
         loop {
@@ -546,6 +547,9 @@ impl RateDependentContacts for Transport {
 
 /// Surviving fraction at which a cohort is removed, in units of the tolerance.
 const LEAST: f64 = 1e-5;
+
+/// Relative difference below which velocities are equal.
+const ROUNDING: f64 = 1e-9;
 
 /// Relative difference below which times are equal.
 const SAME: f64 = 4.0 * f64::EPSILON;
