@@ -91,7 +91,7 @@ fn nothing_changes_until_the_first_step() {
         // Rounding.
         assert!((whole - 1.0).abs() < 1e-12, "{name}: {:e}", whole - 1.0);
         assert_eq!(transport.steady_velocity(), Some(velocity));
-        transport.step(0.01, 1.0, &mut ()).unwrap();
+        transport.step(0.01, 0.005 / velocity, &mut ()).unwrap();
         assert_eq!(transport.steady_velocity(), None);
     }
 }
