@@ -114,7 +114,9 @@ fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
         let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
         let critical = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap().0;
         let regime = |stiffness: f64| {
-            let sliding = Transport::steady_with(&contacts, velocity, 1e-4, &mut ()).unwrap();
+            let mut sliding = Transport::steady_with(&contacts, velocity, 1e-4, &mut ()).unwrap();
+            // A stop of no length: the block starts at rest, which is the deviation that grows or decays.
+            sliding.step(0.0, 1e-9 / velocity, &mut ()).unwrap();
             // A viscous force of a thousandth shifts K_c by next to nothing.
             let slip = Slip::Damped { damping: 1e-3 / velocity };
             let drive = steady(velocity, 200.0);

@@ -129,9 +129,10 @@ fn the_dynamic_stiffness_is_that_of_quadrature() {
     }
 }
 
-/// A slider over contacts in steady sliding, pulled by `drive`.
+/// A slider over contacts in steady sliding, stopped for a moment and pulled on by `drive`.
 fn follow(slip: Slip, stiffness: f64, drive: &[Piece], points: u32, tolerance: f64) -> Slide {
-    let sliding = Transport::steady_with(&ageing(), VELOCITY, 1e-5, &mut ()).unwrap();
+    let mut sliding = Transport::steady_with(&ageing(), VELOCITY, 1e-5, &mut ()).unwrap();
+    sliding.step(0.0, 1e-9 / VELOCITY, &mut ()).unwrap();
     let drive = History::new(drive.to_vec()).unwrap();
     let times: Vec<f64> = (0..=points).map(|i| f64::from(i) / f64::from(points) * drive.duration()).collect();
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();

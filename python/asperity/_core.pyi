@@ -506,7 +506,7 @@ class Ensemble(Model):
         size: SupportsIndex = 100000,
         seed: _Seed = 1,
         disorder: Literal["annealed", "quenched"] = "annealed",
-        start: Literal["conditional", "relaxed"] = "conditional",
+        start: Literal["conditional", "relaxed", "steady"] = "conditional",
     ) -> Ensemble: ...
     @property
     def disorder(self, /) -> Literal["annealed", "quenched"]:
@@ -1010,7 +1010,7 @@ class Interface(Deformable):
         drive_tolerance: _Number = 1e-06,
         size: SupportsIndex | None = None,
         quenched: bool = False,
-        start: Literal["conditional", "relaxed"] = "conditional",
+        start: Literal["conditional", "relaxed", "steady"] = "conditional",
     ) -> Interface: ...
     def stretch_density(
         self,
@@ -1186,7 +1186,8 @@ class MasterEquation(Model):
     contacts: the contacts.
     initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
     start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
-    stretches and thresholds are independent, so that contacts above their threshold break at once.
+    stretches and thresholds are independent, so that contacts above their threshold break at once; "steady" for
+    time-independent contacts that slide steadily, without initial. Derivatives leave the stretches as they are.
     velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
     at X = 0.
     tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
@@ -1203,7 +1204,7 @@ class MasterEquation(Model):
         initial: _AnyLaw | None = None,
         *,
         velocity: _Number | None = None,
-        start: Literal["conditional", "relaxed"] = "conditional",
+        start: Literal["conditional", "relaxed", "steady"] = "conditional",
         tolerance: _Number | None = None,
     ) -> MasterEquation: ...
     def pull(
@@ -1272,8 +1273,8 @@ class Model(Description):
         """The distribution Q_ini of stretches at X = 0."""
 
     @property
-    def start(self, /) -> Literal["conditional", "relaxed"]:
-        """The kind of the initial state, "conditional" or "relaxed"."""
+    def start(self, /) -> Literal["conditional", "relaxed", "steady"]:
+        """The kind of the initial state, "conditional", "relaxed" or "steady"."""
 
 @final
 class Point(Law):
@@ -2105,7 +2106,9 @@ class ThresholdResponse:
 class Transport(Model):
     """The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
 
-    contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0.
+    contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0, or, with start="steady",
+    which all contacts may have, the ages of steady sliding at velocity, without initial.
+    velocity: the velocity of that steady sliding, above 0.
     tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by
     default 1e-6, and 1e-4 for ageing by Smoluchowski.
 
@@ -2118,7 +2121,8 @@ class Transport(Model):
         contacts: Contacts,
         initial: _AnyLaw | None = None,
         *,
-        start: Literal["conditional", "relaxed"] = "conditional",
+        start: Literal["conditional", "relaxed", "steady"] = "conditional",
+        velocity: _Number | None = None,
         tolerance: _Number | None = None,
     ) -> Transport: ...
     def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
@@ -2134,6 +2138,9 @@ class Transport(Model):
 
         Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
         """
+    @property
+    def velocity(self, /) -> float | None:
+        """The velocity of the steady sliding in which the contacts start, or None."""
 
 @final
 class VelocityStep:

@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 
 use asperity::monitor::Monitor;
-use asperity::scenario::{Disorder, Start};
+use asperity::scenario::{Disorder, TaskStart};
 use asperity::task::summary::SlidingKind;
 use asperity_runner::checkpoint::Every;
 use asperity_runner::{duration, input};
@@ -379,10 +379,11 @@ pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> PyResult<T> {
 }
 
 /// The word for a start.
-pub fn start(start: Start) -> &'static str {
+pub fn start(start: TaskStart) -> &'static str {
     match start {
-        Start::Conditional => "conditional",
-        Start::Relaxed => "relaxed",
+        TaskStart::Conditional => "conditional",
+        TaskStart::Relaxed => "relaxed",
+        TaskStart::Steady => "steady",
     }
 }
 

@@ -4,7 +4,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
 
-use asperity::scenario::{self, Areas, Contacts, Law, Slip, Start};
+use asperity::scenario::{self, Areas, Contacts, Law, Slip, TaskStart};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -24,7 +24,7 @@ pub enum Plain {
     Temperature(scenario::Temperature),
     Ageing(scenario::Ageing),
     MasterEquation(Interface, Solved),
-    Transport(Interface, scenario::MasterEquation),
+    Transport(Interface, Solved),
     Step(scenario::Step),
     Ensemble(Interface, scenario::Ensemble),
     Slip(Slip),
@@ -37,10 +37,10 @@ pub enum Plain {
 pub struct Interface {
     pub contacts: Contacts,
     pub initial: Law,
-    pub start: Start,
+    pub start: TaskStart,
 }
 
-/// The settings of a master equation: tolerance and, for time-dependent contacts, velocity.
+/// The settings of a master equation: tolerance and, for time-dependent contacts or steady sliding, velocity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solved {
     pub own: scenario::MasterEquation,

@@ -13,7 +13,7 @@ use crate::contacts::Contacts;
 use crate::convert::{self, Seed, Whole};
 use crate::description::{Interface, Plain};
 use crate::law::{AnyLaw, given};
-use crate::model::{Model, interface, interface_arguments};
+use crate::model::{Model, built, interface_arguments, steady_interface};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::transport::{self, Step};
@@ -41,7 +41,7 @@ impl Ensemble {
     #[pyo3(
         signature = (
             contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder: "Literal['annealed', 'quenched']" = "annealed",
-            start: "Literal['conditional', 'relaxed']" = "conditional"
+            start: "Literal['conditional', 'relaxed', 'steady']" = "conditional"
         ),
         text_signature = "(contacts, initial=None, *, size=100000, seed=1, disorder='annealed', start='conditional')"
     )]
@@ -53,15 +53,15 @@ impl Ensemble {
         disorder: &str,
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let interface = steady_interface(contacts, initial, start)?;
         let (size, disorder) = (size.get("size")?, convert::word("disorder", disorder)?);
         let own = scenario::Ensemble { size: Some(size), seed: seed.0, disorder };
         let build = || {
-            let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
+            let (contacts, initial) = built(&interface)?;
             own.build(contacts, initial)
         };
         let ensemble = build().map_err(error::core)?;
-        let plain = Plain::Ensemble(Interface { contacts, initial, start }, own);
+        let plain = Plain::Ensemble(interface, own);
         Ok(Model::new(plain).add_subclass(Self { ensemble }))
     }
 

@@ -13,7 +13,7 @@ use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Whole, evaluate, evaluate_all};
 use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
-use crate::model::{Model, interface, interface_arguments};
+use crate::model::{Model, built, interface_arguments, steady_interface};
 use crate::pull::Pull;
 use crate::simulation::Simulation;
 use crate::watch::watched;
@@ -28,7 +28,8 @@ use crate::{error, typed, values};
 /// contacts: the contacts.
 /// initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
 /// start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
-/// stretches and thresholds are independent, so that contacts above their threshold break at once.
+/// stretches and thresholds are independent, so that contacts above their threshold break at once; "steady" for
+/// time-independent contacts that slide steadily, without initial. Derivatives leave the stretches as they are.
 /// velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
 /// at X = 0.
 /// tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
@@ -45,7 +46,7 @@ pub struct MasterEquation {
 #[pymethods]
 impl MasterEquation {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start: "Literal['conditional', 'relaxed']" = "conditional", tolerance = None))]
+    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional", tolerance = None))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
@@ -54,7 +55,7 @@ impl MasterEquation {
         start: &str,
         tolerance: Option<f64>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let interface = interface(contacts, initial, start)?;
+        let interface = steady_interface(contacts, initial, start)?;
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("master_equation"))?;
@@ -121,11 +122,11 @@ impl MasterEquation {
 impl MasterEquation {
     /// The master equation of contacts, at a velocity if they are time-dependent.
     pub fn build(
-        Interface { contacts, initial, start }: &Interface,
+        interface: &Interface,
         velocity: Option<f64>,
         monitor: &mut dyn Monitor,
     ) -> asperity::Result<Self> {
-        let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
+        let (contacts, initial) = built(interface)?;
         let equation = match velocity {
             Some(velocity) => master::MasterEquation::at_with(contacts, &initial, velocity, monitor)?,
             None => master::MasterEquation::new_with(contacts, &initial, monitor)?,

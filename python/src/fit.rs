@@ -20,7 +20,7 @@ use crate::description::{Interface, Plain, Solved};
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
-use crate::model::interface;
+use crate::model::{built, interface};
 use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
@@ -152,8 +152,7 @@ fn of_family(
 
 /// N⟨k⟩ of the first contacts.
 fn together(interface: &Interface) -> PyResult<f64> {
-    let built = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start);
-    let (contacts, _) = built.map_err(error::core)?;
+    let (contacts, _) = built(interface).map_err(error::core)?;
     Ok(contacts.count * contacts.stiffness.of(contacts.thresholds.mean()))
 }
 
@@ -470,8 +469,7 @@ pub fn fitted_model<'py>(
     free: &[String],
 ) -> PyResult<Bound<'py, MasterEquation>> {
     let (interface, velocity) = fitted(first, equation, &equation.parameters(), free);
-    let (_, initial) = scenario::build_contacts(&interface.contacts, &interface.initial, interface.start)
-        .map_err(error::core)?;
+    let (_, initial) = built(&interface).map_err(error::core)?;
     let model = MasterEquation { equation: equation.clone(), initial };
     let solved = Solved { own: scenario::MasterEquation::default(), velocity };
     Bound::new(py, model.described(interface, solved))

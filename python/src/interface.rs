@@ -10,7 +10,7 @@ use crate::contacts::Contacts;
 use crate::convert::{self, Seed, Whole};
 use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, given};
-use crate::model::{interface, interface_arguments};
+use crate::model::{interface, interface_arguments, steady_interface};
 use crate::result::{self, Result};
 use crate::simulation::Simulation;
 use crate::stretches::StretchGrid;
@@ -176,7 +176,7 @@ impl Interface {
         signature = (
             contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges: "Literal['open', 'periodic']" = "open",
             loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped']" = "reset", viscosity = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
-            drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed']" = "conditional"
+            drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional"
         ),
         text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
@@ -221,7 +221,7 @@ impl Interface {
         };
         let size = size.map(|size| size.get("size")).transpose()?;
         let ensemble = few(size, seed.0, quenched)?;
-        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
+        let surface = Surface { contacts: steady_interface(contacts, initial, start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
     }
 

@@ -4,6 +4,7 @@ use asperity::block::{self, Loading, Slip};
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
 use asperity::rate_dependent::RateDependentContacts;
+use asperity::scenario::TaskStart;
 use asperity::task;
 use asperity::{Error, Result, ensemble, master, scenario};
 use pyo3::prelude::*;
@@ -26,12 +27,37 @@ pub fn interface(
     initial: Option<AnyLaw>,
     start: &str,
 ) -> PyResult<Interface> {
+    let start: scenario::Start = convert::word("start", start)?;
+    Ok(starting(contacts, initial, start.into()))
+}
+
+/// The components of a model that may start in steady sliding.
+pub fn steady_interface(
+    contacts: &Bound<'_, Contacts>,
+    initial: Option<AnyLaw>,
+    start: &str,
+) -> PyResult<Interface> {
+    Ok(starting(contacts, initial, convert::word("start", start)?))
+}
+
+fn starting(contacts: &Bound<'_, Contacts>, initial: Option<AnyLaw>, start: TaskStart) -> Interface {
     let initial = initial.map_or_else(scenario::Law::zero, |law| law.0);
-    Ok(Interface {
-        contacts: Contacts::plain(contacts).clone(),
-        initial,
-        start: convert::word("start", start)?,
-    })
+    Interface { contacts: Contacts::plain(contacts).clone(), initial, start }
+}
+
+/// The contacts, and their initial stretches.
+///
+/// # Errors
+/// Those of [`scenario::build_contacts`]; steady sliding of time-dependent contacts, which stretches do not determine.
+pub fn built(
+    Interface { contacts, initial, start }: &Interface,
+) -> Result<(asperity::contacts::Contacts, asperity::contacts::Initial)> {
+    let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
+    if *start == TaskStart::Steady && contacts.rules.are_time_dependent() {
+        let expected = "conditional or relaxed for time-dependent contacts (a Transport starts in steady sliding at a velocity)";
+        return Err(Error::invalid("start", expected, "steady"));
+    }
+    Ok((contacts, initial))
 }
 
 /// The arguments for [`interface`].
@@ -41,7 +67,7 @@ pub fn interface_arguments(interface: &Interface, into: &Bound<'_, PyDict>) -> P
     if *initial != scenario::Law::zero() {
         into.set_item("initial", Plain::Law(initial.clone()).object(into.py())?)?;
     }
-    given(into, "start", (*start != scenario::Start::default()).then(|| convert::start(*start)))
+    given(into, "start", (*start != TaskStart::default()).then(|| convert::start(*start)))
 }
 
 /// Contacts and their initial state.
@@ -177,7 +203,7 @@ impl Model {
         Plain::Law(Self::plain(slf).initial.clone()).instance(slf.py())
     }
 
-    /// The kind of the initial state, "conditional" or "relaxed".
+    /// The kind of the initial state, "conditional", "relaxed" or "steady".
     #[getter]
     fn start(slf: &Bound<'_, Self>) -> typed::StartWord {
         typed::StartWord(convert::start(Self::plain(slf).start))

@@ -3,7 +3,7 @@
 use asperity::history::History;
 use asperity::monitor::{Monitor, Part};
 use asperity::record::{self, Quantity};
-use asperity::scenario::{self, Units};
+use asperity::scenario::{self, TaskStart, Units};
 use asperity::{Error, ensemble, master};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
@@ -11,11 +11,11 @@ use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Whole};
-use crate::description::{Description, Interface, Plain};
+use crate::description::{Description, Interface, Plain, Solved};
 use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::Model;
-use crate::model::{interface, interface_arguments};
+use crate::model::{built, interface, interface_arguments, steady_interface};
 use crate::record::Record;
 use crate::watch::watched;
 
@@ -55,7 +55,8 @@ impl Step {
     ) -> PyResult<PyClassInitializer<Self>> {
         let points = points.get("points")?;
         let pieces = pieces.map(|pieces| pieces.get("pieces")).transpose()?;
-        let step = scenario::Step { velocity, velocity_to, distance, duration, hold, points, pieces };
+        let start = None;
+        let step = scenario::Step { velocity, velocity_to, distance, duration, hold, points, start, pieces };
         step.check().map_err(|e| error::core(e.under("step")))?;
         Ok(Description::new(Plain::Step(step)).add_subclass(Self))
     }
@@ -96,7 +97,9 @@ pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 
 /// The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
 ///
-/// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0.
+/// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0, or, with start="steady",
+/// which all contacts may have, the ages of steady sliding at velocity, without initial.
+/// velocity: the velocity of that steady sliding, above 0.
 /// tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by
 /// default 1e-6, and 1e-4 for ageing by Smoluchowski.
 ///
@@ -110,26 +113,30 @@ pub struct Transport {
 #[pymethods]
 impl Transport {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, start: "Literal['conditional', 'relaxed']" = "conditional", tolerance = None))]
+    #[pyo3(signature = (contacts, initial = None, *, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional", velocity = None, tolerance = None))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
         initial: Option<AnyLaw>,
         start: &str,
+        velocity: Option<f64>,
         tolerance: Option<f64>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let interface = steady_interface(contacts, initial, start)?;
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("transport"))?;
-            let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
-            let tolerance = own.tolerance_in_time(&contacts.rules);
-            let transport = master::Transport::new_with(contacts.clone(), &initial, tolerance, monitor)?;
-            Ok(Self { transport, contacts })
+            Self::build(&interface, velocity, &own, monitor)
         };
         let transport = watched(None, py, build)?;
-        let plain = Plain::Transport(Interface { contacts, initial, start }, own);
+        let plain = Plain::Transport(interface, Solved { own, velocity });
         Ok(Model::new(plain).add_subclass(transport))
+    }
+
+    /// The velocity of the steady sliding in which the contacts start, or None.
+    #[getter]
+    fn velocity(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::solved(slf).velocity
     }
 
     /// Follows the contacts from t = 0 through the steps, one after the other.
@@ -164,23 +171,47 @@ impl Transport {
 }
 
 impl Transport {
+    /// The contacts at t = 0, in steady sliding if a start says so.
+    fn build(
+        Interface { contacts, initial, start }: &Interface,
+        velocity: Option<f64>,
+        own: &scenario::MasterEquation,
+        monitor: &mut dyn Monitor,
+    ) -> asperity::Result<Self> {
+        let refused = |expected, found: &str| Err(Error::invalid("velocity", expected, found));
+        let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
+        let tolerance = own.tolerance_in_time(&contacts.rules);
+        let transport = match (start, velocity) {
+            (TaskStart::Steady, Some(velocity)) => {
+                master::Transport::steady_with(&contacts, velocity, tolerance, monitor)
+            }
+            (TaskStart::Steady, None) => {
+                refused("a velocity beside start='steady', at which contacts slide", "none")
+            }
+            (_, Some(_)) => refused("no velocity but that of start='steady'", "one"),
+            (_, None) => master::Transport::new_with(contacts.clone(), &initial, tolerance, monitor),
+        }?;
+        Ok(Self { transport, contacts })
+    }
+
     /// The method of solution.
     pub fn plain<'a>(transport: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
+        &Self::solved(transport).own
+    }
+
+    fn solved<'a>(transport: &'a Bound<'_, Self>) -> &'a Solved {
         match transport.as_super().as_super().get().plain() {
-            Plain::Transport(_, own) => own,
+            Plain::Transport(_, solved) => solved,
             _ => unreachable!("a transport is described as a transport"),
         }
     }
 }
 
 /// The arguments of a transport.
-pub fn arguments(
-    interface: &Interface,
-    own: &scenario::MasterEquation,
-    into: &Bound<'_, PyDict>,
-) -> PyResult<()> {
+pub fn arguments(interface: &Interface, solved: &Solved, into: &Bound<'_, PyDict>) -> PyResult<()> {
     interface_arguments(interface, into)?;
-    given(into, "tolerance", own.tolerance)
+    given(into, "velocity", solved.velocity)?;
+    given(into, "tolerance", solved.own.tolerance)
 }
 
 fn columns(trace: master::Trace) -> record::Record {
@@ -226,8 +257,7 @@ pub fn velocity_curve<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = velocities.py();
     let (values, single) = convert::one_or_list("velocities", velocities, &convert::Domain::NUMBERS)?;
-    let Interface { contacts, initial, start } = interface(contacts, None, "conditional")?;
-    let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start).map_err(error::core)?;
+    let (contacts, initial) = built(&interface(contacts, None, "conditional")?).map_err(error::core)?;
     let curve = watched(progress, py, |monitor| {
         let mut friction = Vec::with_capacity(values.len());
         for (i, &velocity) in values.iter().enumerate() {

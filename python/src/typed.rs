@@ -104,7 +104,7 @@ objects! {
 }
 
 words! {
-    StartWord: "Literal['conditional', 'relaxed']",
+    StartWord: "Literal['conditional', 'relaxed', 'steady']",
     DisorderWord: "Literal['annealed', 'quenched']",
     RegimeWord: "Literal['smooth', 'transient', 'persistent', 'runaway', 'undecided']",
 }

@@ -55,6 +55,26 @@ def test_a_pull_at_a_velocity_is_a_way_at_one_velocity() -> None:
     assert trace["force"] == pytest.approx(pull.force, abs=1e-6)
 
 
+def test_a_transport_starts_in_steady_sliding() -> None:
+    steady = asp.Transport(GROWING, start="steady", velocity=1.0)
+    assert (steady.start, steady.velocity) == ("steady", 1.0)
+    trace = steady.follow([asp.Step(1.0, distance=2.0, points=11)])
+    # the reference of the theory, and the tolerance of the transport
+    assert trace["force"] == pytest.approx(0.5122109494, abs=1e-6)
+    slider = asp.Block(steady, 2.0, asp.Damped(0.1)).drive(1.0, 6, velocity=1.0)
+    # in balance with the drag 0.1 · 1, to the tolerance of a block in time
+    assert slider.spring_force == pytest.approx(0.6122109494, abs=1e-3)
+    with pytest.raises(ValueError, match="velocity: expected a velocity beside start='steady'"):
+        asp.Transport(GROWING, start="steady")
+    with pytest.raises(ValueError, match="velocity: expected no velocity but that of start='steady'"):
+        asp.Transport(GROWING, velocity=1.0)
+    with pytest.raises(ValueError, match="start: expected conditional or relaxed for time-dependent contacts"):
+        asp.MasterEquation(GROWING, velocity=1.0, start="steady")
+    athermal = asp.MasterEquation(asp.Contacts(THRESHOLDS), start="steady")
+    # F_k of thresholds with σ = 0.1, to the aim of the master equation
+    assert athermal.pull(3.0, 31).force == pytest.approx(0.505, abs=1e-9)
+
+
 def test_free_contacts_carry_nothing() -> None:
     contacts = asp.Contacts(THRESHOLDS, delay=0.5)
     assert contacts.delay == 0.5

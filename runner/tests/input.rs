@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::scenario::{Disorder, Law, Start};
+use asperity::scenario::{Disorder, Law, TaskStart};
 use asperity_runner::input::{self, Diagnostic, Input};
 
 const SCENARIO: &str = "
@@ -55,7 +55,7 @@ fn defaults_are_those_of_the_contract() {
     let pull = scenario.pull.unwrap();
     assert_eq!((scenario.contacts.count, pull.points), (1.0, 2001));
     assert_eq!((scenario.initial, scenario.contacts.reforming), (Law::zero(), Law::zero()));
-    assert_eq!((pull.start, scenario.master_equation.tolerance().value()), (Start::Conditional, 1e-10));
+    assert_eq!((pull.start, scenario.master_equation.tolerance().value()), (TaskStart::Conditional, 1e-10));
     assert!(scenario.ensemble.is_none() && scenario.compare.is_none());
 }
 

@@ -36,6 +36,13 @@ impl Walk<'_> {
     }
 }
 
+/// Whether contacts can start in steady sliding.
+fn starts(walk: &Walk<'_>) -> bool {
+    !walk.given("initial")
+        && !walk.is("ensemble.disorder", "quenched")
+        && !walk.is("contacts.ageing", "mean_field")
+}
+
 /// Whether a key must be given, or must not; none where it may.
 pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
     let (task, in_time, interface) = (walk.task(), walk.in_time(), walk.given("interface"));
@@ -74,6 +81,8 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("interface.disorder", "scale") => no,
         ("velocity_curve", "temperatures") if !walk.given("contacts.temperature") => no,
         ("velocity_curve", "stability") if walk.is("contacts.ageing", "mean_field") => no,
+        // Only the first step may have one.
+        ("protocol", "start") => no,
         ("protocol", "pieces") => Some(walk.given("protocol.velocity_to")),
         (_, "points") => Some(true),
         _ => None,
@@ -103,6 +112,12 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
         ("drive:alternative", "turning_points") => !(interface || in_time),
         ("drive:alternative", "force_to") => !(interface || in_time || walk.given("block")),
         ("ensemble.disorder", "quenched") => task != "spectrum",
+        ("pull.start", "steady") => starts(walk) && !in_time && !walk.is("pull.derivatives", "true"),
+        ("drive.start", "steady") => {
+            let alone = !(walk.given("block") && walk.given("ensemble"));
+            let forced = walk.is("drive:alternative", "force_to");
+            starts(walk) && !forced && !walk.single() && (!in_time || alone && !interface)
+        }
         ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
         ("interface.contacts", "one") => {
             let unequal =

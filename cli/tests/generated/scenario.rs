@@ -128,8 +128,8 @@ impl Schema {
             ("Edges", "interface.edges"),
             ("Loading", "interface.loading"),
             ("Disorder", "ensemble.disorder"),
-            ("Start", "pull.start"),
-            ("Start", "drive.start"),
+            ("TaskStart", "pull.start"),
+            ("TaskStart", "drive.start"),
         ] {
             options.extend(variants(name, path));
         }

@@ -19,10 +19,11 @@ pub struct SlidingCell {
 }
 
 impl SlidingCell {
-    /// A cell at rest at a position.
-    pub fn at_rest(contacts: Box<dyn RateDependentContacts>, position: f64) -> Self {
+    /// A cell at a position: at rest, or at the velocity at which its contacts slide steadily.
+    pub fn new(contacts: Box<dyn RateDependentContacts>, position: f64) -> Self {
         let (force, slope) = (contacts.force(), contacts.tangent());
-        Self { contacts, position, force, velocity: 0.0, slope }
+        let velocity = contacts.steady_velocity().unwrap_or(0.0);
+        Self { contacts, position, force, velocity, slope }
     }
 
     /// A copy of its contacts after an advance at constant velocity in the time `duration`.

@@ -4,9 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::{MasterEquation, Stretches};
-use crate::Result;
+use crate::contacts::Contacts;
+use crate::law::{Law, Series, SharedLaw};
 use crate::life::Life;
 use crate::monitor::{Monitor, Watch};
+use crate::{Error, Result};
 
 /// Steady sliding: Q_s(x) = Γ_s S(x) ∫₀ˣ R/S, 1/Γ_s = ∫dr (R/S) ∫_r^∞ S, F_k = N_c⟨k⟩ ∫x Q_s dx.
 ///
@@ -62,6 +64,25 @@ impl SteadyState {
         self.life.mean_square() / self.mean
     }
 
+    /// Q_s as a distribution: the stretches of contacts that start in steady sliding, with thresholds above them
+    /// ([`crate::contacts::Start::Conditional`]). It ends with the thresholds, or where one contact in
+    /// 10⁹ still holds.
+    ///
+    /// # Errors
+    /// Time-dependent contacts, whose state their stretches do not determine; those of [`Series::resolve`].
+    pub fn stretch_law(&self) -> Result<SharedLaw> {
+        /// Truncation error of a cell of the density, relative to the mass above and below it.
+        const TOLERANCE: f64 = 1e-14;
+        let contacts = self.equation.contacts();
+        if let Some(rule) = contacts.rules.first() {
+            let expected = "time-independent contacts (Transport::steady is steady sliding of others)";
+            return Err(Error::invalid(rule, expected, "a rule of time"));
+        }
+        let density = |stretches: &[f64]| self.stretch_density(stretches).map(|found| found.density);
+        let (law, _) = Series::resolve(density, &edges(contacts), TOLERANCE)?;
+        Ok(Arc::new(law))
+    }
+
     /// Standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
     pub fn force_std(&self, size: f64) -> f64 {
         self.stiffness * (self.variance() / size).sqrt()
@@ -111,4 +132,29 @@ impl SteadyState {
         let at = |x: f64, watch: &Watch<'_>| self.life.standing_density(x, rate, std::iter::empty(), watch);
         Stretches::evaluated(stretches, at, Vec::new(), monitor)
     }
+}
+
+/// Stretches between which Q_s is smooth, on the scale of the distributions of thresholds and of re-forming.
+fn edges(contacts: &Contacts) -> Vec<f64> {
+    /// Parts of a zone whose density is a piecewise polynomial.
+    const PARTS: f64 = 8.0;
+    // An end close to that of the thresholds would be a second breakpoint beside it.
+    let end = contacts.thresholds.quantile(1.0);
+    let top = if end.is_finite() { end } else { contacts.highest_start() };
+    let of = |law: &dyn Law| {
+        let mut places: Vec<f64> = law.breakpoints().into_iter().map(|b| b.position).collect();
+        places.extend(law.atoms().into_iter().map(|atom| atom.position));
+        places.extend(law.seams());
+        for zone in law.zones() {
+            let count = ((zone.high - zone.low) / zone.resolution).ceil().max(PARTS);
+            let edge = |k: u32| zone.low + (zone.high - zone.low) * f64::from(k) / count;
+            places.extend((0..=count as u32).map(edge));
+        }
+        places
+    };
+    let inner = of(contacts.thresholds.as_ref()).into_iter().chain(of(contacts.reforming.as_ref()));
+    let mut edges: Vec<f64> = inner.filter(|&x| x > 0.0 && x < top).chain([0.0, top]).collect();
+    edges.sort_by(f64::total_cmp);
+    edges.dedup_by(|b, a| *b - *a <= 1e-12 * top);
+    edges
 }

@@ -36,6 +36,11 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Fraction of detached contacts.
     fn free(&self) -> f64;
 
+    /// The velocity at which they slide steadily; `None` for contacts that do not, or of which it is not known.
+    fn steady_velocity(&self) -> Option<f64> {
+        None
+    }
+
     /// The distribution of the stretches of the attached contacts.
     fn stretches(&self) -> Vec<StretchInterval>;
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Block, Protocol, Start, Step, positive, size};
+use super::{Block, Protocol, Step, TaskStart, positive, size};
 use crate::block::{self, Loading};
 use crate::{Error, Result};
 
@@ -38,8 +38,9 @@ pub struct Drive {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("default" = [], "x-dimension" = "length"))]
     pub maps: Vec<f64>,
-    /// `"conditional"` or `"relaxed"`, as `pull.start`.
-    pub start: Start,
+    /// `"conditional"` or `"relaxed"`, as `pull.start`, or `"steady"`: steady sliding, at `drive.velocity` for time-dependent
+    /// contacts, in balance with the spring of a block.
+    pub start: TaskStart,
     /// Velocity of the load point, above 0, as `pull.velocity`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length/time"))]
@@ -57,7 +58,7 @@ impl Default for Drive {
             force_to: None,
             points: 2001,
             maps: Vec::new(),
-            start: Start::Conditional,
+            start: TaskStart::Conditional,
             velocity: None,
         }
     }

@@ -397,7 +397,7 @@ impl Scenario {
             }
         }
         let velocity = value("fit.velocity").or(fit.velocity);
-        fitted.pull = Some(Pull { distance, start: fit.start, velocity, ..Pull::default() });
+        fitted.pull = Some(Pull { distance, start: fit.start.into(), velocity, ..Pull::default() });
         fitted.compare = compare;
         fitted
     }

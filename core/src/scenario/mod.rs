@@ -27,7 +27,9 @@ mod renormalisation;
 mod rules;
 mod size;
 mod spectrum;
+mod start;
 mod task;
+mod task_start;
 mod time;
 mod units;
 mod velocity_curve;
@@ -62,6 +64,7 @@ pub use pull::Pull;
 pub use renormalisation::Renormalisation;
 pub use rules::{Ageing, Delay};
 pub use spectrum::Spectrum;
+pub use start::TaskStart;
 pub use task::Task;
 pub use units::Units;
 pub use velocity_curve::VelocityCurve;
@@ -174,6 +177,7 @@ impl Scenario {
         let task = self.task()?;
         let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
         let model = Model {
+            steady: task.steady_velocity(&contacts),
             contacts,
             initial,
             normal_load: self.contacts.normal_load,
@@ -226,11 +230,10 @@ impl Scenario {
 pub fn build_contacts(
     contacts: &Contacts,
     initial: &Law,
-    start: Start,
+    start: TaskStart,
 ) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
     let contacts = contacts.build().map_err(|e| e.under("contacts"))?;
-    let law = initial.build().map_err(|e| e.under("initial"))?;
-    let initial = crate::contacts::Initial { law, start };
+    let initial = start.build(&contacts, initial).map_err(|e| e.under("initial"))?;
     contacts.check(&initial).map_err(Error::of_scenario)?;
     Ok((contacts, initial))
 }

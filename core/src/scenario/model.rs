@@ -13,6 +13,8 @@ pub struct Model {
     pub contacts: Contacts,
     /// Their stretches at X = 0.
     pub initial: Initial,
+    /// The velocity of the steady sliding in which contacts followed in time begin; `None` if they begin as `initial`.
+    pub steady: Option<f64>,
     /// Normal load carried by the interface, a force; with it, friction coefficients are reported in addition to forces.
     pub normal_load: Option<f64>,
     /// The slider between its top and its base; `None` if it is rigid.
@@ -36,6 +38,7 @@ impl Model {
         Self {
             contacts,
             initial,
+            steady: None,
             normal_load: None,
             block: None,
             interface: None,
@@ -67,6 +70,7 @@ impl Task<'_> {
     pub fn check(self, model: &Model) -> Result<()> {
         self.check_values()?;
         self.check_time(model)?;
+        self.check_start(model)?;
         self.check_block(model)?;
         self.check_interface(model)?;
         let noise = match self {

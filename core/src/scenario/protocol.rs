@@ -3,11 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{not_negative, positive, size};
+use super::{TaskStart, not_negative, positive, size};
 use crate::history::{History, Piece};
 use crate::{Error, Result};
 
-/// Successive steps, from X = 0 (with a block, X_T = 0) at t = 0.
+/// Successive steps, from X = 0 (with a block, from its equilibrium there) at t = 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Protocol(pub Vec<Step>);
@@ -45,6 +45,11 @@ pub struct Step {
     pub hold: Option<f64>,
     /// Points of the trace in the step, evenly spaced in time, including both ends.
     pub points: usize,
+    /// In the first step only: `"conditional"` or `"relaxed"`, as `pull.start`, or `"steady"`: steady sliding at the `velocity`
+    /// of this step, which must be above 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "conditional"))]
+    pub start: Option<TaskStart>,
     /// Number of intervals of constant velocity that approximate a ramp, equally long, each at the velocity of its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 64))]
@@ -65,6 +70,7 @@ impl Default for Step {
             duration: None,
             hold: None,
             points: 201,
+            start: None,
             pieces: None,
         }
     }
@@ -156,6 +162,25 @@ impl Step {
         Err(Error::invalid("pieces", format!("a number of pieces from 1 to {MOST_PIECES}"), pieces))
     }
 
+    /// Refuses a start of a later step, and one in steady sliding at rest.
+    fn check_start(&self, first: bool) -> Result<()> {
+        match self.start {
+            Some(_) if !first => {
+                Err(Error::invalid("start", "no start but that of the first step", "one of a later step"))
+            }
+            Some(TaskStart::Steady) if !self.velocity.is_some_and(|velocity| velocity > 0.0) => {
+                let expected =
+                    "a velocity above 0 in the first step, at which contacts slide steadily at the start";
+                Err(Error::invalid(
+                    "velocity",
+                    expected,
+                    self.velocity.map_or("none".into(), |v| v.to_string()),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn unramped(&self) -> Result<()> {
         let refused =
             |pieces| Error::invalid("pieces", "no pieces but those of a ramp (velocity_to)", pieces);
@@ -170,6 +195,11 @@ impl Protocol {
     /// Those of [`History::new`].
     pub fn build(&self) -> Result<History> {
         History::new(self.0.iter().flat_map(Step::pieces).collect())
+    }
+
+    /// The contacts at the start.
+    pub fn start(&self) -> TaskStart {
+        self.0.first().and_then(|step| step.start).unwrap_or_default()
     }
 
     /// The times at which the steps begin, and the end of the last one.
@@ -209,7 +239,7 @@ impl Protocol {
             return Err(Error::invalid("", "at least one step", "none"));
         }
         for (i, step) in self.0.iter().enumerate() {
-            step.check().map_err(|e| e.under(&i.to_string()))?;
+            step.check().and_then(|()| step.check_start(i == 0)).map_err(|e| e.under(&i.to_string()))?;
         }
         size::check("0.points", self.points(), size::BYTES_PER_POINT)
     }

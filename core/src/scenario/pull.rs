@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Start, positive, size};
+use super::{TaskStart, positive, size};
 use crate::{Error, Result};
 
 /// Moves the base of the slider from X = 0 and records the force.
@@ -25,8 +25,9 @@ pub struct Pull {
     /// Also the derivatives of static and kinetic friction, relaxation length and critical stiffness by every parameter
     /// of the contacts, for the propagation of errors.
     pub derivatives: bool,
-    /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
-    pub start: Start,
+    /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds; `"steady"`: the stretches of steady
+    /// sliding, for time-independent contacts.
+    pub start: TaskStart,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
     /// for others.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,7 +43,7 @@ impl Default for Pull {
             snapshots: Vec::new(),
             covariance: Vec::new(),
             derivatives: false,
-            start: Start::Conditional,
+            start: TaskStart::Conditional,
             velocity: None,
         }
     }

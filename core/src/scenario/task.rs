@@ -1,8 +1,6 @@
 //! The task of a scenario: one of the tables that are tasks.
 
-use super::{
-    Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Start, VelocityCurve,
-};
+use super::{Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, VelocityCurve};
 use crate::{Error, Result};
 
 /// The task of a scenario.
@@ -81,15 +79,6 @@ impl Task<'_> {
             Self::Spectrum(_) => "spectrum",
             Self::Fit(_) => "fit",
             Self::Renormalisation(_) => "renormalisation",
-        }
-    }
-
-    pub(super) fn start(self) -> Start {
-        match self {
-            Self::Pull(pull) => pull.start,
-            Self::Drive(drive) => drive.start,
-            Self::Fit(fit) => fit.start,
-            _ => Start::Conditional,
         }
     }
 

@@ -38,7 +38,7 @@ fn stretches_where_no_contact_survives_are_refused_unless_they_may_break_at_once
     let mut scenario = scenario(Law::Rectangular { min: 0.5, max: 1.0 });
     scenario.initial = Law::Point { at: 1.0 };
     assert_eq!(refused(&scenario).0, "initial");
-    scenario.pull = Some(Pull { start: Start::Relaxed, ..Pull::default() });
+    scenario.pull = Some(Pull { start: TaskStart::Relaxed, ..Pull::default() });
     scenario.build().unwrap();
     scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 2.0 };
     let (key, found) = refused(&scenario);

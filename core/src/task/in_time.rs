@@ -1,12 +1,13 @@
 //! A slider moved in time, rigid or driven through a block.
 
 use super::accuracy::{ForceAccuracy, as_required};
+use super::settling::Steady;
 use super::summary::Sliding;
 use super::{ensemble, fits, sliding};
 use crate::Result;
 use crate::block::{Block, Slide};
 use crate::contacts::{Contacts, Rules, Stiffness};
-use crate::history::History;
+use crate::history::{History, Piece};
 use crate::master::{Trace, Transport};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, Quantity, Record};
@@ -73,16 +74,45 @@ pub(super) fn rigid(
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
     let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let mut transport = Transport::new_with(contacts.clone(), initial, tolerance, aside)?;
+    let mut transport = transport(model, tolerance, aside)?;
     let trace = transport.follow_with(&history, &times, &mut Part::new(monitor, 0.0, master))?;
     trace.check(transport.unit(), model.master_equation.tolerance)?;
     let mut record = trace_record(&trace, contacts.rules.delay > 0.0);
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
+        let (history, times) = settled(model, &history, &times)?;
         let run = drawn.follow_with(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
         ensemble::add_force(&mut record, ENSEMBLE, run.force, run.error);
     }
     Ok((trace, record))
+}
+
+/// The contacts at the start, solved by transport.
+///
+/// # Errors
+/// Those of [`Transport::new_with`]; stopped by the monitor.
+fn transport(model: &Model, tolerance: f64, monitor: &mut dyn Monitor) -> Result<Transport> {
+    let Model { contacts, initial, .. } = model;
+    match model.steady {
+        Some(velocity) => Transport::steady_with(contacts, velocity, tolerance, monitor),
+        None => Transport::new_with(contacts.clone(), initial, tolerance, monitor),
+    }
+}
+
+/// The history and the times of single contacts. Those that are to start in steady sliding slide until they have forgotten
+/// their initial state first; time-independent ones start with the stretches of steady sliding.
+fn settled(model: &Model, history: &History, times: &[f64]) -> Result<(History, Vec<f64>)> {
+    let Model { contacts, initial, .. } = model;
+    let Some(velocity) = model.steady.filter(|_| contacts.rules.are_time_dependent()) else {
+        return Ok((history.clone(), times.to_vec()));
+    };
+    let steady = Steady::at(contacts, initial, velocity, &mut ())?;
+    let duration = steady.distance / velocity;
+    let pieces = [Piece { velocity, duration }].into_iter().chain(history.pieces().iter().copied());
+    let whole = History::new(pieces.collect())?;
+    // The last time is the end of the history, whatever the rounding of sums.
+    let later = times.iter().map(|time| (duration + time).min(whole.duration())).collect();
+    Ok((whole, later))
 }
 
 /// The variables of a trace. The drive of a rigid slider is its position.
@@ -147,11 +177,10 @@ fn move_block(
     (drive, times): (&History, &[f64]),
     monitor: &mut dyn Monitor,
 ) -> Result<(Slide, Option<ForceAccuracy>)> {
-    let Model { contacts, initial, .. } = model;
-    let (tolerance, mean) = (model.master_equation.tolerance_of_a_block(), contacts.thresholds.mean());
-    let transport = |tolerance: f64, part: &mut Part<'_>| {
-        Transport::new_with(contacts.clone(), initial, tolerance, &mut Part::new(part, 0.0, 0.0))
-    };
+    let mean = model.contacts.thresholds.mean();
+    let tolerance = model.master_equation.tolerance_of_a_block();
+    let transport =
+        |tolerance: f64, part: &mut Part<'_>| transport(model, tolerance, &mut Part::new(part, 0.0, 0.0));
     if model.master_equation.tolerance.is_none() {
         let part = &mut Part::new(monitor, 0.0, 1.0);
         let contacts = transport(tolerance, part)?;

@@ -1,6 +1,7 @@
 //! A slider block in time over time-dependent contacts, which age while it sticks.
 //!
-//! M Ẍ = K(X_T(t) − X) − F − γẊ. The drive X_T(t) is a [`History`] that begins in equilibrium, X_T = X + F/K. This is the
+//! M Ẍ = K(X_T(t) − X) − F − γẊ. The drive X_T(t) is a [`History`] that begins in equilibrium: at rest, X_T = X + F/K, or, over
+//! contacts that slide steadily at v, at this velocity, X_T = X + (F + γv)/K. This is the
 //! equation of motion of [`crate::dynamics`] for a single cell, which unloads its contacts after an arrest.
 
 mod log;
@@ -15,8 +16,8 @@ use log::Log;
 pub use log::{Moment, RateDependentSlip, Slide};
 
 impl Block {
-    /// Moves the slider's top along `drive`, from equilibrium with `contacts`, and records the motion of its base at ascending
-    /// `times` since the start. `tolerance` is the largest error of a step in time, a length.
+    /// Moves the slider's top along `drive`, from equilibrium with `contacts` ([`RateDependentContacts::steady_velocity`]: at
+    /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start. `tolerance` is the largest error of a step in time, a length.
     ///
     /// # Errors
     /// A loading other than a spring; a slip rule without a velocity limit; times that are not ascending or outside the drive;
@@ -75,7 +76,7 @@ impl Block {
             return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
         }
         drive.check_times(times)?;
-        let mut slider = SlidingBlock::at_rest(equation, contacts, tolerance);
+        let mut slider = SlidingBlock::balanced(equation, contacts, tolerance);
         slider.motion.estimators = estimator.map(|estimator| vec![estimator]);
         let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
         let mut log = Log::new(&slider, moving.unwrap_or(f64::INFINITY), self.slip_fraction.unwrap_or(0.0));
@@ -137,10 +138,11 @@ struct SlidingBlock {
 }
 
 impl SlidingBlock {
-    /// A slider in equilibrium with `contacts`; the drive is at rest.
-    fn at_rest(equation: EquationOfMotion, contacts: &dyn RateDependentContacts, tolerance: f64) -> Self {
-        let cell = SlidingCell::at_rest(contacts.copy(), contacts.position());
-        let drive = cell.position + cell.force / equation.connection;
+    /// A slider in equilibrium with `contacts`: at rest, or in steady sliding at their velocity.
+    fn balanced(equation: EquationOfMotion, contacts: &dyn RateDependentContacts, tolerance: f64) -> Self {
+        let cell = SlidingCell::new(contacts.copy(), contacts.position());
+        let drag = equation.viscosity * cell.velocity;
+        let drive = cell.position + (cell.force + drag) / equation.connection;
         Self { motion: SliderMotion::new(equation, vec![cell], drive, tolerance), velocity: 0.0 }
     }
 

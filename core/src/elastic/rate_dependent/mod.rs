@@ -99,11 +99,12 @@ struct Stored {
 }
 
 impl RateDependentInterface {
-    /// The interface at rest, in balance with the present stretches of its contacts, at a mean position of 0.
+    /// The interface in balance with the present stretches of its contacts, at a mean position of 0: at rest, or, where
+    /// contacts slide steadily, at their velocity, which must then be the same in all cells.
     ///
     /// # Errors
     /// Parameters that are not finite and above 0; a slip fraction outside [0, 1]; another number of cells than that of the
-    /// coupling.
+    /// coupling; cells that slide steadily at different velocities.
     pub fn new(
         contacts: Vec<Box<dyn RateDependentContacts>>,
         mut coupling: Box<dyn Coupling>,
@@ -114,6 +115,7 @@ impl RateDependentInterface {
         if number != shape.size() {
             return Err(Error::invalid("cells", format!("{} of them, as coupled", shape.size()), number));
         }
+        moves_together(&contacts)?;
         let connected = match setting.loading {
             CellLoading::Uniform => number,
             CellLoading::Edge => shape.first_row(),
@@ -124,16 +126,20 @@ impl RateDependentInterface {
         let equation =
             EquationOfMotion { connection, connected, mass: 0.0, viscosity, arrest: Arrest::Stand };
         let pull = connected as f64 * connection;
-        // At this drive the springs carry the total friction force. The equilibrium positions solve a linear
+        // At this drive the springs carry the total friction force, and the drag of steady sliding. The equilibrium positions solve a linear
         // system, because contacts do not move with them.
-        let drive = contacts.iter().map(|contacts| contacts.force()).sum::<f64>() / pull;
+        let resistance = |contacts: &dyn RateDependentContacts| {
+            contacts.force() + viscosity * contacts.steady_velocity().unwrap_or(0.0)
+        };
+        let drive = contacts.iter().map(|contacts| resistance(contacts.as_ref())).sum::<f64>() / pull;
         let springs: Vec<f64> = (0..number).map(|j| equation.connection(j)).collect();
-        let balance =
-            springs.iter().zip(&contacts).map(|(spring, contacts)| spring * drive - contacts.force());
+        let balance = springs
+            .iter()
+            .zip(&contacts)
+            .map(|(spring, contacts)| spring * drive - resistance(contacts.as_ref()));
         let mut positions: Vec<f64> = balance.collect();
         CoupledCells(coupling.as_mut()).respond(&springs, &mut positions);
-        let cells =
-            contacts.into_iter().zip(positions).map(|(contacts, x)| SlidingCell::at_rest(contacts, x));
+        let cells = contacts.into_iter().zip(positions).map(|(contacts, x)| SlidingCell::new(contacts, x));
         let mut interface = Self {
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
             coupling,
@@ -369,5 +375,20 @@ impl RateDependentInterface {
             coupling: self.coupling_energy,
             contacts: self.motion.cells.iter().fold(ContactEnergies::default(), add),
         }
+    }
+}
+
+/// Refuses cells of which not all slide at the same velocity, to rounding of scaled lengths.
+fn moves_together(contacts: &[Box<dyn RateDependentContacts>]) -> Result<()> {
+    const SAME: f64 = 1e-12;
+    let velocity = |contacts: &dyn RateDependentContacts| contacts.steady_velocity().unwrap_or(0.0);
+    let Some(first) = contacts.first().map(|first| velocity(first.as_ref())) else { return Ok(()) };
+    let other = contacts
+        .iter()
+        .map(|contacts| velocity(contacts.as_ref()))
+        .find(|other| (other - first).abs() > SAME * first.abs().max(other.abs()));
+    match other {
+        None => Ok(()),
+        Some(other) => Err(Error::invalid("cells", format!("all cells at the velocity {first}"), other)),
     }
 }

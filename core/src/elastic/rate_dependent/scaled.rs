@@ -53,6 +53,10 @@ impl RateDependentContacts for Scaled {
         self.contacts.free()
     }
 
+    fn steady_velocity(&self) -> Option<f64> {
+        self.contacts.steady_velocity().map(|velocity| self.scale * velocity)
+    }
+
     fn stretches(&self) -> Vec<StretchInterval> {
         self.contacts.stretches().into_iter().map(|portion| portion.scaled(self.scale)).collect()
     }

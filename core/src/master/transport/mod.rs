@@ -81,6 +81,8 @@ pub struct Transport {
     pace: StepControl,
     /// Present breaking rate, a fraction of contacts per time.
     rate: f64,
+    /// The velocity of steady sliding, as long as the slider has moved at this velocity only.
+    steady: Option<f64>,
     /// Times at which the rate of formation has a kink, because the breaking rate had one.
     kinks: Vec<f64>,
     /// A second solution with a larger tolerance, for the error estimate.
@@ -205,6 +207,7 @@ impl Transport {
             spent: EnergyChange::default(),
             pace: StepControl::new(contacts, tolerance),
             rate: 0.0,
+            steady: None,
             kinks: Vec::new(),
             rough: None,
         })
@@ -372,6 +375,8 @@ impl Transport {
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
+        // Velocities are quotients of positions and times, with their rounding.
+        self.steady = self.steady.filter(|steady| (steady - velocity).abs() <= ROUNDING * steady);
         // Kept separately: after a long hold the time no longer resolves short durations.
         let mut left = during;
         loop {
@@ -498,6 +503,10 @@ impl RateDependentContacts for Transport {
         Self::free(self)
     }
 
+    fn steady_velocity(&self) -> Option<f64> {
+        self.steady
+    }
+
     fn stretches(&self) -> Vec<StretchInterval> {
         self.cohorts.iter().flat_map(|cohort| cohort.intervals(&self.seeds, &self.cells)).collect()
     }
@@ -538,6 +547,9 @@ impl RateDependentContacts for Transport {
 
 /// Surviving fraction at which a cohort is removed, in units of the tolerance.
 const LEAST: f64 = 1e-5;
+
+/// Relative difference below which velocities are equal.
+const ROUNDING: f64 = 1e-9;
 
 /// Relative difference below which times are equal.
 const SAME: f64 = 4.0 * f64::EPSILON;

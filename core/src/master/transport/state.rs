@@ -52,7 +52,7 @@ impl Transport {
             (time, position, dropped, spent, rate);
         (self.cohorts, self.kinks) = (cohorts, kinks);
         (self.broken, self.pace) = (broken.of(self.delay), pace.of(&self.pace));
-        self.rough = None;
+        (self.rough, self.steady) = (None, None);
         Ok(())
     }
 }

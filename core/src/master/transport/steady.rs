@@ -97,7 +97,7 @@ impl Transport {
         let rate = 1.0 / (held(&transport.cohorts) + contacts.rules.delay);
         transport.cohorts.iter_mut().for_each(|cohort| cohort.mass *= rate);
         transport.broken = Broken::steadily(contacts.rules.delay, rate);
-        transport.rate = rate;
+        (transport.rate, transport.steady) = (rate, Some(velocity));
         Ok(transport)
     }
 }
