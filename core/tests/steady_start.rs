@@ -205,7 +205,7 @@ fn the_stretches_of_steady_sliding_are_a_distribution() {
         (gaussian(1.0, 0.1), point(0.0), None),
         (rectangular(0.75, 1.25), point(0.0), None),
         // F_k of contacts that re-form among their thresholds, from 40 digits.
-        (rectangular(0.4, 1.6), rectangular(0.0, 0.6), Some(0.7173126614987080)),
+        (rectangular(0.4, 1.6), rectangular(0.0, 0.6), Some(0.717_312_661_498_708)),
         (point(1.0), point(0.0), Some(0.5)),
         (Arc::new(Exponential::new(1.0).unwrap()), point(0.0), Some(1.0)),
         (Arc::new(Gamma::new(1.0, 0.3).unwrap()), gaussian(0.2, 0.05), None),
