@@ -109,9 +109,9 @@ fn a_drive_that_turns() {
     near(run.energy.imbalance(), 0.0, CLOSE);
     let turn = run.trace.iter().position(|p| p.drive == 3.0).unwrap();
     let top = run.trace[turn];
-    let back = run.trace.iter().position(|p| p.drive == 2.6).unwrap();
-    assert!(back > turn + 3);
-    for point in &run.trace[turn..=back] {
+    let back = run.trace[turn..].iter().position(|p| p.drive == 2.6).unwrap();
+    assert!(back > 3);
+    for point in &run.trace[turn..=turn + back] {
         let lost = stiffness * (top.drive - point.drive);
         if lost <= 2.0 * background {
             assert_eq!(point.position, top.position);
