@@ -193,11 +193,10 @@ impl Estimates {
     fn new(
         py: Python<'_>,
         found: asperity::fit::Estimates,
-        (first, velocity): (Interface, Option<f64>),
+        (mut first, velocity): (Interface, Option<f64>),
         laws: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let names: Vec<String> = found.parameters.iter().map(|estimate| estimate.name.clone()).collect();
-        let mut first = first;
         if names.iter().any(|name| name == "background" || name == "curve.0.background") {
             first.contacts.background_force = Some(found.machine(0).background);
             first.contacts.background_coefficient = None;
