@@ -43,6 +43,9 @@ pub struct EnergyBalance {
     pub slip: f64,
     /// Dissipated by viscous damping of a block, ∫γẊ² dt.
     pub viscous: f64,
+    /// Dissipated by the background force, ∫B|dX|.
+    #[serde(default)]
+    pub background: f64,
 }
 
 impl EnergyBalance {
@@ -50,7 +53,7 @@ impl EnergyBalance {
     #[must_use]
     pub fn imbalance(&self) -> f64 {
         let stored = self.spring + self.coupling + self.elastic + self.kinetic;
-        self.work + self.strengthening - (stored + self.breaks + self.dissipated())
+        self.work + self.strengthening - (stored + self.breaks + self.background + self.dissipated())
     }
 
     /// Dissipated by the slider: by its damping, and otherwise in slips.
@@ -74,6 +77,7 @@ impl Mul<f64> for EnergyBalance {
             breaks: factor * self.breaks,
             slip: factor * self.slip,
             viscous: factor * self.viscous,
+            background: factor * self.background,
         }
     }
 }
@@ -92,6 +96,7 @@ impl Add for EnergyBalance {
             breaks: self.breaks + other.breaks,
             slip: self.slip + other.slip,
             viscous: self.viscous + other.viscous,
+            background: self.background + other.background,
         }
     }
 }

@@ -168,6 +168,10 @@ class Block(Description):
     K(X_T - X) = F(X). Where F decreases more steeply than the spring force, F' < -K, the slider becomes
     unstable and slips at fixed X_T (Braun and Peyrard 2008).
 
+    Contacts with a background force B add it to F, against the motion; forces contain it. X_T is counted from
+    where the spring carries B, K(X_T - X) + B = F + B as long as the base slides forward. A slider that would move
+    back stays at rest until its spring has lost 2B.
+
     model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
     stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
     stable.
@@ -338,6 +342,9 @@ class Contacts(Description):
     stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ
     of stiffnesses k = κ x_s that are proportional to the threshold.
     normal_load: the normal load, a force; with it, results of scenarios have friction coefficients.
+    background_force: a friction force B in addition to that of the contacts, against the motion, 0 or above; or
+    background_coefficient, the μ_b of B = μ_b normal_load. Forces of a Block and of results of scenarios contain
+    it, those of a MasterEquation, a Transport and an Ensemble do not.
     temperature: thermally activated breaking below the thresholds.
     ageing: change of the thresholds with the age of a contact; thresholds is then the distribution of fresh
     contacts.
@@ -360,6 +367,8 @@ class Contacts(Description):
         stiffness: _Number | None = None,
         stiffness_per_threshold: _Number | None = None,
         normal_load: _Number | None = None,
+        background_force: _Number | None = None,
+        background_coefficient: _Number | None = None,
         temperature: Temperature | None = None,
         ageing: Ageing | None = None,
         delay: _Number = 0.0,
@@ -371,6 +380,14 @@ class Contacts(Description):
     @property
     def areas(self, /) -> Areas | None:
         """The areas from which thresholds and stiffnesses follow, or None."""
+
+    @property
+    def background_coefficient(self, /) -> float | None:
+        """The background force divided by the normal load, or None."""
+
+    @property
+    def background_force(self, /) -> float | None:
+        """The background force B, a force, or None."""
 
     @property
     def count(self, /) -> float:
@@ -2263,9 +2280,9 @@ def fit(
 ) -> Estimates:
     """Fits numbers of contacts, and of the machine, to one or more measured curves of force.
 
-    A reading of the force at the position y is F(X) + offset + trend y + an error, where y = origin + X + compliance
-    F(X) and F(X) is the force of the contacts on a pull. The most probable values are found by Fisher scoring, and
-    their errors follow from the expected information.
+    A reading of the force at the position y is F(X) + B + offset + trend y + an error, where y = origin + X + compliance
+    (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
+    found by Fisher scoring, and their errors follow from the expected information.
 
     contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
     position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
@@ -2273,7 +2290,7 @@ def fit(
     force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
     errors that the free numbers would have, at their first values.
     free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-    "count" and "stiffness", and "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
+    "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
     "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
     noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
     number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both

@@ -83,6 +83,8 @@ class Energy(NamedTuple):
     """Energy lost by the slider in slips without inertia; in a reset, the energy released by the spring."""
     viscous: float
     """Energy dissipated by viscous damping."""
+    background: float
+    """Energy dissipated by the background force, ∫B|dX|."""
     imbalance: float
     """Work plus strengthening minus all other terms: 0 except for rounding and the error of the forces."""
 

@@ -144,6 +144,10 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// K(X_T - X) = F(X). Where F decreases more steeply than the spring force, F' < -K, the slider becomes
 /// unstable and slips at fixed X_T (Braun and Peyrard 2008).
 ///
+/// Contacts with a background force B add it to F, against the motion; forces contain it. X_T is counted from
+/// where the spring carries B, K(X_T - X) + B = F + B as long as the base slides forward. A slider that would move
+/// back stays at rest until its spring has lost 2B.
+///
 /// model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
 /// stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
 /// stable.
@@ -249,7 +253,9 @@ impl Block {
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         let model = slf.get().model.bind(slf.py());
         let fraction = Model::solver(model).size().map(|_| slip_fraction);
-        let slider = block::Block::new(loading, slip, fraction).map_err(error::core)?;
+        let slider =
+            block::Block::new(loading, slip, fraction).and_then(|b| b.with_background(Self::background(slf)));
+        let slider = slider.map_err(error::core)?;
         Simulation::new(slf.as_super(), (None, None), vec![1], Model::simulated(model, &slider)?)
     }
 
@@ -392,6 +398,11 @@ impl Block {
         stiffness.map(|stiffness| scenario::Block { stiffness, slip, slip_fraction })
     }
 
+    /// The background force of the contacts.
+    pub fn background(block: &Bound<'_, Self>) -> f64 {
+        Model::background(block.get().model.bind(block.py()))
+    }
+
     /// The curve of the first loading, for the method `name`.
     fn curve(slf: &Bound<'_, Self>, name: &str, distance: Option<f64>, points: Whole) -> PyResult<Curve> {
         let model = slf.get().model.bind(slf.py());
@@ -399,8 +410,11 @@ impl Block {
         let distance = distance.unwrap_or_else(|| first_loading_distance(solver.contacts()));
         let asked = scenario::Pull { distance, points: points.get("points")?, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under(name)))?;
+        let background = Self::background(slf);
         watched(None, slf.py(), |monitor| {
-            Curve::new(solver.population(monitor)?.as_ref(), asked.distance, asked.points, monitor)
+            let curve =
+                Curve::new(solver.population(monitor)?.as_ref(), asked.distance, asked.points, monitor)?;
+            Ok(curve.with_background(background))
         })
     }
 }

@@ -74,6 +74,9 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 /// stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ
 /// of stiffnesses k = κ x_s that are proportional to the threshold.
 /// normal_load: the normal load, a force; with it, results of scenarios have friction coefficients.
+/// background_force: a friction force B in addition to that of the contacts, against the motion, 0 or above; or
+/// background_coefficient, the μ_b of B = μ_b normal_load. Forces of a Block and of results of scenarios contain
+/// it, those of a MasterEquation, a Transport and an Ensemble do not.
 /// temperature: thermally activated breaking below the thresholds.
 /// ageing: change of the thresholds with the age of a contact; thresholds is then the distribution of fresh
 /// contacts.
@@ -91,7 +94,8 @@ impl Contacts {
     #[new]
     #[pyo3(signature = (
         thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
-        stiffness_per_threshold = None, normal_load = None, temperature = None, ageing = None, delay = 0.0
+        stiffness_per_threshold = None, normal_load = None, background_force = None, background_coefficient = None,
+        temperature = None, ageing = None, delay = 0.0
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -102,6 +106,8 @@ impl Contacts {
         stiffness: Option<f64>,
         stiffness_per_threshold: Option<f64>,
         normal_load: Option<f64>,
+        background_force: Option<f64>,
+        background_coefficient: Option<f64>,
         temperature: Option<&Bound<'_, Temperature>>,
         ageing: Option<&Bound<'_, Ageing>>,
         delay: f64,
@@ -111,6 +117,8 @@ impl Contacts {
             stiffness,
             stiffness_per_threshold,
             normal_load,
+            background_force,
+            background_coefficient,
             thresholds: thresholds.map(|law| law.0),
             areas: areas.map(|areas| Areas::plain(areas).clone()),
             reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
@@ -173,6 +181,18 @@ impl Contacts {
     fn normal_load(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).normal_load
     }
+
+    /// The background force B, a force, or None.
+    #[getter]
+    fn background_force(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).background_force
+    }
+
+    /// The background force divided by the normal load, or None.
+    #[getter]
+    fn background_coefficient(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).background_coefficient
+    }
 }
 
 impl Contacts {
@@ -199,6 +219,8 @@ pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyR
     given(into, "stiffness", contacts.stiffness)?;
     given(into, "stiffness_per_threshold", contacts.stiffness_per_threshold)?;
     given(into, "normal_load", contacts.normal_load)?;
+    given(into, "background_force", contacts.background_force)?;
+    given(into, "background_coefficient", contacts.background_coefficient)?;
     let temperature = contacts.temperature.map(|temperature| Plain::Temperature(temperature).object(py));
     given(into, "temperature", temperature.transpose()?)?;
     let ageing = contacts.ageing.as_ref().map(|ageing| Plain::Ageing(ageing.clone()).object(py));

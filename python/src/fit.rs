@@ -29,9 +29,9 @@ use crate::{error, typed, values};
 
 /// Fits numbers of contacts, and of the machine, to one or more measured curves of force.
 ///
-/// A reading of the force at the position y is F(X) + offset + trend y + an error, where y = origin + X + compliance
-/// F(X) and F(X) is the force of the contacts on a pull. The most probable values are found by Fisher scoring, and
-/// their errors follow from the expected information.
+/// A reading of the force at the position y is F(X) + B + offset + trend y + an error, where y = origin + X + compliance
+/// (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
+/// found by Fisher scoring, and their errors follow from the expected information.
 ///
 /// contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
 /// position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
@@ -39,7 +39,7 @@ use crate::{error, typed, values};
 /// force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
 /// errors that the free numbers would have, at their first values.
 /// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-/// "count" and "stiffness", and "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
+/// "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
 /// "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
 /// noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
 /// number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
@@ -97,7 +97,8 @@ pub fn fit(
 ) -> PyResult<Estimates> {
     let interface = interface(contacts, initial, start)?;
     let known = if let Compliance::Known(compliance) = compliance { compliance } else { 0.0 };
-    let machine = Machine { compliance: known, offset, trend, origin };
+    let background = interface.contacts.background().map_err(error::core)?;
+    let machine = Machine { compliance: known, background, offset, trend, origin };
     let measured =
         measured::curves(position, force, (machine, &compliance), (average, together(&interface)?))?;
     let mut names = free;
@@ -191,10 +192,14 @@ impl Estimates {
     fn new(
         py: Python<'_>,
         found: asperity::fit::Estimates,
-        (first, velocity): (Interface, Option<f64>),
+        (mut first, velocity): (Interface, Option<f64>),
         laws: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let names: Vec<String> = found.parameters.iter().map(|estimate| estimate.name.clone()).collect();
+        if names.iter().any(|name| name == "background" || name == "curve.0.background") {
+            first.contacts.background_force = Some(found.machine(0).background);
+            first.contacts.background_coefficient = None;
+        }
         let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;

@@ -18,7 +18,7 @@ use crate::law::AnyLaw;
 use crate::model::interface;
 use crate::record::Record;
 use crate::watch::watched;
-use crate::{typed, values};
+use crate::{error, typed, values};
 
 /// Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
 ///
@@ -66,6 +66,11 @@ pub fn fit_steady(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<SteadyEstimates> {
     let interface = interface(contacts, initial, start)?;
+    let background = interface.contacts.background().map_err(error::core)?;
+    if background > 0.0 {
+        let expected = "none: offset is the constant part of a measured force";
+        return Err(error::invalid("contacts.background_force", expected, background));
+    }
     let measured = SteadyRecord { spacing, forces: convert::list("force", force)? };
     let prior = prior.unwrap_or_default();
     let found = watched(progress, py, |monitor| {

@@ -135,6 +135,12 @@ impl Deformable {
     }
 
     fn made(surface: Surface) -> PyResult<PyClassInitializer<Self>> {
+        let background = surface.contacts.contacts.background().map_err(error::core)?;
+        if background > 0.0 {
+            let expected =
+                "none under an interface, whose forces are those of the contacts (a scenario adds it)";
+            return Err(error::invalid("contacts.background_force", expected, background));
+        }
         // The drive is set later.
         surface.scenario(Drive { velocity: Some(1.0), ..Drive::default() }).build().map_err(error::core)?;
         Ok(Description::new(Plain::Surface(surface)).add_subclass(Self))

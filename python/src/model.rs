@@ -112,6 +112,11 @@ impl Model {
         Simulation::new(model.as_super(), (None, None), vec![1], Self::simulated(model, &rigid)?)
     }
 
+    /// The background force of the contacts.
+    pub fn background(model: &Bound<'_, Self>) -> f64 {
+        Self::plain(model).contacts.background().expect("contacts that were built have valid numbers")
+    }
+
     fn plain<'a>(model: &'a Bound<'_, Self>) -> &'a Interface {
         match model.as_super().get().plain() {
             Plain::MasterEquation(interface, _)

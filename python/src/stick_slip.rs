@@ -39,6 +39,7 @@ impl StickSlip {
         let model = block.get().model.bind(py).clone();
         let solver = Model::solver(&model);
         let slider = asked.slider(Block::table(&block).as_ref(), solver.size().is_some());
+        let slider = slider.and_then(|slider| slider.with_background(Block::background(&block)));
         let (slider, drive) = (slider.map_err(error::core)?, asked.build());
         let run = watched(progress, py, |monitor| {
             slider.pull_with(solver.population(monitor)?.as_mut(), &drive, monitor)
@@ -67,8 +68,9 @@ impl StickSlip {
             let expected = "a finite stiffness in time (a rigid slider is moved by Transport.follow)";
             return Err(error::invalid("block.stiffness", expected, f64::INFINITY));
         };
+        let background = Block::background(&block);
         let run = watched(progress, py, |monitor| {
-            let slider = table.in_time(solver.size().is_some())?;
+            let slider = table.in_time(solver.size().is_some())?.with_background(background)?;
             let (contacts, tolerance) = solver.in_time(monitor)?;
             slider.follow_with(contacts.as_ref(), &protocol.build()?, &protocol.times(), tolerance, monitor)
         })?;

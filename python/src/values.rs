@@ -110,11 +110,22 @@ pub fn state<'py>(py: Python<'py>, place: &SliderState) -> PyResult<State<'py>> 
 
 /// The energy balance of a drive.
 pub fn energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<BlockEnergy<'py>> {
-    let EnergyBalance { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, .. } = *energy;
+    let EnergyBalance {
+        work,
+        spring,
+        elastic,
+        kinetic,
+        strengthening,
+        breaks,
+        slip,
+        viscous,
+        background,
+        ..
+    } = *energy;
     let imbalance = energy.imbalance();
     ENERGY
         .get(py)?
-        .call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
+        .call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, background, imbalance))
         .map(BlockEnergy)
 }
 

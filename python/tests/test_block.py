@@ -59,6 +59,25 @@ def test_slips_by_inertia() -> None:
     assert asp.Block(THEORY, 1.0, asp.Inertial(2.0, 0.5)).drive(2.0).energy.viscous > 0.0
 
 
+def test_a_background_force_shifts_forces() -> None:
+    loaded = asp.Contacts(asp.Gaussian(1.0, 0.1), normal_load=10.0, background_coefficient=0.5)
+    assert (loaded.background_coefficient, loaded.background_force) == (0.5, None)
+    block = asp.Block(asp.MasterEquation(loaded), stiffness=1.0)
+    bare, run = SOFT.drive(6.0), block.drive(6.0)
+    np.testing.assert_array_equal(run.position, bare.position)
+    np.testing.assert_allclose(run.force, bare.force + 5.0, atol=TOLERANCE)
+    np.testing.assert_allclose(run.events["drop"], bare.events["drop"], atol=TOLERANCE)
+    assert run.energy.background == pytest.approx(5.0 * (run.position[-1] - run.position[0]), abs=1e-9)
+    assert run.energy.imbalance == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(block.equilibrium().force, SOFT.equilibrium().force + 5.0, atol=TOLERANCE)
+
+
+def test_a_background_force_holds_after_an_overshoot() -> None:
+    loaded = asp.Contacts(asp.Gaussian(1.0, 0.1), background_force=5.0)
+    slip = asp.Block(asp.MasterEquation(loaded), 1.0, asp.Inertial(mass=2.0)).drive(2.0).events[0]
+    assert slip.position_after == slip.position_turn
+
+
 def test_the_slider_is_in_balance(run: asp.StickSlip) -> None:
     np.testing.assert_allclose(run.spring_force, run.drive - run.position, atol=1e-12)
     np.testing.assert_allclose(run.force, run.spring_force, atol=1e-12)

@@ -28,6 +28,8 @@ CONTACTS = [
     ),
     asp.Contacts(asp.Gamma(1.0, 0.2), stiffness_per_threshold=2.0),
     asp.Contacts(areas=AREAS),
+    asp.Contacts(asp.Gamma(1.0, 0.2), background_force=2.0),
+    asp.Contacts(asp.Gamma(1.0, 0.2), normal_load=5.0, background_coefficient=0.5),
 ]
 MODELS = [
     asp.MasterEquation(CONTACTS[0]),

@@ -133,6 +133,8 @@ CALLS: dict[str, Callable[[Any], object]] = {
     "Contacts.stiffness": lambda x: asp.Contacts(LAW, stiffness=x),
     "Contacts.stiffness_per_threshold": lambda x: asp.Contacts(LAW, stiffness_per_threshold=x),
     "Contacts.normal_load": lambda x: asp.Contacts(LAW, normal_load=x),
+    "Contacts.background_force": lambda x: asp.Contacts(LAW, background_force=x),
+    "Contacts.background_coefficient": lambda x: asp.Contacts(LAW, normal_load=1.0, background_coefficient=x),
     "MasterEquation.contacts": lambda x: asp.MasterEquation(x),
     "MasterEquation.initial": lambda x: asp.MasterEquation(CONTACTS, x),
     "MasterEquation.start": lambda x: asp.MasterEquation(CONTACTS, start=x),

@@ -34,6 +34,7 @@ fn outcome(seed: u64) -> Outcome {
             units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
             accuracy: Some(1e-11),
             contacts: 1.0,
+            background_force: None,
             sample: None,
             seed: Some(u64::MAX - seed),
             disorder: None,

@@ -17,7 +17,8 @@ pub struct Key {
 const HEAD: &str = "| key | default | meaning |";
 
 /// Where the page explains a key further.
-const LINKS: [(&str, &str); 5] = [
+const LINKS: [(&str, &str); 6] = [
+    ("contacts.background_force", "[theory](theory.md#background-force)"),
     ("contacts.temperature.barrier", "[theory](theory.md#time)"),
     ("pull.start", "[theory](theory.md#conventions)"),
     ("block.slip", "[theory](theory.md#a-block-of-finite-stiffness)"),

@@ -52,6 +52,7 @@ fn outcome() -> Outcome {
         units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
         accuracy: Some(1e-10),
         contacts: 1.0,
+        background_force: None,
         sample: Some(100.0),
         seed: Some(1),
         disorder: None,

@@ -24,6 +24,12 @@ pub fn readable(summary: &Summary) -> String {
         let both = format!("static {at_rest}, kinetic {} (load {load})", digits(coefficients.kinetic));
         lines.push(("friction coefficients", both));
     }
+    if let Some(force) = summary.background_force {
+        lines.push((
+            "background force",
+            format!("{}, part of every friction force", value(force, Quantity::Force)),
+        ));
+    }
     lines.extend(derivatives::lines(summary.numbers.derivatives()));
     if let Some(sliding) = summary.numbers.sliding() {
         lines.extend(slid(summary, sliding));

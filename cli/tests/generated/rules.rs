@@ -30,6 +30,11 @@ impl Walk<'_> {
         ["temperature", "ageing", "delay"].iter().any(|rule| self.given(&format!("contacts.{rule}")))
     }
 
+    /// Whether there is a background force.
+    fn has_background(&self) -> bool {
+        self.given("contacts.background_force") || self.given("contacts.background_coefficient")
+    }
+
     /// Whether contacts are coupled one by one.
     fn single(&self) -> bool {
         self.is("interface.contacts", "one")
@@ -56,6 +61,11 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
             no
         }
         ("contacts", "stiffness_per_threshold") if walk.given("contacts.stiffness") => no,
+        ("contacts", "background_force" | "background_coefficient") if task == "renormalisation" => no,
+        ("contacts", "background_force") if walk.given("contacts.background_coefficient") => no,
+        ("contacts", "background_coefficient") if walk.given("contacts.background_force") => no,
+        ("contacts", "background_coefficient") if walk.is("contacts.normal_load", "absent") => no,
+        ("contacts", "normal_load") if walk.given("contacts.background_coefficient") => Some(true),
         ("", "block") => (!matches!(task, "drive" | "protocol")).then_some(false),
         ("", "interface") => match task {
             "renormalisation" => Some(true),
@@ -119,10 +129,11 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
             starts(walk) && !forced && !walk.single() && (!in_time || alone && !interface)
         }
         ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
+        ("interface.loading", "edge") if walk.has_background() => false,
         ("interface.contacts", "one") => {
             let unequal =
                 walk.is("contacts:alternative", "areas") || walk.given("contacts.stiffness_per_threshold");
-            !(in_time || unequal)
+            !(in_time || unequal || walk.has_background())
         }
         ("interface.slip", "reset") => !in_time,
         ("interface.loading", "edge") => !walk.single() && task != "renormalisation",

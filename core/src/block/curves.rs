@@ -25,6 +25,8 @@ pub struct Curve {
     pub tangent: Vec<f64>,
     /// Work ∫F dX from the first position.
     pub work: Vec<f64>,
+    /// The part of F that is a background force.
+    background: f64,
 }
 
 impl Curve {
@@ -68,6 +70,18 @@ impl Curve {
         Ok(curve)
     }
 
+    /// The same with a background force B in addition to that of the contacts.
+    #[must_use]
+    pub fn with_background(mut self, background: f64) -> Self {
+        let start = self.position.first().copied().unwrap_or(0.0);
+        self.background += background;
+        self.force.iter_mut().for_each(|force| *force += background);
+        for (work, position) in self.work.iter_mut().zip(&self.position) {
+            *work += background * (position - start);
+        }
+        self
+    }
+
     fn push(&mut self, state: CurveRow) {
         self.position.push(state.position);
         self.force.push(state.force);
@@ -75,10 +89,11 @@ impl Curve {
         self.work.push(state.work);
     }
 
-    /// The drive X_T(X) = X + F/K at which each position is an equilibrium, for the stiffness K of the block.
+    /// The drive X_T(X) = X + F/K at which each position is an equilibrium, for the stiffness K of the block, with the F of
+    /// the contacts: X_T is counted from where the spring carries the background force.
     pub fn drive(&self, stiffness: f64) -> Vec<f64> {
         let loading = Loading::Spring(stiffness);
-        self.position.iter().zip(&self.force).map(|(&x, &f)| loading.drive(x, f)).collect()
+        self.position.iter().zip(&self.force).map(|(&x, &f)| loading.drive(x, f - self.background)).collect()
     }
 
     /// Whether each equilibrium is stable: F' + K > 0.
@@ -89,7 +104,10 @@ impl Curve {
     /// The potential V(X_T, X) = ½K(X_T − X)² + ∫F dX at each position, an energy.
     pub fn potential(&self, stiffness: f64, drive: f64) -> Vec<f64> {
         let loading = Loading::Spring(stiffness);
-        self.position.iter().zip(&self.work).map(|(&x, &work)| loading.stored(drive, x) + work).collect()
+        // ½(p + B)²/K with p = K(X_T − X), up to a constant.
+        let height =
+            |(&x, &work): (&f64, &f64)| loading.stored(drive, x) + self.background * (drive - x) + work;
+        self.position.iter().zip(&self.work).map(height).collect()
     }
 }
 
@@ -163,7 +181,7 @@ fn along(
         return Err(Error::invalid("distance", "a finite length above 0", distance));
     }
     let mut copy = population.copy();
-    let mut path = EquilibriumPath::new(copy.as_mut(), Loading::Rigid, Direction::Forward, monitor)?;
+    let mut path = EquilibriumPath::new(copy.as_mut(), (Loading::Rigid, 0.0), Direction::Forward, monitor)?;
     let start = path.position;
     for intervals in 0_u32.. {
         let left = distance - (path.position - start);

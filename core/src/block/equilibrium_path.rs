@@ -20,6 +20,10 @@ pub(super) struct EquilibriumPath<'a> {
     /// Monitor of long operations of the population.
     watch: Aside<'a>,
     pub loading: Loading,
+    /// Background force B, against the direction of motion.
+    background: f64,
+    /// The part of the friction force that responses and drives leave out; see [`EquilibriumPath::shift`].
+    shift: f64,
     /// Displacement of the slider while no contact was attached.
     pub carried: f64,
     pub direction: Direction,
@@ -37,7 +41,7 @@ pub(super) struct EquilibriumPath<'a> {
 impl<'a> EquilibriumPath<'a> {
     pub fn new(
         population: &'a mut dyn Population,
-        loading: Loading,
+        (loading, background): (Loading, f64),
         direction: Direction,
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
@@ -51,6 +55,8 @@ impl<'a> EquilibriumPath<'a> {
             population,
             watch,
             loading,
+            background,
+            shift: if loading == Loading::Force { 0.0 } else { background },
             carried,
             direction,
             interval,
@@ -76,7 +82,7 @@ impl<'a> EquilibriumPath<'a> {
         }
         self.interval = self.population.smooth_interval(direction, &mut self.watch)?;
         (self.direction, self.current) = (direction, true);
-        self.here = self.population.ahead(0.0);
+        self.here = self.with_background(self.population.ahead(0.0));
         if !self.interval.straight {
             // Evaluated once for each interval: the search for stationary points and the integrals use them.
             for (i, t) in RULE.nodes.iter().enumerate() {
@@ -158,7 +164,53 @@ impl<'a> EquilibriumPath<'a> {
             let Response { force, tangent } = self.here;
             return Response { force: force + self.sign() * a * tangent, tangent };
         }
-        self.population.ahead(self.sign() * a)
+        self.with_background(self.population.ahead(self.sign() * a))
+    }
+
+    /// What responses leave out of the friction force, and drives out of the spring force. Behind a spring it is B: then a
+    /// slider that goes forward has the forces and the drives that it would have without a background force. An imposed force
+    /// is complete.
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+
+    /// A response of the contacts with a background ±B that resists motion in the present direction, less the shift.
+    fn with_background(&self, contacts: Response) -> Response {
+        // In forward motion nothing is added that could be rounded.
+        Response { force: contacts.force + (self.sign() * self.background - self.shift), ..contacts }
+    }
+
+    /// The whole friction force after an advance `a`.
+    pub fn friction(&self, a: f64) -> f64 {
+        self.response(a).force + self.shift
+    }
+
+    /// The whole friction force at rest at a fixed drive: there the background is what the balance of forces asks for, from
+    /// −B to B.
+    pub fn friction_at_rest(&self, drive: f64) -> f64 {
+        let sliding = self.friction(0.0);
+        if self.background == 0.0 {
+            return sliding;
+        }
+        let contacts = sliding - self.sign() * self.background;
+        let pull = self.loading.pull(drive, self.position, self.here.force) + self.shift;
+        contacts + (pull - contacts).clamp(-self.background, self.background)
+    }
+
+    /// The whole force of the spring at a fixed drive, after an advance `a`.
+    pub fn spring_force(&self, drive: f64, a: f64) -> f64 {
+        let position = self.position + self.sign() * a;
+        self.loading.pull(drive, position, self.response(a).force) + self.shift
+    }
+
+    /// Energy of the spring at a fixed drive, up to a constant.
+    pub fn stored(&self, drive: f64, position: f64) -> f64 {
+        // ½(p + B)²/K with p = K(X_T − X).
+        let linear = match self.loading {
+            Loading::Spring(_) => self.shift * (drive - position),
+            Loading::Rigid | Loading::Force => 0.0,
+        };
+        self.loading.stored(drive, position) + linear
     }
 
     /// The equilibrium drive after an advance a, with the sign of the direction.

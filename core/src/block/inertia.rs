@@ -75,9 +75,10 @@ impl QuasistaticRun<'_> {
         damping: f64,
     ) -> Result<SwingEnd> {
         self.offered.clear();
-        let (energy, pull) = (self.stored_in_contacts(), self.state(drive, 0.0).spring_force.abs());
+        let (energy, pull) =
+            (self.stored_in_contacts(), self.path.spring_force(drive, 0.0) - self.path.shift());
         // The speed from all elastic energy, or the terminal speed under the force of the spring.
-        let fast = (2.0 * energy / mass).sqrt().min(pull / damping);
+        let fast = (2.0 * energy / mass).sqrt().min(pull.abs() / damping);
         let mut swing = Swing {
             body: Body { mass, damping },
             drive,
@@ -111,7 +112,7 @@ impl QuasistaticRun<'_> {
             let breaks = self.path.interval.breaks;
             let (loading, drive) = (self.path.loading, swing.drive);
             self.memory.open.work += loading.work_at_rest(drive, sign * swing.place);
-            self.path.advance(swing.place)?;
+            self.move_by(swing.place)?;
             if ending == StepEnd::Arrested || settled {
                 return Ok(true);
             }
@@ -138,7 +139,8 @@ impl QuasistaticRun<'_> {
         let unseen = UNSEEN * swing.energy;
         let visible = |place: f64| place > f64::EPSILON * self.path.position.abs();
         // Contacts are stretched by at least twice this length, energy over force.
-        let stretch = swing.energy / self.state(swing.drive, 0.0).spring_force.abs();
+        let pull = self.path.spring_force(swing.drive, 0.0) - self.path.shift();
+        let stretch = swing.energy / pull.abs();
         let mut place = self.path.interval.length.min(self.path.position.abs().max(stretch));
         // Halved until the net force is forward and its work below the limit.
         while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
@@ -252,8 +254,10 @@ impl QuasistaticRun<'_> {
     /// The state after an advance `a`, at a fixed drive.
     fn state(&self, drive: f64, a: f64) -> Point {
         let position = self.path.position + self.path.sign() * a;
-        let force = self.path.response(a.clamp(0.0, self.path.interval.length)).force;
-        Point { drive, position, force, spring_force: self.path.loading.pull(drive, position, force) }
+        let force = self.path.friction(a.clamp(0.0, self.path.interval.length));
+        let spring_force =
+            self.path.loading.pull(drive, position, force - self.path.shift()) + self.path.shift();
+        Point { drive, position, force, spring_force }
     }
 }
 

@@ -8,6 +8,8 @@
 //! stable if F' + K > 0. At an instability, or where contacts break simultaneously, it slips at fixed X_T by the rule
 //! [`Slip`] to another equilibrium. An imposed position of the base (K = ∞) and an imposed force (K → 0) are other cases of
 //! [`Loading`]. Backward motion is the mirror image of forward motion.
+//!
+//! A background force B ([`Block::with_background`]) adds to F against the motion; at rest it holds the slider.
 
 mod curves;
 mod equilibrium_path;
@@ -77,6 +79,7 @@ pub struct Block {
     loading: Loading,
     slip: Slip,
     slip_fraction: Option<f64>,
+    background: f64,
 }
 
 /// Largest γ/√(MK). A slip lasts about γ/K, and the speed relaxes within M/γ, so that the integration takes about γ²/(MK)
@@ -104,12 +107,33 @@ impl Block {
         if let Some(fraction) = slip_fraction.filter(|f| !(*f > 0.0 && *f <= 1.0)) {
             return Err(Error::invalid("slip_fraction", "a number above 0, up to 1", fraction));
         }
-        Ok(Self { loading, slip, slip_fraction })
+        Ok(Self { loading, slip, slip_fraction, background: 0.0 })
+    }
+
+    /// The same with a background force B on the base, in addition to the force F of the contacts: a dry friction that does
+    /// not depend on displacement, time or velocity. It is B against the motion of the base; at rest it is what the balance of
+    /// forces asks for, from −B to B. Forces of results are the sum of both.
+    ///
+    /// X_T is counted from where the spring carries B: K(X_T − X) + B = F + b with b the present background. A motion begins
+    /// where the base is about to slide forward, at X_T = X + F/K. As long as the base slides forward all forces are larger by B
+    /// than without B, and nothing else changes. A slider that would move back, after an inertial slip or when the drive turns,
+    /// stays at rest until its spring has lost 2B; then B resists the motion back.
+    ///
+    /// # Errors
+    /// A force that is not a finite number of 0 or above.
+    pub fn with_background(self, force: f64) -> Result<Self> {
+        crate::error::not_negative("background", force)?;
+        Ok(Self { background: force, ..self })
     }
 
     /// The loading.
     pub fn loading(&self) -> Loading {
         self.loading
+    }
+
+    /// The background force B.
+    pub fn background(&self) -> f64 {
+        self.background
     }
 
     /// The slip rule.

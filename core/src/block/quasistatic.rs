@@ -31,6 +31,7 @@ enum Stop {
 }
 
 /// The next event of a driven slider.
+#[expect(clippy::large_enum_variant, reason = "one exists at a time")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Next {
     /// The requested drive is reached after this advance on the interval ahead. The slider has not moved there yet.
@@ -64,6 +65,8 @@ pub(super) struct Memory {
     stiffness: Option<f64>,
     /// Position after the last event or turn.
     pub rest: f64,
+    /// The drive at which the background force holds the slider at rest; `None` where it slides in equilibrium.
+    held_at: Option<f64>,
 }
 
 /// A slider in quasistatic motion.
@@ -89,9 +92,10 @@ impl<'a> QuasistaticRun<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let energies = population.energies();
-        let path = EquilibriumPath::new(population, block.loading, Direction::Forward, monitor)?;
+        let path =
+            EquilibriumPath::new(population, (block.loading, block.background), Direction::Forward, monitor)?;
         let drive = path.drive_here();
-        let (position, force) = (path.position, path.here.force);
+        let (position, force) = (path.position, path.friction(0.0));
         let memory = Memory {
             position,
             carried: 0.0,
@@ -100,10 +104,11 @@ impl<'a> QuasistaticRun<'a> {
             approach: EnergyBalance::default(),
             open: EnergyBalance::default(),
             energies,
-            stored: block.loading.stored(drive, position),
+            stored: path.stored(drive, position),
             segment_start: Point { drive, position, force, spring_force: force },
             stiffness: None,
             rest: position,
+            held_at: None,
         };
         Ok(Self::with(block, path, memory))
     }
@@ -115,7 +120,8 @@ impl<'a> QuasistaticRun<'a> {
         memory: Memory,
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
-        let mut path = EquilibriumPath::new(population, block.loading, memory.direction, monitor)?;
+        let mut path =
+            EquilibriumPath::new(population, (block.loading, block.background), memory.direction, monitor)?;
         (path.position, path.carried) = (memory.position, memory.carried);
         Ok(Self::with(block, path, memory))
     }
@@ -140,15 +146,31 @@ impl<'a> QuasistaticRun<'a> {
         Memory { position: self.path.position, carried: self.path.carried, ..self.memory }
     }
 
-    /// The equilibrium drive at the present position.
+    /// The drive: that of the equilibrium at the present position, unless the background force holds the slider.
     pub fn drive(&self) -> f64 {
-        self.path.drive_here()
+        self.memory.held_at.unwrap_or_else(|| self.path.drive_here())
+    }
+
+    /// The drive moves to a value at which the background force holds the slider. Without such a force nothing happens.
+    pub fn hold_at(&mut self, drive: f64) {
+        if self.block.background == 0.0 {
+            return;
+        }
+        let before = self.memory.held_at.replace(drive);
+        self.load_spring(before.unwrap_or(drive), drive);
+    }
+
+    /// Adds the work of the drive on the spring of a slider at rest.
+    fn load_spring(&mut self, from: f64, to: f64) {
+        let (path, position) = (&self.path, self.path.position);
+        self.memory.open.work += path.stored(to, position) - path.stored(from, position);
     }
 
     /// The present state, an equilibrium.
     pub fn point(&self) -> Point {
-        let force = self.path.here.force;
-        Point { drive: self.drive(), position: self.path.position, force, spring_force: force }
+        let drive = self.drive();
+        let force = self.path.friction_at_rest(drive);
+        Point { drive, position: self.path.position, force, spring_force: force }
     }
 
     /// N⟨k⟩, the slope of F on unloading.
@@ -193,6 +215,7 @@ impl<'a> QuasistaticRun<'a> {
     pub fn turn(&mut self, direction: Direction) -> Result<()> {
         self.memory.direction = direction;
         self.memory.segment_start = self.point();
+        self.hold_at(self.memory.segment_start.drive);
         if self.block.loading == Loading::Force {
             self.memory.stiffness = Some(self.unloading()?);
         }
@@ -220,6 +243,9 @@ impl<'a> QuasistaticRun<'a> {
         let sign = direction.sign();
         loop {
             self.find_interval(direction)?;
+            if self.is_held_up_to(requested) {
+                return Ok(Stop::Reached(0.0));
+            }
             if !self.path.rises() {
                 return Ok(Stop::Unstable);
             }
@@ -248,9 +274,31 @@ impl<'a> QuasistaticRun<'a> {
         }
     }
 
+    /// Moves the drive of a slider that the background force holds, until it is about to slide or all requested values have been
+    /// passed. Returns whether they have.
+    fn is_held_up_to(&mut self, requested: &mut &[f64]) -> bool {
+        if self.memory.held_at.is_none() {
+            return false;
+        }
+        let (sign, sliding) = (self.path.sign(), self.path.drive_here());
+        while let Some((&next, rest)) = requested.split_first()
+            && sign * next < sign * sliding
+        {
+            self.add_to_trace(next, 0.0);
+            self.hold_at(next);
+            *requested = rest;
+            if rest.is_empty() {
+                return true;
+            }
+        }
+        self.hold_at(sliding);
+        self.memory.held_at = None;
+        false
+    }
+
     /// Whether the slider has run away: its displacement since the last event is too large for the imposed force.
     pub fn has_run_away(&self, drive: f64) -> bool {
-        let largest = drive.abs().max(self.memory.segment_start.drive.abs());
+        let largest = drive.abs().max(self.memory.segment_start.drive.abs()) - self.block.background;
         // A force above what contacts can carry has no equilibrium at any distance. Contacts at
         // rest would be displaced by force/N⟨k⟩: a hundred times as far without a new equilibrium
         // counts as none.
@@ -266,8 +314,9 @@ impl<'a> QuasistaticRun<'a> {
     /// Adds the equilibrium after an advance `a` to the trace.
     fn add_to_trace(&mut self, drive: f64, a: f64) {
         let position = self.path.position + self.path.sign() * a;
-        let force = self.path.response(a).force;
-        let spring_force = self.path.loading.pull(drive, position, force);
+        // The background force holds a slider whose drive is short of the equilibrium ahead.
+        let force = if a == 0.0 { self.path.friction_at_rest(drive) } else { self.path.friction(a) };
+        let spring_force = self.path.spring_force(drive, a);
         self.trace.push(Point { drive, position, force, spring_force });
     }
 
@@ -277,12 +326,20 @@ impl<'a> QuasistaticRun<'a> {
         // Between two breaks the force is a polynomial of degree 15, which the Gauss rule
         // integrates exactly: the energy balance closes to rounding.
         self.memory.open.work += sign * self.path.integral(a, |_, response| loading.work(response));
+        let drives = sign * self.path.drive(a) - self.path.drive_here();
+        self.memory.open.work += self.path.shift() * drives;
+        self.move_by(a)
+    }
+
+    /// Moves by `a` on the interval ahead, against the background force.
+    pub fn move_by(&mut self, a: f64) -> Result<()> {
+        self.memory.open.background += self.block.background * a;
         self.path.advance(a)
     }
 
     /// Closes the energy balance at a fixed drive. Returns the energies since the last closing.
     pub fn close_energy_balance(&mut self, drive: f64) -> EnergyBalance {
-        let (energies, stored) = (self.path.energies(), self.path.loading.stored(drive, self.path.position));
+        let (energies, stored) = (self.path.energies(), self.path.stored(drive, self.path.position));
         // Work and dissipation are integrated along the motion; stored energies and breaks are differences of
         // totals. No term is computed as the remainder of the others.
         let mut energy = std::mem::take(&mut self.memory.open);

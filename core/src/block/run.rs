@@ -101,7 +101,8 @@ pub(super) fn pull(
         run.path.report_progress(1.0)?;
     }
     // The largest mean stretch of the contacts: the largest force over their stiffness N⟨k⟩.
-    let stretch = run.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
+    let stretch = run.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs()));
+    let stretch = (stretch - block.background) / unloading;
     let jumps: Vec<Jump> =
         run.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();
     let regime = regime::classify(&jumps, run.memory.segment_start, run.point(), stretch, end);

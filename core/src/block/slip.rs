@@ -156,8 +156,10 @@ impl QuasistaticRun<'_> {
         let position = drive - self.path.here.force / stiffness;
         // In a reset no contact carries the slider while it moves: all of the energy that the
         // spring releases is dissipated.
-        let released = loading.stored(drive, self.path.position) - loading.stored(drive, position);
-        self.memory.open.slip += released;
+        let released = self.path.stored(drive, self.path.position) - self.path.stored(drive, position);
+        let background = self.block.background * (position - self.path.position).abs();
+        self.memory.open.background += background;
+        self.memory.open.slip += released - background;
         self.path.carry(position);
         Ok(true)
     }
@@ -169,7 +171,18 @@ impl QuasistaticRun<'_> {
             return Ok(None);
         }
         let behind = direction.sign() * (drive - self.path.drive_here()) > 0.0;
-        Ok(Some(if behind { direction } else { direction.reversed() }))
+        if behind {
+            return Ok(Some(direction));
+        }
+        if self.block.background > 0.0 {
+            // A slider moves back only if it overcomes the background force, which then has the other sign.
+            self.path.find_interval(direction.reversed())?;
+            let held = direction.sign() * (drive - self.path.drive_here()) >= 0.0;
+            if held || self.is_balanced(drive) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(direction.reversed()))
     }
 
     /// Whether the slider is in equilibrium at a given drive, within rounding.
@@ -207,7 +220,7 @@ impl QuasistaticRun<'_> {
             self.memory.open.slip +=
                 sign * self.path.integral(a, |x, response| loading.excess(drive, x, response.force));
             let breaks = self.path.interval.breaks;
-            self.path.advance(a)?;
+            self.move_by(a)?;
             if found {
                 return Ok(SlideEnd::Balanced);
             }
@@ -245,8 +258,9 @@ impl QuasistaticRun<'_> {
     fn record_event(&mut self, before: Point, position_turn: f64, broken_fraction: f64) -> Option<Event> {
         let drive = before.drive;
         let energy = self.close_energy_balance(drive);
-        let (position, force) = (self.path.position, self.path.here.force);
-        let spring_force = self.path.loading.pull(drive, position, force);
+        let (position, force) = (self.path.position, self.path.friction_at_rest(drive));
+        self.hold_at(drive);
+        let spring_force = self.path.spring_force(drive, 0.0);
         let after = Point { drive, position, force, spring_force };
         let (slip, drop) = (position - before.position, before.force - force);
         self.sizes.add(broken_fraction, slip, drop);

@@ -14,12 +14,13 @@ pub enum Arrest {
     Stand,
     /// A single cell that stops at X_2 moves back, without inertia, to the equilibrium on the straight unloading line of its
     /// contacts, X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'). It moves on when the spring has brought it back to X_2. Until
-    /// then the contacts age in their state at X_2.
+    /// then the contacts age in their state at X_2. A background force B holds it: it moves back only as far as the net force
+    /// exceeds B, and then stays until the spring has gained 2B.
     Unload,
 }
 
 impl EquationOfMotion {
-    /// Net force K(X_T − X) − F without drag and inertia.
+    /// Net force K(X_T − X) − F of a cell that slides forward, without drag and inertia.
     pub fn excess(&self, cell: &SlidingCell, drive: f64) -> f64 {
         self.connection * (drive - cell.position) - cell.force
     }
@@ -30,9 +31,28 @@ impl EquationOfMotion {
     }
 
     /// Displacement X − X_2 ≤ 0 of a cell at rest on its unloading line; 0 if it is not unloaded.
+    ///
+    /// Without a background force it is that of the balance. With one, the cell stays where it is, `back`, as long as the net
+    /// force there is between −2B and 0.
     pub fn unloaded(&self, cell: &SlidingCell, drive: f64) -> f64 {
         let excess = self.excess(cell, drive);
-        if cell.velocity == 0.0 && excess < 0.0 { excess / self.resistance(cell) } else { 0.0 }
+        if !(cell.velocity == 0.0 && excess < 0.0) {
+            return 0.0;
+        }
+        let resistance = self.resistance(cell);
+        // Below, B resists the motion forward; above, the motion back.
+        let highest = ((excess + 2.0 * self.background) / resistance).min(0.0);
+        cell.back.clamp(excess / resistance, highest)
+    }
+
+    /// Background force on a cell: B in forward motion; at rest what is left of the pull by the contacts.
+    pub fn background(&self, cell: &SlidingCell, drive: f64) -> f64 {
+        let excess = self.excess(cell, drive);
+        if cell.velocity > 0.0 || excess >= 0.0 {
+            return self.background;
+        }
+        let left = excess - self.resistance(cell) * self.unloaded(cell, drive);
+        (self.background + left).clamp(-self.background, self.background)
     }
 
     /// Distance within which spring and contacts stop a cell with a velocity.
@@ -41,18 +61,20 @@ impl EquationOfMotion {
         velocity * (self.viscosity + (self.mass * resistance).sqrt()) / resistance
     }
 
-    /// Work of the drive on a cell at rest, by the trapezoidal rule, and a correction of the energy dissipated in breaks. The
+    /// Work of the drive on a cell at rest, by the trapezoidal rule, what the background force dissipates, and a correction of the energy dissipated in breaks. The
     /// contacts break at the stretches of X_2, but the cell is at a distance b from X_2, which changes the energy by
     /// b ΔF + ½b² ΔF'.
-    fn at_rest(&self, states: [&SlidingCell; 2], drive: DriveMotion, duration: f64) -> (f64, f64) {
+    fn at_rest(&self, states: [&SlidingCell; 2], drive: DriveMotion, duration: f64) -> (f64, f64, f64) {
         let [before, after] = states;
         let drives = [drive.position, drive.after(duration)];
         let [from, to] = [0, 1].map(|i| self.unloaded(states[i], drives[i]));
-        let pull = |i: usize, back: f64| self.connection * (drives[i] - states[i].position - back);
+        let pull =
+            |i: usize, back: f64| self.connection * (drives[i] - states[i].position - back) + self.background;
         let force = after.force - before.force;
         let tangent = after.contacts.tangent() - before.contacts.tangent();
         let work = drive.velocity * duration * 0.5 * (pull(0, from) + pull(1, to));
-        (work, -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent))
+        let background = self.background * (to - from).abs();
+        (work, background, -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent))
     }
 }
 
@@ -95,32 +117,39 @@ impl SliderMotion {
             return;
         }
         self.cells[0].velocity = 0.0;
-        let excess = self.equation.excess(&self.cells[0], drive).min(0.0);
-        // The net force falls linearly to 0 along the unloading line: its work is half of force ×
-        // distance.
+        let background = self.equation.background;
+        let excess = (self.equation.excess(&self.cells[0], drive) + 2.0 * background).min(0.0);
+        // The net force, without the background force, falls linearly to 0 along the unloading line: its work is half of
+        // force × distance.
         self.energies.arrest += 0.5 * excess * excess / self.equation.resistance(&self.cells[0]);
+        self.cells[0].back = self.equation.unloaded(&self.cells[0], drive);
+        self.energies.background -= background * self.cells[0].back;
     }
 
     /// Rests behind X_2 until the spring pulls again, at most for the time `left`. Returns the duration.
     pub(super) fn rest(&mut self, drive: DriveMotion, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         let (equation, cell, tolerance) = (self.equation, &self.cells[0], self.control.tolerance);
         let short = -equation.excess(cell, drive.position);
-        let behind = short / equation.resistance(cell);
+        let resistance = equation.resistance(cell);
+        let behind = short / resistance;
         // Limits the error of the energies by the trapezoidal rule, which is of second order in the displacement.
         let most = (tolerance * behind).sqrt();
         // The spring needs the time short/rate to reach the friction again, longer if contacts
         // strengthen meanwhile.
         let rate = equation.connection * drive.velocity;
-        let mut duration = (short.min(most * equation.resistance(cell)) / rate).min(left);
+        // What the spring gains before a cell that the background force holds moves.
+        let held = (short + resistance * equation.unloaded(cell, drive.position)).max(0.0);
+        let mut duration = (short.min(held.max(most * resistance)) / rate).min(left);
         loop {
             let mut contacts = cell.contacts.copy();
             contacts.step(0.0, duration, monitor)?;
             let force = contacts.force();
-            let rested = SlidingCell { contacts, force, ..*cell };
+            let mut rested = SlidingCell { contacts, force, ..*cell };
             let position = drive.after(duration);
+            rested.back = equation.unloaded(&rested, position);
             if !self.control.is_too_short(duration, left) {
                 let excess = equation.excess(&rested, position);
-                let moved = (behind + equation.unloaded(&rested, position)).abs();
+                let moved = (rested.back - equation.unloaded(cell, drive.position)).abs();
                 // Too long if the spring exceeds the contacts at its end, or if the cell has moved too far on
                 // the unloading line.
                 let shorter = if excess > tolerance * equation.resistance(&rested) {
@@ -136,8 +165,9 @@ impl SliderMotion {
             if let Some([estimator]) = self.estimators.as_deref_mut() {
                 self.error = self.error.max(estimator.step(0.0, duration, force, monitor)?);
             }
-            let (work, breaks) = equation.at_rest([cell, &rested], drive, duration);
+            let (work, background, breaks) = equation.at_rest([cell, &rested], drive, duration);
             self.energies.work += work;
+            self.energies.background += background;
             self.energies.breaks += breaks;
             self.cells[0] = rested;
             return Ok(duration);

@@ -10,10 +10,12 @@ pub struct SlidingCell {
     pub contacts: Box<dyn RateDependentContacts>,
     /// Position X_j.
     pub position: f64,
-    /// Friction force F_j.
+    /// Friction force F_j of the contacts.
     pub force: f64,
     /// Velocity Ẋ_j.
     pub velocity: f64,
+    /// Displacement X − X_2 ≤ 0 at rest of a cell that has moved back on the unloading line of its contacts.
+    pub back: f64,
     /// Secant slope dF/dX of the last advance, the first guess for the next one.
     pub slope: f64,
 }
@@ -23,7 +25,7 @@ impl SlidingCell {
     pub fn new(contacts: Box<dyn RateDependentContacts>, position: f64) -> Self {
         let (force, slope) = (contacts.force(), contacts.tangent());
         let velocity = contacts.steady_velocity().unwrap_or(0.0);
-        Self { contacts, position, force, velocity, slope }
+        Self { contacts, position, force, velocity, back: 0.0, slope }
     }
 
     /// A copy of its contacts after an advance at constant velocity in the time `duration`.
@@ -52,6 +54,6 @@ impl SlidingCell {
     ) -> Self {
         // A quotient of differences below the accuracy would be noise.
         let slope = if advance > accuracy { (force - self.force) / advance } else { self.slope };
-        Self { contacts, position: self.position + advance, force, velocity, slope }
+        Self { contacts, position: self.position + advance, force, velocity, back: 0.0, slope }
     }
 }

@@ -13,6 +13,9 @@ pub struct EquationOfMotion {
     pub mass: f64,
     /// Viscosity η, a force on a cell per velocity; above 0 if M is 0.
     pub viscosity: f64,
+    /// Background force B on a cell, against its motion; at rest what the balance of forces asks for, from −B to B. X_T is
+    /// counted from where the spring carries B, so that B is not in the equation of a cell that slides forward.
+    pub background: f64,
     /// Rule for a cell whose contacts would pull it back.
     pub arrest: Arrest,
 }

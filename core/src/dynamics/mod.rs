@@ -3,7 +3,8 @@
 //! M Ẍ_j + η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t]
 //!
 //! Cell j is at X_j. A spring K_0j connects it to the drive X_T, which moves at a constant velocity in a step. The stiffness
-//! matrix A of the slider couples the cells, and F_j is the friction of the contacts. A deformable interface has many cells and
+//! matrix A of the slider couples the cells, and F_j is the friction of the contacts. A background force only shifts forces and the
+//! zero of X_T, except at rest ([`Arrest::Unload`]). A deformable interface has many cells and
 //! M = 0. A block is one cell, which may have a mass.
 //!
 //! A step ([`tr_bdf2`]) is implicit in friction, springs and coupling, so that it may be as long as a stick phase. Its two stages
@@ -58,6 +59,8 @@ pub struct MotionEnergies {
     pub viscous: Vec<f64>,
     /// Dissipated when a slider moves back after its arrest.
     pub arrest: f64,
+    /// Dissipated by the background force, ∫B|dX|.
+    pub background: f64,
     /// Correction of the energy dissipated in breaks for the unloading of a slider at rest.
     pub breaks: f64,
 }
@@ -126,6 +129,10 @@ impl SliderMotion {
             self.control.accept(step.error, duration, left);
             self.energies.work += step.work;
             self.energies.viscous.iter_mut().zip(&step.viscous).for_each(|(lost, more)| *lost += more);
+            let moved: f64 =
+                step.end.iter().zip(&self.cells).map(|(end, cell)| end.position - cell.position).sum();
+            self.energies.background += self.equation.background * moved;
+            self.energies.work += self.equation.background * drive.velocity * duration;
             self.cells = step.end;
             self.arrest(drive.after(duration));
             return Ok(duration);

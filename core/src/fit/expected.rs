@@ -125,10 +125,12 @@ pub(super) fn derivatives(
 impl ExpectedReadings {
     /// The readings of a curve; `None` where the machine slips.
     fn new(contacts: Arc<FittedContacts>, machine: Machine, measured: &Measurement) -> Option<Self> {
-        let drive: Vec<f64> = measured.positions.iter().map(|y| y - machine.origin).collect();
+        let start = machine.origin + machine.compliance * machine.background;
+        let drive: Vec<f64> = measured.positions.iter().map(|y| y - start).collect();
         let driven = contacts.pull.against_drive(machine.compliance, &drive)?;
         let forces = driven.forces.iter().zip(&measured.positions);
-        let forces = forces.map(|(force, &y)| force + machine.offset + machine.trend * y).collect();
+        let level = machine.background + machine.offset;
+        let forces = forces.map(|(force, &y)| force + level + machine.trend * y).collect();
         Some(Self { contacts, machine, driven, forces })
     }
 
@@ -182,7 +184,11 @@ impl ExpectedReadings {
                 Role::Contacts => {
                     gradients.next().map_or_else(Vec::new, |gradient| self.driven.by_parameter(gradient))
                 }
-                Role::Compliance => self.driven.by_compliance(),
+                Role::Compliance => self.by_compliance(),
+                Role::Background => {
+                    let slopes = self.driven.by_drive().into_iter();
+                    slopes.map(|slope| 1.0 - self.machine.compliance * slope).collect()
+                }
                 Role::Offset => vec![1.0; count],
                 Role::Trend => measured.to_vec(),
                 Role::Origin => self.driven.by_drive().into_iter().map(|slope| -slope).collect(),
@@ -192,6 +198,12 @@ impl ExpectedReadings {
             column.iter().enumerate().for_each(|(i, entry)| derivatives[(i, k)] = slope * entry);
         }
         derivatives
+    }
+
+    /// The derivatives of the readings by the compliance, at which the whole force F + B stretches the machine.
+    fn by_compliance(&self) -> Vec<f64> {
+        let slopes = self.driven.by_drive().into_iter().zip(self.driven.by_compliance());
+        slopes.map(|(slope, contacts)| contacts - self.machine.background * slope).collect()
     }
 
     /// The covariance of the forces that follows from the finite number of contacts.
@@ -216,6 +228,7 @@ fn machine((curve, mut machine): (usize, Machine), (free, values): Values<'_>) -
     for (parameter, &value) in free.iter().zip(values).filter(|(free, _)| free.applies_to(curve)) {
         match parameter.role {
             Role::Compliance => machine.compliance = value,
+            Role::Background => machine.background = value,
             Role::Offset => machine.offset = value,
             Role::Trend => machine.trend = value,
             Role::Origin => machine.origin = value,

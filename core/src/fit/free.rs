@@ -12,6 +12,9 @@ pub(crate) const ERRORS: [&str; 3] = ["reading", "drift.amplitude", "drift.lengt
 /// The numbers of the machine that may be free.
 pub(crate) const MACHINE: [&str; 4] = ["compliance", "offset", "trend", "origin"];
 
+/// The background force, a free number beside those of the machine.
+pub(crate) const BACKGROUND: &str = "background";
+
 /// Correlation length at which the drift begins, in multiples of the longest.
 const DRIFT_LENGTH: f64 = 0.3;
 
@@ -32,6 +35,7 @@ pub struct Prior {
 pub(super) enum Role {
     Contacts,
     Compliance,
+    Background,
     Offset,
     Trend,
     Origin,
@@ -160,8 +164,12 @@ impl Fit {
         let mut free: Vec<FreeParameter> = Vec::new();
         for (i, name) in self.free.iter().enumerate() {
             let parameter = self.free_parameter(name, &known).ok_or_else(|| {
-                let names: Vec<&str> =
-                    known.iter().map(|parameter| parameter.name.as_ref()).chain(MACHINE).collect();
+                let names: Vec<&str> = known
+                    .iter()
+                    .map(|parameter| parameter.name.as_ref())
+                    .chain(MACHINE)
+                    .chain([BACKGROUND])
+                    .collect();
                 let of_curves =
                     if self.curves.len() > 1 { ", each with curve.0., curve.1., … before it" } else { "" };
                 Error::invalid(format!("free.{i}"), format!("one of {}{of_curves}", names.join(", ")), name)
@@ -188,6 +196,7 @@ impl Fit {
         let machine = &self.curves.get(curve.unwrap_or(0))?.machine;
         let (role, start) = match quantity {
             "compliance" => (Role::Compliance, machine.compliance),
+            BACKGROUND => (Role::Background, machine.background),
             "offset" => (Role::Offset, machine.offset),
             "trend" => (Role::Trend, machine.trend),
             "origin" => (Role::Origin, machine.origin),
@@ -195,7 +204,7 @@ impl Fit {
         };
         let logarithmic = match role {
             Role::Contacts => self.equation.is_positive(quantity),
-            role => Ok(role == Role::Compliance),
+            role => Ok(matches!(role, Role::Compliance | Role::Background)),
         };
         Some(logarithmic.and_then(|logarithmic| {
             if logarithmic && start <= 0.0 {

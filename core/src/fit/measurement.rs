@@ -16,11 +16,15 @@ pub struct Measurement {
 
 /// The machine that measures: how a reading follows from the force F on the contacts and the position X of the slider,
 ///
-/// y = origin + X + compliance F(X), force = F(X) + offset + trend y.
+/// y = origin + X + compliance (F(X) + B), force = F(X) + B + offset + trend y.
+///
+/// The background force B also stretches the machine, a wrong zero of the force does not: without a compliance they are the same.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Machine {
     /// Displacement of the drive against the slider per force; 0 where positions are those of the slider.
     pub compliance: f64,
+    /// Background force B, friction in addition to that of the contacts.
+    pub background: f64,
     /// The reading of the force where there is none.
     pub offset: f64,
     /// Change of that reading per length.
@@ -130,6 +134,7 @@ impl Measurement {
 impl Machine {
     fn check(self) -> Result<()> {
         not_negative("compliance", self.compliance)?;
+        not_negative("background", self.background)?;
         for (key, value) in [("offset", self.offset), ("trend", self.trend), ("origin", self.origin)] {
             if !value.is_finite() {
                 return Err(Error::invalid(key, "a finite number", value));

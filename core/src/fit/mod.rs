@@ -50,7 +50,7 @@ mod steady;
 
 pub use estimates::{Correlation, Estimate, Estimates, Readings};
 pub use free::Prior;
-pub(crate) use free::{ERRORS, MACHINE};
+pub(crate) use free::{BACKGROUND, ERRORS, MACHINE};
 pub use free_form::{FreeForm, ThresholdBand};
 pub use friction::{FrictionEstimates, WithError};
 pub use measurement::{ErrorModel, Machine, Measurement};

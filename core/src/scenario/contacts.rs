@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Ageing, Delay, Law, Temperature, positive};
 use crate::contacts::Stiffness;
+use crate::error::not_negative;
 use crate::law::{Root, SharedLaw};
 use crate::{Error, Result, contacts};
 
@@ -26,11 +27,21 @@ pub struct Contacts {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force/length^2"))]
     pub stiffness_per_threshold: Option<f64>,
-    /// Normal load carried by the interface, a force, above 0; if given, friction coefficients are reported in addition to
-    /// forces.
+    /// Normal load carried by the interface, or by each cell of `[interface]`, a force, above 0; if given, friction coefficients
+    /// are reported in addition to forces.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
     pub normal_load: Option<f64>,
+    /// Background force B, 0 or above, of each cell with `[interface]`: a friction force in addition to that of the contacts,
+    /// against the motion; all forces of results contain it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
+    pub background_force: Option<f64>,
+    /// The same as a friction coefficient μ_b, 0 or above, B = μ_b `contacts.normal_load`; instead of
+    /// `contacts.background_force`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "1"))]
+    pub background_coefficient: Option<f64>,
     /// Distribution P_c of the stretches at which contacts break; either this or `contacts.areas` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thresholds: Option<Law>,
@@ -75,6 +86,8 @@ impl Default for Contacts {
             stiffness: None,
             stiffness_per_threshold: None,
             normal_load: None,
+            background_force: None,
+            background_coefficient: None,
             thresholds: None,
             areas: None,
             reforming: Law::zero(),
@@ -93,6 +106,7 @@ impl Contacts {
     pub fn build(&self) -> Result<contacts::Contacts> {
         let count = positive("count", self.count)?;
         self.normal_load.map(|load| positive("normal_load", load)).transpose()?;
+        self.background()?;
         let reforming = self.reforming.build().map_err(|e| e.under("reforming"))?;
         let (stiffness, thresholds) = match (&self.thresholds, &self.areas) {
             (Some(thresholds), None) => {
@@ -112,6 +126,28 @@ impl Contacts {
             }
         };
         Ok(contacts::Contacts { count, stiffness, thresholds, reforming, rules: self.rules()? })
+    }
+
+    /// The background force B: the one given, or the coefficient times the normal load; 0 by default.
+    ///
+    /// # Errors
+    /// A number below 0, both numbers, or a coefficient without a normal load.
+    pub fn background(&self) -> Result<f64> {
+        match (self.background_force, self.background_coefficient, self.normal_load) {
+            (None, None, _) => Ok(0.0),
+            (Some(force), None, _) => not_negative("background_force", force),
+            (None, Some(coefficient), Some(load)) => {
+                not_negative("background_coefficient", coefficient).map(|coefficient| coefficient * load)
+            }
+            (None, Some(_), None) => {
+                let expected = "a normal load beside background_coefficient, which it multiplies";
+                Err(Error::invalid("normal_load", expected, "none"))
+            }
+            (Some(_), Some(_), _) => {
+                let expected = "either background_force or background_coefficient";
+                Err(Error::invalid("background_coefficient", expected, "both"))
+            }
+        }
     }
 
     /// Whether contacts are time-dependent.

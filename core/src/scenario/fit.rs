@@ -10,7 +10,7 @@ use super::{
     Compare, FitCompliance, FitCurve, FitPosterior, FitSource, FitSteady, Law, Model, Pull, Scenario, Start,
     exactly_one, positive,
 };
-use crate::fit::{ERRORS, ErrorModel, MACHINE, Prior};
+use crate::fit::{BACKGROUND, ERRORS, ErrorModel, MACHINE, Prior};
 use crate::law;
 use crate::master::MasterEquation;
 use crate::monitor::Monitor;
@@ -284,7 +284,9 @@ impl Fit {
         let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
         for (c, curve) in self.curves().iter().enumerate() {
             let found = curve.measurement(self.average, stiffness);
-            measured.push(found.map_err(|error| self.of_curve(c, error).under("fit"))?);
+            let mut found = found.map_err(|error| self.of_curve(c, error).under("fit"))?;
+            found.machine.background = model.background;
+            measured.push(found);
         }
         let mut measured = measured.into_iter();
         let Some(first) = measured.next() else {
@@ -433,7 +435,8 @@ impl FitKeys {
         let named = named.filter(|_| model.keys.is_empty());
         let of_machine = MACHINE.iter().chain(&ERRORS);
         let of_machine = of_machine.map(|name| (format!("fit.{name}"), (*name).to_owned()));
-        Self(of_contacts.chain(named).chain(of_machine).collect())
+        let background = model.keys.iter().filter(|(_, name)| name == BACKGROUND).cloned();
+        Self(of_contacts.chain(named).chain(background).chain(of_machine).collect())
     }
 
     /// The same with the thresholds of another distribution.

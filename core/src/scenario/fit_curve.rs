@@ -179,6 +179,7 @@ impl FitCurve {
         let positions = self.position.as_ref().or(self.drive.as_ref()).cloned().unwrap_or_default();
         let mut machine = Machine {
             compliance: 0.0,
+            background: 0.0,
             offset: self.offset.unwrap_or(0.0),
             trend: self.trend.unwrap_or(0.0),
             origin: self.origin.unwrap_or(0.0),

@@ -106,7 +106,7 @@ impl Fit {
     ) -> Result<Option<(SteadyFit, FitKeys)>> {
         let Some(steady) = &self.steady else { return Ok(None) };
         let equation = self.equation(model, monitor)?;
-        let of_curves = ["compliance", "trend", "origin"];
+        let of_curves = ["compliance", "background", "trend", "origin"];
         let of_steady = |name: &str| !(name.starts_with("initial.") || of_curves.contains(&name));
         let keys = FitKeys::new(model, &equation).only(of_steady);
         let (names, priors) = (self.names(&keys)?, self.priors(&keys)?);

@@ -181,6 +181,7 @@ impl Scenario {
             contacts,
             initial,
             normal_load: self.contacts.normal_load,
+            background: self.contacts.background().map_err(|e| e.under("contacts"))?,
             block: self.block.clone(),
             interface: self.interface.clone(),
             master_equation: self.master_equation.clone(),

@@ -1,7 +1,8 @@
 //! The model on which a task is computed, and the combinations of tasks and models that are valid.
 
 use super::{
-    Block, Compare, Disorder, Drive, Ensemble, FitNoise, Interface, MasterEquation, Pull, Task, VelocityCurve,
+    Block, CellLoading, Compare, Disorder, Drive, Ensemble, FitNoise, Interface, MasterEquation, PerCell,
+    Pull, Task, VelocityCurve,
 };
 use crate::contacts::{Contacts, Initial};
 use crate::{Error, Result};
@@ -17,6 +18,8 @@ pub struct Model {
     pub steady: Option<f64>,
     /// Normal load carried by the interface, a force; with it, friction coefficients are reported in addition to forces.
     pub normal_load: Option<f64>,
+    /// Background force B, in addition to that of the contacts and against the motion; 0 if there is none.
+    pub background: f64,
     /// The slider between its top and its base; `None` if it is rigid.
     pub block: Option<Block>,
     /// Cells of a slider that deforms; `None` if all contacts move together.
@@ -40,6 +43,7 @@ impl Model {
             initial,
             steady: None,
             normal_load: None,
+            background: 0.0,
             block: None,
             interface: None,
             master_equation: MasterEquation::default(),
@@ -73,6 +77,7 @@ impl Task<'_> {
         self.check_start(model)?;
         self.check_block(model)?;
         self.check_interface(model)?;
+        self.check_background(model)?;
         let noise = match self {
             Task::Pull(Pull { covariance, .. }) => !covariance.is_empty(),
             Task::Fit(fit) => fit.noise == FitNoise::Contacts,
@@ -95,6 +100,31 @@ impl Task<'_> {
             ensemble.build(model.contacts.clone(), model.initial.clone())?;
         }
         Ok(())
+    }
+
+    /// Refuses a background force where it is not a shift of all forces.
+    fn check_background(self, model: &Model) -> Result<()> {
+        if model.background == 0.0 {
+            return Ok(());
+        }
+        let refused = |expected: &str| {
+            let found = format!("one of {}", model.background);
+            Err(Error::invalid("contacts.background_force", expected, found))
+        };
+        match (self, &model.interface) {
+            (Task::Drive(_), Some(interface)) => match (interface.contacts, interface.loading) {
+                (PerCell::One, _) => refused("none of contacts coupled one by one, which no cell holds"),
+                (_, CellLoading::Edge) => refused(
+                    "none with interface.loading = \"edge\": no spring carries it in cells away from the edge",
+                ),
+                (PerCell::Many, CellLoading::Uniform) => Ok(()),
+            },
+            (Task::Renormalisation(_), _) => refused("none with [renormalisation], which has no forces"),
+            (Task::Fit(fit), None) if fit.steady.is_some() => {
+                refused("none with [fit.steady]: fit.offset is the constant part of a measured force")
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_block(self, model: &Model) -> Result<()> {

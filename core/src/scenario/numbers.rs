@@ -2,13 +2,14 @@
 
 use super::{Ageing, Law, Scenario};
 use crate::contacts::AgeingRule;
+use crate::fit::BACKGROUND;
 
 /// A number of the contacts in a scenario.
 #[derive(Debug)]
 pub(crate) struct ScenarioNumber<'a> {
     /// Its key, such as `contacts.thresholds.gaussian.mean`.
     pub key: String,
-    /// The name of the parameter in [`crate::master::MasterEquation::parameters`], such as `thresholds.mean`.
+    /// The name of the parameter in [`crate::master::MasterEquation::parameters`], such as `thresholds.mean`, or `background`.
     pub name: String,
     /// Its value.
     pub value: &'a mut f64,
@@ -27,6 +28,9 @@ impl Scenario {
             (Some(factor), _) => add("contacts.stiffness_per_threshold", "stiffness_per_threshold", factor),
             (None, None) => add("contacts.stiffness", "stiffness", contacts.stiffness.get_or_insert(1.0)),
             (None, Some(_)) => {}
+        }
+        if let Some(force) = &mut contacts.background_force {
+            add("contacts.background_force", BACKGROUND, force);
         }
         if let Some(heat) = &mut contacts.temperature {
             add("contacts.temperature.energy", "temperature.energy", &mut heat.energy);

@@ -20,7 +20,7 @@ const FINE: usize = 2001;
 /// Drives at which the potential is given, in units of that of the first slip.
 const POTENTIALS: [f64; 3] = [0.9, 1.0, 1.1];
 /// Columns of a trace.
-const WIDTH: usize = 4;
+const WIDTH: usize = 5;
 
 const BRANCH_POSITION: Column =
     Column::new("branch_position", "position of the slider's base", Quantity::Length, &["branch"]);
@@ -51,7 +51,9 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
     let [motion, slips] = StickSlip::columns();
     let mut driven = sliding::joined(motion, slips);
     let ensemble = driven.prefixed("ensemble_");
-    driven.variables.extend(Record::declared(&[&sliding::COLUMNS[..5], &COLUMNS]).variables);
+    driven.variables.extend(
+        Record::declared(&[&[in_time::FRICTION_COEFFICIENT], &sliding::COLUMNS[..5], &COLUMNS]).variables,
+    );
     driven.variables.extend(ensemble.variables);
     driven.variables.extend(Record::declared(&[&sliding::COLUMNS[5..]]).variables);
     let [cells, contacts] = interface::columns();
@@ -89,7 +91,7 @@ pub(super) fn run(
     let mut record = Record::default();
     // The curve of equilibria is that of the first loading, from the initial state.
     let fresh = population.copy();
-    let master = task.slider(block, false)?;
+    let master = task.slider(block, false)?.with_background(model.background)?;
     let part = &mut Part::new(monitor, fractions[0], fractions[1]);
     let run = master.pull_with(&mut population, &protocol, part)?;
     // The error of the force has two parts: that of the contacts, and that of the motion. The energy imbalance divided by
@@ -99,18 +101,20 @@ pub(super) fn run(
     adopt(sliding::motion(&run), "", &mut record);
     adopt(sliding::course(&run), "", &mut record);
     if let Loading::Spring(stiffness) = master.loading() {
-        record_equilibria(&run, fresh.as_ref(), stiffness, loading, &mut record)?;
+        record_equilibria((&run, master.background()), fresh.as_ref(), stiffness, loading, &mut record)?;
     }
     let mut sliding = Sliding::new(&run);
     if let Some(ensemble) = ensemble {
         let done = fractions[0] + fractions[1];
         let mut part = Part::new(monitor, done, 1.0 - done);
         let mut contacts = ensemble.population_with(&mut Aside { fraction: 0.0, monitor: &mut part })?;
-        let run = task.slider(block, true)?.pull_with(&mut contacts, &protocol, &mut part)?;
+        let slider = task.slider(block, true)?.with_background(model.background)?;
+        let run = slider.pull_with(&mut contacts, &protocol, &mut part)?;
         adopt(sliding::motion(&run), "ensemble_", &mut record);
         adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);
         sliding.ensemble = Some(Box::new(Sliding::new(&run)));
     }
+    model.add_coefficient("force", &mut record);
     let relaxation = equation.relaxation_with(&mut Part::new(monitor, 1.0, 0.0))?;
     let steady = equation.steady_state();
     let friction = friction(model, &steady, &relaxation, &pull);
@@ -171,13 +175,13 @@ fn check_size(task: &scenario::Drive, ensemble: bool) -> Result<()> {
 
 /// Records the equilibria of the slider on the first loading, and its potential around the first slip.
 fn record_equilibria(
-    run: &StickSlip,
+    (run, background): (&StickSlip, f64),
     fresh: &dyn Population,
     stiffness: f64,
     reach: f64,
     record: &mut Record,
 ) -> Result<()> {
-    let curve = Curve::new(fresh, reach, FINE, &mut ())?;
+    let curve = Curve::new(fresh, reach, FINE, &mut ())?.with_background(background);
     let stable = curve.stable(stiffness).into_iter().map(f64::from).collect();
     let drive = curve.drive(stiffness);
     record.add(BRANCH_POSITION, curve.position.clone());

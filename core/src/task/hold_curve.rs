@@ -1,6 +1,7 @@
 //! `[hold_curve]`: a slide–hold–slide test, static friction against hold time.
 
 use super::accuracy::{ForceAccuracy, as_required};
+use super::background::coefficient;
 use super::settling::Steady;
 use super::summary::{HealingCurve, HoldCurveNumbers, Peak};
 use super::{Output, ensemble};
@@ -41,8 +42,15 @@ const HELD_FORCE: Column =
 const ENSEMBLE: [Column; 2] =
     ensemble::force_columns("force of the ensemble where that of the master equation is highest", &["hold"]);
 
+/// That of the highest force.
+const FRICTION_COEFFICIENT: Column = coefficient(&["hold"]);
+
 /// The variables of the task.
-const COLUMNS: [Column; 6] = [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1]];
+const COLUMNS: [Column; 7] =
+    [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1], FRICTION_COEFFICIENT];
+
+/// Forces of contacts, to which the background force is added.
+const FORCES: [Column; 3] = [STATIC_FRICTION, HELD_FORCE, ENSEMBLE[0]];
 
 /// Its table in CSV.
 pub(super) const TABLES: &[CsvTable] =
@@ -92,9 +100,15 @@ pub(super) fn run(
             columns.ensemble_error.push(run.error[0]);
         }
     }
-    let healing = Healing::read(&holds, &columns.peak);
-    let numbers = HoldCurveNumbers { hold_curve: HealingCurve::new(task.velocity, steady.friction, healing) };
-    accuracy.of(model, "the force after a hold", Output::new(model, numbers, columns.record(holds)))
+    let peaks: Vec<f64> = columns.peak.iter().map(|force| force + model.background).collect();
+    let healing = Healing::read(&holds, &peaks);
+    let numbers = HoldCurveNumbers {
+        hold_curve: HealingCurve::new(task.velocity, steady.friction + model.background, healing),
+    };
+    let mut record = columns.record(holds);
+    model.add_background(&FORCES, &mut record);
+    model.add_coefficient(STATIC_FRICTION.name, &mut record);
+    accuracy.of(model, "the force after a hold", Output::new(model, numbers, record))
 }
 
 /// Holds, each followed by sliding `on`, computed by the master equation. Returns the columns without those of the ensemble,

@@ -1,6 +1,7 @@
 //! A slider moved in time, rigid or driven through a block.
 
 use super::accuracy::{ForceAccuracy, as_required};
+use super::background::coefficient;
 use super::settling::Steady;
 use super::summary::Sliding;
 use super::{ensemble, fits, sliding};
@@ -14,7 +15,7 @@ use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 
 /// Largest number of columns of a trace.
-const WIDTH: usize = 11;
+const WIDTH: usize = 12;
 /// Fraction of the work for the master equation if there is an ensemble.
 const MASTER: f64 = 0.5;
 /// Largest error of a step of a block over N contacts, in units of the mean threshold × N^{−2/3}, which is the scatter of
@@ -33,7 +34,7 @@ const FREE: Column = of("free", "fraction of contacts that are detached", Quanti
 const ENSEMBLE: [Column; 2] = ensemble::force_columns("friction force of the ensemble", &["point"]);
 
 /// The variables of a rigid slider.
-pub(super) const COLUMNS: [Column; 10] = [
+pub(super) const COLUMNS: [Column; 11] = [
     TIME,
     DRIVE,
     POSITION,
@@ -44,7 +45,14 @@ pub(super) const COLUMNS: [Column; 10] = [
     FREE,
     ENSEMBLE[0],
     ENSEMBLE[1],
+    FRICTION_COEFFICIENT,
 ];
+
+/// The friction coefficient of a trace.
+pub(super) const FRICTION_COEFFICIENT: Column = coefficient(&["point"]);
+
+/// Forces of contacts, to which the background force is added.
+const FORCES: [Column; 3] = [FORCE, SPRING_FORCE, ENSEMBLE[0]];
 
 const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> Column {
     Column::new(name, long_name, quantity, &["point"])
@@ -75,7 +83,7 @@ pub(super) fn rigid(
     let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
     let aside = &mut Part::new(monitor, 0.0, 0.0);
     let mut transport = transport(model, tolerance, aside)?;
-    let trace = transport.follow_with(&history, &times, &mut Part::new(monitor, 0.0, master))?;
+    let mut trace = transport.follow_with(&history, &times, &mut Part::new(monitor, 0.0, master))?;
     trace.check(transport.unit(), model.master_equation.tolerance)?;
     let mut record = trace_record(&trace, contacts.rules.delay > 0.0);
     if let Some(drawn) = &model.ensemble {
@@ -84,6 +92,10 @@ pub(super) fn rigid(
         let run = drawn.follow_with(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
         ensemble::add_force(&mut record, ENSEMBLE, run.force, run.error);
     }
+    // A rigid slider that is held keeps the background force: nothing relaxes it.
+    trace.force.iter_mut().for_each(|force| *force += model.background);
+    model.add_background(&FORCES, &mut record);
+    model.add_coefficient(FORCE.name, &mut record);
     Ok((trace, record))
 }
 
@@ -152,7 +164,8 @@ pub(super) fn behind(
     let mean = contacts.thresholds.mean();
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let part = &mut Part::new(monitor, 0.0, master);
-    let (run, accuracy) = move_block(model, &block.in_time(false)?, (&history, &times), part)?;
+    let loaded = |block: Block| block.with_background(model.background);
+    let (run, accuracy) = move_block(model, &loaded(block.in_time(false)?)?, (&history, &times), part)?;
     let mut record = Record::default();
     sliding::adopt(used(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut summary = Sliding::in_time(&run);
@@ -163,10 +176,11 @@ pub(super) fn behind(
         // tolerance of the master equation.
         let length = mean * finite_size_tolerance(drawn.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
-        let run = block.in_time(true)?.follow_with(&ensemble, &history, &times, length, part)?;
+        let run = loaded(block.in_time(true)?)?.follow_with(&ensemble, &history, &times, length, part)?;
         sliding::adopt(used(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);
         summary.ensemble = Some(Box::new(Sliding::in_time(&run)));
     }
+    model.add_coefficient(FORCE.name, &mut record);
     Ok((summary, record, accuracy))
 }
 

@@ -20,6 +20,7 @@
 //! ```
 
 mod accuracy;
+mod background;
 mod checkpoint;
 mod distribution;
 mod drive;
@@ -49,7 +50,7 @@ use crate::law::Atom;
 use crate::master::{Pull, Relaxation, SteadyState};
 use crate::monitor::Monitor;
 use crate::record::{Column, CsvTable, Quantity, Record};
-use crate::scenario::{Compare, Model, Scenario, Task};
+use crate::scenario::{Compare, Contacts, Model, Scenario, Task};
 use crate::{Error, Result};
 
 pub use checkpoint::{Checkpoint, Checkpoints};
@@ -61,7 +62,9 @@ pub use interface::cells_in_time;
 pub use posterior::record_posterior;
 pub use pull::record_pull;
 pub use stability::{LinearStability, stability};
-use summary::{Comparison, Extended, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary};
+use summary::{
+    Comparison, Extended, FitSummary, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary,
+};
 
 /// The results of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -136,12 +139,14 @@ pub fn run_fit(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summar
 /// The summary and the arrays of an output.
 fn summarised(scenario: &Scenario, output: Output<Numbers>) -> (Summary, Record) {
     let Output { numbers, accuracy, warnings, sample, seed, record } = output;
+    let contacts = &scenario.contacts;
     let summary = Summary {
         title: scenario.title.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         units: scenario.units.clone(),
         accuracy,
-        contacts: scenario.contacts.count,
+        contacts: contacts.count,
+        background_force: background_force(contacts, &numbers),
         sample,
         seed,
         disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),
@@ -149,6 +154,14 @@ fn summarised(scenario: &Scenario, output: Output<Numbers>) -> (Summary, Record)
         warnings: [scenario.warnings(), warnings].concat(),
     };
     (summary, record)
+}
+
+/// The background force that the friction forces of a result contain. A fit that finds it has it among its numbers.
+fn background_force(contacts: &Contacts, numbers: &Numbers) -> Option<f64> {
+    let is_found =
+        |fit: &FitSummary| fit.numbers.iter().any(|number| number.key.ends_with("background_force"));
+    let force = contacts.background().ok().filter(|&force| force > 0.0);
+    force.filter(|_| !numbers.fit().is_some_and(is_found))
 }
 
 /// The output of the task of `scenario`, which has built `model`.
@@ -228,17 +241,17 @@ tasks! {
 
 /// Friction from a pull and from steady sliding.
 fn friction(model: &Model, steady: &SteadyState, relaxation: &Relaxation, pull: &Pull) -> Friction {
-    let kinetic_friction = steady.kinetic_friction();
-    let peak = pull.static_friction();
+    let background = model.background;
+    let kinetic_friction = steady.kinetic_friction() + background;
+    let peak = pull.static_friction().map(|peak| (peak.value + background, peak.position));
     let coefficients = |normal_load: f64| FrictionCoefficients {
         normal_load,
-        at_rest: peak.map(|peak| peak.value / normal_load),
+        at_rest: peak.map(|(force, _)| force / normal_load),
         kinetic: kinetic_friction / normal_load,
     };
     Friction {
-        static_friction: peak.map_or(StaticFriction::NotReached, |peak| StaticFriction::Reached {
-            force: peak.value,
-            position: peak.position,
+        static_friction: peak.map_or(StaticFriction::NotReached, |(force, position)| {
+            StaticFriction::Reached { force, position }
         }),
         kinetic_friction,
         relaxation_length: Extended(relaxation.length()),

@@ -24,6 +24,7 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
     let mut block = sliding::joined(motion, slips);
     let ensemble = block.prefixed("ensemble_");
     block.variables.extend(ensemble.variables);
+    block.variables.extend(Record::declared(&[&[in_time::FRICTION_COEFFICIENT]]).variables);
     vec![("protocol", Record::declared(&[&in_time::COLUMNS, &COMPARED])), ("block_protocol", block)]
 }
 
@@ -152,7 +153,7 @@ fn steady(
         return Ok(None);
     }
     let equation = MasterEquation::at_with(model.contacts.clone(), &model.initial, velocity, monitor)?;
-    let friction = equation.steady_state().kinetic_friction();
+    let friction = equation.steady_state().kinetic_friction() + model.background;
     known.push((velocity, friction));
     Ok(Some(friction))
 }

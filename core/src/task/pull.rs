@@ -1,6 +1,7 @@
 //! `[pull]`: force, breaking rate and distributions as the base of the slider is moved.
 
 use super::accuracy::ForceAccuracy;
+use super::background::coefficient;
 use super::grid::Grid;
 use super::summary::{Extended, FrictionDerivative, PullNumbers};
 use super::{COMPARED, Output, add_atoms, compare, distribution, ensemble, fits, friction};
@@ -55,14 +56,27 @@ const COVARIANCE: Column = Column::new(
 /// The covariance of the force.
 const COVARIANCES: [Column; 3] = [COVARIANCE_POSITION, COVARIANCE_OTHER, COVARIANCE];
 
+const FRICTION_COEFFICIENT: Column = coefficient(&["position"]);
+
 /// The variables along the pull.
-const COLUMNS: [Column; 6] = [POSITION, FORCE, BREAKING_RATE, FORCE_STD, BREAKING_ATOM, BREAKING_ATOM_WEIGHT];
+const COLUMNS: [Column; 7] =
+    [POSITION, FORCE, FRICTION_COEFFICIENT, BREAKING_RATE, FORCE_STD, BREAKING_ATOM, BREAKING_ATOM_WEIGHT];
+
+/// Forces of contacts, to which the background force is added.
+const FORCES: [Column; 2] = [FORCE, ensemble::COLUMNS[0]];
 
 /// Its table in CSV.
 pub(super) const TABLES: &[CsvTable] = &[
     CsvTable {
         file: "force.csv",
-        columns: &[POSITION, FORCE, BREAKING_RATE, ensemble::COLUMNS[0], ensemble::COLUMNS[1]],
+        columns: &[
+            POSITION,
+            FORCE,
+            BREAKING_RATE,
+            ensemble::COLUMNS[0],
+            ensemble::COLUMNS[1],
+            FRICTION_COEFFICIENT,
+        ],
         needed: BREAKING_RATE,
     },
     CsvTable { file: "covariance.csv", columns: &COVARIANCES, needed: COVARIANCE },
@@ -103,8 +117,8 @@ pub(super) fn run(
     record_pull(&pull, task.positions(), model.sample(), &mut record, part)?;
     let aside = &mut Part::new(monitor, master, 0.0);
     record_covariance(&pull, task, model, &mut record, aside)?;
-    let compare =
-        model.compare.as_ref().map(|curve| compare(curve, pull.distance(), |x| pull.force(x), &mut record));
+    let force = |x| pull.force(x) + model.background;
+    let compare = model.compare.as_ref().map(|curve| compare(curve, pull.distance(), force, &mut record));
     distribution::evolving(task, &pull, &grid, &mut record, aside)?;
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation_with(aside)?);
     distribution::steady(contacts, &steady, &grid, &mut record, aside)?;
@@ -119,6 +133,8 @@ pub(super) fn run(
         };
         pulled.record(&drawn, &mut record, &mut Part::new(monitor, master, 1.0 - master))?;
     }
+    model.add_background(&FORCES, &mut record);
+    model.add_coefficient(FORCE.name, &mut record);
     let friction = friction(model, &steady, &relaxation, &pull);
     let numbers = PullNumbers { friction, derivatives, compare };
     let accuracy = ForceAccuracy::new(model, pull.error_estimate(), steady.mean_life());

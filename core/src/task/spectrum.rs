@@ -122,7 +122,7 @@ pub(super) fn run(
     let autocovariance = steady.autocovariance_with(&displacements, size, tolerance, part)?;
     let noise = Noise {
         size,
-        kinetic_friction: steady.kinetic_friction(),
+        kinetic_friction: steady.kinetic_friction() + model.background,
         force_std: steady.force_std(size),
         mean_life: life,
         at_zero: spectrum[0],

@@ -1,6 +1,7 @@
 //! `[velocity_curve]`: kinetic friction against velocity, at one temperature or several.
 
 use super::accuracy::ForceAccuracy;
+use super::background::coefficient;
 use super::settling::Steady;
 use super::stability::stability;
 use super::summary::{CurveLimits, Extended, Stability, VelocityCurveNumbers};
@@ -32,8 +33,10 @@ const CREEP_FRICTION: Column =
 const VISCOUS_FRICTION: Column =
     of("viscous_friction", "friction force of viscous flow, the limit of low velocities", Quantity::Force);
 
+const FRICTION_COEFFICIENT: Column = coefficient(&["velocity"]);
+
 /// The variables of the task. With several temperatures, the temperature is the first dimension of all except the velocity.
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 12] = [
     VELOCITY,
     TEMPERATURE,
     CRITICAL_STIFFNESS,
@@ -45,7 +48,11 @@ const COLUMNS: [Column; 11] = [
     ENSEMBLE[1],
     CREEP_FRICTION,
     VISCOUS_FRICTION,
+    FRICTION_COEFFICIENT,
 ];
+
+/// Forces of contacts, to which the background force is added.
+const FORCES: [Column; 4] = [KINETIC_FRICTION, ENSEMBLE[0], CREEP_FRICTION, VISCOUS_FRICTION];
 
 /// Its table in CSV: a row for each velocity, of one temperature after the other where there are several.
 pub(super) const TABLES: &[CsvTable] = &[CsvTable {
@@ -60,6 +67,7 @@ pub(super) const TABLES: &[CsvTable] = &[CsvTable {
         CRITICAL_STIFFNESS_SLIDING,
         GROWTH_RATE,
         GROWTH_FREQUENCY,
+        FRICTION_COEFFICIENT,
     ],
     needed: KINETIC_FRICTION,
 }];
@@ -93,7 +101,7 @@ pub(super) fn run(
     let jobs = 1.0 + f64::from(u8::from(model.ensemble.is_some()) + u8::from(task.stability));
     for (temperature, contacts) in &curves {
         let limit = Limits::of(contacts, &mut Part::new(monitor, friction.len() as f64 / points, 0.0))?;
-        limits.push(CurveLimits::new(*temperature, &limit));
+        limits.push(CurveLimits::new(*temperature, &limit, model.background));
         for &velocity in &velocities {
             let begun = friction.len() as f64;
             let start = |job: f64| (begun + job / jobs) / points;
@@ -144,6 +152,8 @@ pub(super) fn run(
     ] {
         record.add_known(column.along(along), values);
     }
+    model.add_background(&FORCES, &mut record);
+    model.add_coefficient(KINETIC_FRICTION.name, &mut record);
     accuracy.of(model, "the friction force of steady sliding", Output::new(model, numbers, record))
 }
 

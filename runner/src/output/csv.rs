@@ -101,11 +101,11 @@ fn same(name: &str) -> (String, String) {
 fn trace(record: &Record, prefix: &str) -> Option<String> {
     if prefix.is_empty() && record.get("spring_force").is_none() {
         // An interface has several springs, single contacts have no positions, and only some tasks have a time.
-        let optional = ["position", "time", "velocity"].map(same);
+        let optional = ["position", "time", "velocity", "friction_coefficient"].map(same);
         return table(record, &["drive", "force"].map(same), &optional);
     }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
-    let timed = ["time", "velocity", "free"].map(column);
+    let timed = ["time", "velocity", "free", "friction_coefficient"].map(column);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);
     // An ensemble at the same points is added to the table; one with its own points gets a table of its own.
     let beside = record.get("ensemble_drive").map_or(&ensemble[..], |_| &[]);

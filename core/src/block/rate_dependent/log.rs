@@ -100,10 +100,11 @@ impl SlidingBlock {
         let (tangent, contact_energies) = (cell.contacts.tangent(), cell.contacts.energies());
         // After an arrest the slider is behind the position of its contacts, on their unloading line.
         let back = equation.unloaded(cell, drive);
-        let velocity =
-            if back < 0.0 { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
+        // The background force holds it there until the spring has gained 2B.
+        let slides = back < 0.0 && back <= equation.excess(cell, drive) / equation.resistance(cell);
+        let velocity = if slides { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
         let position = cell.position + back;
-        let spring_force = stiffness * (drive - position);
+        let spring_force = stiffness * (drive - position) + equation.background;
         let energy = EnergyBalance {
             work: energies.work,
             spring: 0.5 * spring_force * spring_force / stiffness,
@@ -113,9 +114,10 @@ impl SlidingBlock {
             breaks: contact_energies.lost + energies.breaks,
             slip: energies.arrest,
             viscous: energies.viscous[0],
+            background: energies.background,
             ..EnergyBalance::default()
         };
-        let force = cell.force + tangent * back;
+        let force = cell.force + tangent * back + equation.background(cell, drive);
         let (free, broken) = (cell.contacts.free(), contact_energies.broken);
         Moment { time, drive, position, velocity, force, spring_force, free, broken, energy }
     }
@@ -191,7 +193,7 @@ impl Log {
             tolerance: slider.motion.control.tolerance,
             pulled,
             open: None,
-            largest: (start.force.abs(), slider.cell().contacts.tangent()),
+            largest: (slider.cell().force.abs(), slider.cell().contacts.tangent()),
         }
     }
 
@@ -213,8 +215,9 @@ impl Log {
     /// Records the end of a step: slips begin and end, oscillations have their maximum.
     pub fn record_step(&mut self, slider: &SlidingBlock) {
         let (moment, fast) = (slider.moment(), SLIP_VELOCITY * self.pulled);
-        self.largest =
-            (self.largest.0.max(moment.force.abs()), self.largest.1.max(slider.cell().contacts.tangent()));
+        let cell = slider.cell();
+        let contacts = moment.force - slider.motion.equation.background(cell, slider.motion.drive);
+        self.largest = (self.largest.0.max(contacts.abs()), self.largest.1.max(cell.contacts.tangent()));
         // A slip begins inside the step, where the velocity passes the limit.
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);

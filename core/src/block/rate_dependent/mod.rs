@@ -106,7 +106,14 @@ impl Block {
             return Err(Error::invalid("stiffness", "a block with a stiffness, to be moved in time", "none"));
         };
         let (mass, viscosity) = self.slip.limits()?;
-        Ok(EquationOfMotion { connection, connected: 1, mass, viscosity, arrest: Arrest::Unload })
+        Ok(EquationOfMotion {
+            connection,
+            connected: 1,
+            mass,
+            viscosity,
+            background: self.background,
+            arrest: Arrest::Unload,
+        })
     }
 }
 

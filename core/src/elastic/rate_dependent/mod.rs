@@ -123,8 +123,14 @@ impl RateDependentInterface {
         let RateDependentInterfaceParameters {
             connection, viscosity, tolerance, slip_fraction, area, ..
         } = setting;
-        let equation =
-            EquationOfMotion { connection, connected, mass: 0.0, viscosity, arrest: Arrest::Stand };
+        let equation = EquationOfMotion {
+            connection,
+            connected,
+            mass: 0.0,
+            viscosity,
+            background: 0.0,
+            arrest: Arrest::Stand,
+        };
         let pull = connected as f64 * connection;
         // At this drive the springs carry the total friction force, and the drag of steady sliding. The equilibrium positions solve a linear
         // system, because contacts do not move with them.

@@ -143,7 +143,7 @@ impl SteadyEstimates {
         let distance = LIVES * equation.steady_state().mean_life();
         let pull = equation.pull_with(distance, None, &mut Part::new(monitor, 0.0, 0.3))?;
         let part = &mut Part::new(monitor, 0.3, 0.7);
-        friction((equation, &pull), (&self.likelihood.free, &self.covariance), part)
+        friction((equation, &pull, 0.0), (&self.likelihood.free, &self.covariance), part)
     }
 }
 

@@ -9,6 +9,7 @@ mod output_points;
 mod run;
 
 use super::accuracy::ForceAccuracy;
+use super::background::coefficient;
 use super::summary::InterfaceNumbers;
 use super::{Checkpoints, Output};
 use crate::elastic::Event;
@@ -100,7 +101,9 @@ fn drive<D: DrivenInterface>(
     let found = run.follow(&output_points, monitor)?;
     let error = found.error;
     let numbers = InterfaceNumbers { catalogue: catalogue::read::<D>(interface, units, &found.events) };
-    let record = record::<D>(interface, &output_points, found);
+    let mut record = record::<D>(interface, &output_points, found);
+    let cells = if interface.contacts == PerCell::One { 1 } else { interface.size() };
+    model.add_background_of_cells(cells, &mut record);
     let output = Output { seed: seed(model, interface), sample: None, ..Output::new(model, numbers, record) };
     match error {
         Some(force) => accuracy(model, force).of(model, "the force of a cell", output),
@@ -165,7 +168,7 @@ fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
     let mut record = events;
     record.variables.iter_mut().for_each(|variable| variable.name.insert_str(0, "event_"));
     record.variables.extend(slipped.variables);
-    let cells = [MAP_DRIVE, CELL, ROW, COLUMN];
+    let cells = [coefficient(&["point"]), MAP_DRIVE, CELL, ROW, COLUMN];
     for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(D::MAPS) {
         record.add(*column, Vec::new());
     }

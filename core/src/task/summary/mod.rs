@@ -31,6 +31,9 @@ pub struct Summary {
     pub accuracy: Option<f64>,
     /// Number of contacts N_c of the forces.
     pub contacts: f64,
+    /// Background force B, which all friction forces of the results contain; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub background_force: Option<f64>,
     /// Number of contacts of the finite-size band and of the ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sample: Option<f64>,
@@ -181,7 +184,8 @@ pub struct Noise {
     pub mean_life: f64,
     /// S(0), a force squared times a length: the force averaged over a long displacement L has the variance S(0)/L.
     pub at_zero: f64,
-    /// Limit of q² S(q)/(2 F_k) for large q, a force per length: the stiffness of one contact where contacts re-form at 0.
+    /// Limit of q² S(q)/(2 F_k) for large q with the F_k of the contacts alone, a force per length: the stiffness of one
+    /// contact where contacts re-form at 0.
     pub tail: f64,
 }
 

@@ -183,9 +183,10 @@ impl MeasuredRateState {
 }
 
 impl CurveLimits {
-    /// Limits of the curve at `temperature`, if there are several curves.
-    pub fn new(temperature: Option<f64>, limits: &Limits) -> Self {
-        Self { temperature, fast: limits.fast, slow: limits.slow, viscosity: limits.viscosity }
+    /// Limits of the curve at `temperature`, if there are several curves, with a background force.
+    pub fn new(temperature: Option<f64>, limits: &Limits, background: f64) -> Self {
+        let slow = limits.slow.map(|friction| friction + background);
+        Self { temperature, fast: limits.fast + background, slow, viscosity: limits.viscosity }
     }
 }
 
