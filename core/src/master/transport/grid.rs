@@ -173,7 +173,8 @@ impl Folds {
             // A has a singularity |h − x|^{5/2} where the threshold is met, of which a panel misses the power 7/2 of its width.
             Barrier::Catastrophe => {
                 let fraction = (tolerance / CATASTROPHE).powf(2.0 / 7.0);
-                (fraction.min(smooth), fraction.min(1.0), DEEPEST)
+                // ln w falls by up to twice as much as u grows.
+                (fraction.min(0.5 * smooth), fraction.min(1.0), DEEPEST)
             }
         };
         let power = match contacts.stiffness {
