@@ -1,11 +1,12 @@
-//! Contacts followed through time: the velocity step of thresholds that diffuse, how many cells a second, one thread and two.
+//! Contacts followed through time: velocity steps with temperature beside ageing alone, the velocity step of thresholds that
+//! diffuse, how many cells a second, one thread and two.
 
 #![allow(missing_docs)]
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::{Gaussian, Point, SharedLaw};
 use asperity::master::Transport;
@@ -58,6 +59,44 @@ fn steps(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Temperature, and temperature with ageing, over the time of ageing alone: velocity steps from rest at the same tolerance, on
+/// one thread.
+fn pairs(criterion: &mut Criterion) {
+    let ageing = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
+    let temperature = |barrier| Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier });
+    let elastic = temperature(Barrier::Elastic);
+    let rows = [
+        ("ageing", ageing(), None),
+        ("temperature", None, elastic),
+        ("temperature and ageing", ageing(), elastic),
+        ("Bell's temperature and ageing", ageing(), temperature(Barrier::Bell)),
+        ("catastrophe and ageing", ageing(), temperature(Barrier::Catastrophe)),
+    ];
+    let mut group = criterion.benchmark_group("velocity steps from rest");
+    group.sample_size(10);
+    let pool = pool(1);
+    for (tolerance, digits) in [(1e-4, "1e-4"), (1e-6, "1e-6")] {
+        for (name, ageing, temperature) in &rows {
+            let rules = Rules { ageing: ageing.clone(), temperature: *temperature, ..Rules::default() };
+            let contacts = contacts(gaussian(1.0, 0.25), rules);
+            group.bench_function(format!("{name} to {digits}"), |bencher| {
+                bencher.iter(|| pool.install(|| steps_from_rest(&contacts, tolerance)));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Three velocities, a factor of ten apart, for five mean thresholds each.
+fn steps_from_rest(contacts: &Contacts, tolerance: f64) -> f64 {
+    let piece = |velocity: f64| Piece { velocity, duration: 5.0 / velocity };
+    let history = History::new(vec![piece(0.01), piece(0.1), piece(0.01)]).unwrap();
+    let times: Vec<f64> = (0..=300).map(|k| f64::from(k) / 300.0 * history.duration()).collect();
+    let mut transport =
+        Transport::new_with(contacts.clone(), &Initial::default(), tolerance, &mut ()).unwrap();
+    transport.follow(&history, &times).unwrap().force.iter().sum()
+}
+
 /// Cells a second of a step of diffusion in cache, beside those that memory could feed: 16 bytes read and written for each.
 fn cells(_: &mut Criterion) {
     const CELLS: usize = 700;
@@ -80,5 +119,5 @@ fn cells(_: &mut Criterion) {
     println!("cells: {hot:.3e} a second in a step of diffusion; memory would allow {memory:.3e}");
 }
 
-criterion_group!(benches, steps, cells);
+criterion_group!(benches, steps, pairs, cells);
 criterion_main!(benches);

@@ -59,6 +59,12 @@ impl Stencil {
         self.weights.iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()
     }
 
+    /// The ten points of `known` with their weights in the interpolated value.
+    #[inline(always)]
+    pub fn weighted<'a, T>(&self, known: &'a [T]) -> impl Iterator<Item = (f64, &'a T)> + use<'a, T> {
+        self.weights.into_iter().zip(&known[self.first..])
+    }
+
     /// The interpolated derivative of `known`(point), per spacing.
     pub fn slope(&self, known: impl Fn(usize) -> f64) -> f64 {
         self.slopes().iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()

@@ -8,7 +8,7 @@ use crate::Result;
 use crate::law::{Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
-use crate::numerics::legendre::{RULE, primitive, series};
+use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::{POINTS, Stencil};
 
@@ -236,6 +236,12 @@ impl RankTable {
         Rank { ranks: stencil(psi.clamp(-FAR, FAR)), beyond }
     }
 
+    /// The thresholds of contacts of these ranks at each tabulated age.
+    pub(super) fn rows_of(&self, ranks: &[Rank; NODES]) -> Vec<Nodal> {
+        let at = |row: &Vec<f64>, rank: &Rank| rank.ranks.value(|rank| row[rank]) + rank.beyond;
+        self.rows.iter().map(|row| ranks.each_ref().map(|rank| at(row, rank))).collect()
+    }
+
     /// The contact whose threshold was h_0 when fresh, for many ages.
     pub(super) fn followed(&self, newborn: f64) -> RankTrajectory<'_> {
         let thresholds = vec![Cell::new(f64::NAN); self.rows.len()];
@@ -269,6 +275,18 @@ impl RanksAtAge<'_> {
     /// h of a contact of this rank.
     pub(super) fn threshold_of(&self, rank: &Rank) -> f64 {
         self.ages.value(|age| rank.ranks.value(|rank| self.ranks.rows[age][rank])) + rank.beyond
+    }
+
+    /// h of contacts whose thresholds at each tabulated age are given.
+    #[inline(always)]
+    pub(super) fn interpolated(&self, rows: &[Nodal]) -> Nodal {
+        let mut sum = [0.0; NODES];
+        for (weight, row) in self.ages.weighted(rows) {
+            for i in 0..NODES {
+                sum[i] += weight * row[i];
+            }
+        }
+        sum
     }
 
     /// ∫ h dG_i and ∫ h² dG_i over the contacts with fresh thresholds above h_0.

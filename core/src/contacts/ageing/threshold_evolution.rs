@@ -7,6 +7,7 @@ use super::ranks::{ContactAtThreshold, RankTable, RanksAtAge};
 use super::{Ageing, Contacts, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
+use crate::numerics::legendre::{NODES, Nodal};
 use crate::{Error, Result};
 
 /// The present threshold h of a contact as a function of its fresh threshold h_0 and its age t; h rises with
@@ -57,6 +58,23 @@ pub(crate) struct Label<'a> {
     pub(crate) newborn: f64,
     /// From [`ThresholdEvolution::rank`].
     pub(crate) rank: Option<&'a Rank>,
+}
+
+/// The labels of sixteen groups of contacts whose thresholds are asked for at many ages.
+#[derive(Debug)]
+pub(crate) struct NodalLabels {
+    newborn: Nodal,
+    ranks: NodalRanks,
+}
+
+/// What is known of the ranks of sixteen groups of contacts.
+#[derive(Debug)]
+enum NodalRanks {
+    /// Contacts have no rank, or it is not needed.
+    None,
+    Each(Box<[Rank; NODES]>),
+    /// Their thresholds at each tabulated age.
+    Rows(Vec<Nodal>),
 }
 
 /// One contact, for its thresholds at many ages.
@@ -176,6 +194,23 @@ impl ThresholdEvolution {
         if let Kind::Ranked(ranks) = &self.kind { Some(ranks.rank(newborn)) } else { None }
     }
 
+    /// The labels of contacts with these fresh thresholds; if `tabulated`, some of their thresholds at all ages are computed
+    /// now, so that the others are interpolated faster.
+    pub(crate) fn labels(&self, newborn: Nodal, tabulated: bool) -> NodalLabels {
+        let ranks = match &self.kind {
+            Kind::Ranked(table) => {
+                let each = newborn.map(|h| table.rank(h));
+                if tabulated {
+                    NodalRanks::Rows(table.rows_of(&each))
+                } else {
+                    NodalRanks::Each(Box::new(each))
+                }
+            }
+            _ => NodalRanks::None,
+        };
+        NodalLabels { newborn, ranks }
+    }
+
     /// The contact with fresh threshold h_0.
     pub(crate) fn followed(&self, newborn: f64) -> ThresholdTrajectory<'_> {
         match &self.kind {
@@ -272,6 +307,26 @@ impl ThresholdsAtAge<'_> {
             (At::Ranked(aged), Some(rank)) => aged.threshold_of(rank).max(0.0),
             _ => self.threshold(label.newborn),
         }
+    }
+
+    /// h of contacts with sixteen labels.
+    #[inline(always)]
+    pub(crate) fn thresholds_of(&self, labels: &NodalLabels) -> Nodal {
+        let thresholds = match (&self.0, &labels.ranks) {
+            (At::Affine(aged), _) => {
+                let (newborn, mut out) = (labels.newborn, [0.0; NODES]);
+                for i in 0..NODES {
+                    out[i] = aged.shift + aged.factor * newborn[i];
+                }
+                out
+            }
+            (At::Ranked(aged), NodalRanks::Rows(rows)) => aged.interpolated(rows),
+            (At::Ranked(aged), NodalRanks::Each(ranks)) => {
+                ranks.each_ref().map(|rank| aged.threshold_of(rank))
+            }
+            (At::Ranked(aged), NodalRanks::None) => labels.newborn.map(|h| aged.threshold(h)),
+        };
+        thresholds.map(|h| h.max(0.0))
     }
 
     /// h_0 of a contact whose threshold is h; below 0 if every contact has a higher threshold.

@@ -3,9 +3,17 @@
 //! The lower the temperature, the more panels there are, of which only some matter at a time. They are
 //! therefore given by a formula: the panels of the distribution, each divided into parts of equal [`Folds`].
 
-use super::panels::{LabelPanel, panels};
-use crate::contacts::{Barrier, Contacts, Stiffness, Temperature};
-use crate::law::Law;
+use std::collections::HashMap;
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
+
+use super::panels::{LabelPanel, panels_within};
+use crate::contacts::{
+    Barrier, Contacts, Label, NodalLabels, Rank, Stiffness, Temperature, ThresholdEvolution,
+};
+use crate::law::{Law, SharedLaw};
+use crate::numerics::exponential::exp;
+use crate::numerics::legendre::{NODES, Nodal, RULE, gauss_points, series_at};
 
 /// A measure u(h) of thresholds: between two of them ln w falls by at most as much as u grows.
 ///
@@ -30,6 +38,105 @@ struct Folds {
 pub(super) struct LabelGrid {
     pieces: Vec<GridPiece>,
     folds: Folds,
+    law: SharedLaw,
+    evolution: ThresholdEvolution,
+    /// A place for each panel if there are few, and those in use if there are many: computing one takes as long as many steps
+    /// of a cohort.
+    near: Vec<OnceLock<GridPanel>>,
+    far: RwLock<HashMap<u64, Arc<GridPanel>>>,
+}
+
+/// A panel with what all cohorts need of it.
+#[derive(Debug)]
+pub(super) struct GridPanel {
+    pub(super) whole: LabelPanel,
+    /// The fresh thresholds at its Gauss points.
+    pub(super) labels: NodalLabels,
+    /// The fraction of fresh contacts at each.
+    pub(super) weights: Nodal,
+    /// ∫ P_ci dh_0 above it, point masses included.
+    pub(super) survival: f64,
+    /// [`Self::LOWEST`], [`Self::MIDDLE`] and [`Self::HIGHEST`], with their ranks.
+    marks: [(f64, Option<Rank>); 3],
+}
+
+/// A panel that is kept for good, or as long as it is used.
+pub(super) enum KeptPanel<'a> {
+    Near(&'a GridPanel),
+    Far(Arc<GridPanel>),
+}
+
+impl Deref for KeptPanel<'_> {
+    type Target = GridPanel;
+
+    #[inline]
+    fn deref(&self) -> &GridPanel {
+        match self {
+            Self::Near(panel) => panel,
+            Self::Far(panel) => panel,
+        }
+    }
+}
+
+impl GridPanel {
+    /// The first Gauss point, one in the middle, and the upper end.
+    pub(super) const LOWEST: usize = 0;
+    pub(super) const MIDDLE: usize = 1;
+    pub(super) const HIGHEST: usize = 2;
+
+    fn new(whole: LabelPanel, law: &dyn Law, evolution: &ThresholdEvolution, tabulated: bool) -> Self {
+        let (points, weights) = whole.nodes();
+        let marks = [points[0], points[NODES / 2], whole.high].map(|h| (h, evolution.rank(h)));
+        Self {
+            whole,
+            labels: evolution.labels(points, tabulated),
+            weights: std::array::from_fn(|i| weights[i] * law.density(points[i])),
+            survival: law.survival(whole.high),
+            marks,
+        }
+    }
+
+    /// One of its labels.
+    pub(super) fn label(&self, mark: usize) -> Label<'_> {
+        let (newborn, rank) = &self.marks[mark];
+        Label { newborn: *newborn, rank: rank.as_ref() }
+    }
+
+    /// Thresholds in the panel above `met`, weighted by their fraction of fresh contacts, and e^{−A} there from A at the Gauss
+    /// points.
+    ///
+    /// ln A is a polynomial in the threshold to rounding, e^{−A} only where A is small: for contacts that have just formed.
+    #[inline(always)]
+    pub(super) fn above(&self, met: f64, exponents: &Nodal) -> SurvivorsAbove {
+        /// For A this small, e^{−A} is a polynomial to rounding.
+        const SMALL: f64 = 1e-6;
+        /// Contacts far below the stretch have broken; ln A must be finite.
+        const MOST: f64 = 1e300;
+        let LabelPanel { low, high } = self.whole;
+        let from = (2.0 * met - low - high) / (high - low);
+        let points = gauss_points(0.5 * (1.0 + from), 0.5 * (1.0 - from));
+        let logarithmic = exponents.iter().any(|a| *a > SMALL) && exponents.iter().all(|a| *a > 0.0);
+        let values = exponents.map(|a| if logarithmic { a.min(MOST).ln() } else { exp(-a) });
+        let mut density = self.weights;
+        for i in 0..NODES {
+            density[i] *= 0.5 * (1.0 - from) / RULE.weights[i];
+        }
+        let mut left = series_at(&RULE.coefficients(&values), &points);
+        let mut weights = series_at(&RULE.coefficients(&density), &points);
+        for i in 0..NODES {
+            left[i] = if logarithmic { exp(-exp(left[i])) } else { left[i] };
+            weights[i] *= RULE.weights[i];
+        }
+        SurvivorsAbove { points, weights, left }
+    }
+}
+
+/// Contacts of a panel above the largest threshold met.
+pub(super) struct SurvivorsAbove {
+    /// Gauss points, in [−1, 1] on the whole panel.
+    pub(super) points: Nodal,
+    pub(super) weights: Nodal,
+    pub(super) left: Nodal,
 }
 
 /// A panel of the distribution, divided into parts.
@@ -44,6 +151,11 @@ struct GridPiece {
     count: u64,
 }
 
+/// Panels that have a place: 3 MB; that are kept: 40 MB at most; and of which the thresholds at all ages are: 30 MB.
+const MOST_NEAR: u64 = 1 << 12;
+const MOST_KEPT: usize = 1 << 14;
+const MOST_TABULATED: u64 = 1 << 9;
+
 impl Folds {
     fn new(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
         /// A barrier eight times as high, in T, lasts 10³⁵/ω.
@@ -51,13 +163,18 @@ impl Folds {
         /// Ten times the error of the force for the catastrophe barrier with panels of one e-fold and one
         /// octave.
         const CATASTROPHE: f64 = 1e-8;
+        /// Sixteen points integrate exp(−e^{−t}) over five e-folds to a hundredth of this tolerance: to 4e-9. Over three
+        /// e-folds they do to 6e-14, over four to 5e-11, over six to 9e-8, over eight to 5e-6: at most as the power 14 of
+        /// the width.
+        const FIVE: f64 = 1e-6;
+        let smooth = 5.0 * (tolerance / FIVE).powf(1.0 / 14.0);
         let (most, octaves, deepest) = match temperature.barrier {
-            // Sixteen points integrate exp(−e^{−t}) over three e-folds to 1e-12.
-            Barrier::Elastic | Barrier::Bell => (3.0, 1.0, f64::INFINITY),
+            Barrier::Elastic | Barrier::Bell => (smooth, 1.0, f64::INFINITY),
             // A has a singularity |h − x|^{5/2} where the threshold is met, of which a panel misses the power 7/2 of its width.
             Barrier::Catastrophe => {
-                let fraction = (tolerance / CATASTROPHE).powf(2.0 / 7.0).min(1.0);
-                (fraction, fraction, DEEPEST)
+                let fraction = (tolerance / CATASTROPHE).powf(2.0 / 7.0);
+                // ln w falls by up to twice as much as u grows.
+                (fraction.min(0.5 * smooth), fraction.min(1.0), DEEPEST)
             }
         };
         let power = match contacts.stiffness {
@@ -90,9 +207,17 @@ impl Folds {
 }
 
 impl LabelGrid {
-    pub(super) fn new(law: &dyn Law, contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
+    pub(super) fn new(
+        contacts: &Contacts,
+        temperature: &Temperature,
+        evolution: ThresholdEvolution,
+        tolerance: f64,
+    ) -> Self {
         /// More parts of a panel than this would have equal ends.
         const FINEST: f64 = 1e15;
+        /// Mass beyond the last panel, in tolerances.
+        const BEYOND: f64 = 1e-4;
+        let law = contacts.thresholds.clone();
         let folds = Folds::new(contacts, temperature, tolerance);
         let mut first = 0;
         let piece = |whole: LabelPanel| {
@@ -102,13 +227,40 @@ impl LabelGrid {
             first += piece.count;
             piece
         };
-        let wholes = panels(law, f64::INFINITY).into_iter().flat_map(|whole| whole.graded(folds.octaves));
-        Self { pieces: wholes.map(piece).collect(), folds }
+        let wholes = panels_within(law.as_ref(), f64::INFINITY, BEYOND * tolerance);
+        let pieces: Vec<_> =
+            wholes.into_iter().flat_map(|whole| whole.graded(folds.octaves)).map(piece).collect();
+        let near =
+            if first <= MOST_NEAR { (0..first).map(|_| OnceLock::new()).collect() } else { Vec::new() };
+        Self { pieces, folds, law, evolution, near, far: RwLock::default() }
     }
 
     /// Number of panels.
     pub(super) fn count(&self) -> u64 {
         self.pieces.last().map_or(0, |piece| piece.first + piece.count)
+    }
+
+    /// The panel of this index, with what cohorts need of it.
+    pub(super) fn kept(&self, number: u64) -> KeptPanel<'_> {
+        if let Some(place) = self.near.get(number as usize) {
+            return KeptPanel::Near(place.get_or_init(|| self.made(number)));
+        }
+        if let Some(known) = self.far.read().unwrap_or_else(PoisonError::into_inner).get(&number) {
+            return KeptPanel::Far(known.clone());
+        }
+        let panel = Arc::new(self.made(number));
+        // Two threads may compute the same panel; both results are equal, so that it does not matter which is kept.
+        let mut known = self.far.write().unwrap_or_else(PoisonError::into_inner);
+        if known.len() < MOST_KEPT {
+            known.insert(number, panel.clone());
+        }
+        KeptPanel::Far(panel)
+    }
+
+    fn made(&self, number: u64) -> GridPanel {
+        // Thresholds at all ages take 60 kB a panel.
+        let tabulated = self.count() <= MOST_TABULATED;
+        GridPanel::new(self.panel(number), self.law.as_ref(), &self.evolution, tabulated)
     }
 
     /// The panel of this index.
@@ -168,7 +320,8 @@ mod tests {
                 let contacts =
                     Contacts { stiffness, ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap())) };
                 let temperature = Temperature { energy: 1e-6, attempt_rate: 1.0, barrier };
-                let grid = LabelGrid::new(law.as_ref(), &contacts, &temperature, 1e-6);
+                let evolution = ThresholdEvolution::of(&contacts).unwrap();
+                let grid = LabelGrid::new(&contacts, &temperature, evolution, 1e-6);
                 let ln_rate = |x: f64, h: f64| -temperature.exponent(x, h, stiffness.of(h));
                 for label in [1e-3, 0.01, 0.3, 1.2] {
                     let number = grid.above(label);
@@ -181,7 +334,7 @@ mod tests {
                         if ln_rate(x, panel.high) > -80.0 {
                             let fall = ln_rate(x, panel.low) - ln_rate(x, panel.high);
                             // What sixteen points do for, and what u grows by more near its kink.
-                            assert!(fall < 1.1 * 3.0, "{barrier:?} {x} {panel:?}: {fall}");
+                            assert!(fall < 1.1 * 5.0, "{barrier:?} {x} {panel:?}: {fall}");
                         }
                     }
                 }

@@ -41,33 +41,22 @@ impl LabelPanel {
         let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
         (RULE.nodes.map(|node| middle + half * node), RULE.weights.map(|weight| half * weight))
     }
-
-    /// ∫_from^high of `density` × e^{−A}, with A at the Gauss points.
-    ///
-    /// e^{−A} for a rate that falls by e³ on the panel is a polynomial of degree 15 only to 1e-6, but ln A is
-    /// one to rounding; for contacts that have just formed, A is one.
-    pub(super) fn above(self, from: f64, exponents: &Nodal, density: impl Fn(f64) -> f64) -> f64 {
-        /// For A this small, e^{−A} is a polynomial to rounding.
-        const SMALL: f64 = 1e-6;
-        let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
-        let logarithmic = exponents.iter().any(|a| *a > SMALL) && exponents.iter().all(|a| *a > 0.0);
-        let values = exponents.map(|a| if logarithmic { a.ln() } else { (-a).exp() });
-        RULE.integrate(from, self.high, |h| {
-            let row = RULE.cardinals((h - middle) / half);
-            let value: f64 = row.iter().zip(values).map(|(weight, value)| weight * value).sum();
-            density(h) * if logarithmic { (-value.exp()).exp() } else { value }
-        })
-    }
 }
 
 /// The panels that contain the density of a distribution, none wider than `widest`.
 pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<LabelPanel> {
-    let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
+    panels_within(law, widest, BEYOND)
+}
+
+/// The same up to the mass `beyond` at either end.
+pub(super) fn panels_within(law: &dyn Law, widest: f64, beyond: f64) -> Vec<LabelPanel> {
+    let beyond = beyond.max(BEYOND);
+    let (bottom, top) = (law.quantile(beyond), law.upper_quantile(0.0).min(law.upper_quantile(beyond)));
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
     stops.extend(law.breakpoints().iter().map(|b| b.position));
-    stops.extend([law.quantile(BEYOND), top]);
-    stops.retain(|&x| x >= 0.0 && x <= top);
+    stops.extend([bottom, top]);
+    stops.retain(|&x| x >= (if beyond > BEYOND { bottom } else { 0.0 }) && x <= top);
     stops.sort_by(f64::total_cmp);
     stops.dedup();
     let mut panels = Vec::new();

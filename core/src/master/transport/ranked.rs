@@ -9,20 +9,20 @@
 //! temperature the narrower the band; without temperature it reduces to c. On the panel that contains c, ln A
 //! is the polynomial through its values, for which the rate is continued beyond y = 1.
 
-use std::collections::HashMap;
-use std::sync::{Arc, PoisonError, RwLock};
-
 use serde::{Deserialize, Serialize};
 
-use super::grid::LabelGrid;
-use super::panels::panels;
+use super::grid::{GridPanel, LabelGrid, SurvivorsAbove};
 use super::path::{Path, Place};
 use super::seeds::Seed;
-use super::thermal::{QuadratureMoment, StepPassage, ThermalBreaking};
-use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution};
+use super::thermal::{StepPassage, StepRule, ThermalBreaking};
+use crate::contacts::{
+    Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge,
+};
 use crate::law::{Atom, SharedLaw};
-use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::exponential::exp;
+use crate::numerics::legendre::{NODES, Nodal, RULE, dot, series_at};
 use crate::numerics::roots::{brent_minimum, brent_root};
+use crate::numerics::wide::wide;
 
 /// Thresholds that follow from age.
 #[derive(Debug)]
@@ -33,16 +33,11 @@ pub(super) struct RankedThresholds {
     /// Thermal breaking, if it matters.
     thermal: Option<(ThermalBreaking, LabelGrid)>,
     atoms: Vec<Atom>,
-    /// Ranks on panels of the grid: expensive, and the same for all cohorts.
-    ranks: RwLock<HashMap<u64, Arc<PanelRanks>>>,
-    /// The highest threshold.
-    strongest: (f64, Option<Rank>),
+    /// The ranks of the point masses, if contacts keep theirs.
+    ranks: Vec<Option<Rank>>,
     /// Ages between which thresholds have at most one extremum, if a step may span some of them.
     octaves: Vec<f64>,
 }
-
-/// Ranks at the Gauss points of a panel, and at its upper end.
-type PanelRanks = [Rank; NODES + 1];
 
 /// The surviving contacts of a cohort.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -64,8 +59,6 @@ struct Band {
     first: u64,
     /// A at the Gauss points of its panels.
     exponents: Vec<Nodal>,
-    /// The fraction of fresh contacts at each.
-    weights: Vec<Nodal>,
 }
 
 /// Contacts with a larger A have broken.
@@ -108,7 +101,6 @@ impl Band {
     fn rise(&mut self, first: u64) {
         let below = (first.saturating_sub(self.first) as usize).min(self.exponents.len());
         self.exponents.drain(..below);
-        self.weights.drain(..below);
         self.first = self.first.max(first);
     }
 }
@@ -120,20 +112,17 @@ impl RankedThresholds {
         let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let thermal = felt.map(|t| {
             let thermal = ThermalBreaking::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
-            (thermal, LabelGrid::new(law.as_ref(), contacts, &t, tolerance))
+            (thermal, LabelGrid::new(contacts, &t, evolution.clone(), tolerance))
         });
         let atoms = law.atoms();
-        let highest = panels(law.as_ref(), f64::INFINITY).last().map(|panel| panel.high);
-        let highest = highest.into_iter().chain(atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
         Self {
             law,
-            strongest: (highest, evolution.rank(highest)),
+            ranks: atoms.iter().map(|atom| evolution.rank(atom.position)).collect(),
             octaves: evolution.octaves(),
             evolution,
             stiffness: contacts.stiffness,
             thermal,
             atoms,
-            ranks: RwLock::default(),
         }
     }
 
@@ -157,9 +146,7 @@ impl RankedThresholds {
     /// Whether there is an entry for each point mass, and a band on existing panels if there is thermal
     /// breaking.
     pub(super) fn fits(&self, left: &SurvivingRanks) -> bool {
-        let fits = |band: &Band, grid: &LabelGrid| {
-            band.exponents.len() == band.weights.len() && (band.is_empty() || band.end() <= grid.count())
-        };
+        let fits = |band: &Band, grid: &LabelGrid| band.is_empty() || band.end() <= grid.count();
         left.atoms.len() == self.atoms.len()
             && match (&left.band, &self.thermal) {
                 (Some(band), Some((_, grid))) => fits(band, grid),
@@ -229,61 +216,63 @@ impl RankedThresholds {
     }
 
     /// Adds ∫w dt to the exponents.
-    fn accumulate<'a>(
+    fn accumulate(
         &self,
         thermal: &ThermalBreaking,
         grid: &LabelGrid,
-        passage: &StepPassage<'a>,
+        passage: &StepPassage<'_>,
         left: &mut SurvivingRanks,
     ) {
-        let SurvivingRanks { met, atoms, band: Some(band), .. } = left else { return };
-        let shared =
-            thermal.shared(passage, Label { newborn: self.strongest.0, rank: self.strongest.1.as_ref() });
-        let mut room = Vec::new();
-        let mut fitted = |label: Label<'_>, sum: &mut dyn FnMut(&[QuadratureMoment<'a>])| match &shared {
-            Some(moments) => sum(moments),
-            None => {
-                thermal.fit(passage, label, &mut room);
-                sum(&room);
-            }
-        };
-        for ((_, exponent), atom) in atoms.iter_mut().zip(&self.atoms) {
-            let rank = self.evolution.rank(atom.position);
-            let label = Label { newborn: atom.position, rank: rank.as_ref() };
-            fitted(label, &mut |moments| *exponent += thermal.added_to(moments, label));
-        }
-        // Panels at whose upper end everything has broken need not be stored.
-        let mut gone = |number: u64| {
-            let (ranks, mut added) = (self.ranks(grid, number), 0.0);
-            let rank = ranks.as_ref().map(|ranks| &ranks[NODES]);
-            let top = Label { newborn: grid.panel(number).high, rank };
-            fitted(top, &mut |moments| added = thermal.added_to(moments, top));
-            added > GONE
-        };
+        /// Panels above the first one whose rates decide on the rule where there is no band yet.
+        const AHEAD: u64 = 4;
+        self.accumulate_on_atoms(thermal, passage, left);
+        let SurvivingRanks { met, band: Some(band), .. } = left else { return };
         // Panels are stored between the highest threshold met and the first panel that nothing has
         // broken on: A falls with the threshold, so that these two ends bound the band.
         let (lowest, count) = (grid.above(*met), grid.count());
-        if band.is_empty() || lowest >= band.end() {
-            let first = first_remaining(lowest, count.saturating_sub(1), &mut gone);
-            *band = Band { first, ..Band::default() };
-        } else {
+        let begun = lowest < band.end() && !band.is_empty();
+        if begun {
             band.rise(lowest);
+        } else {
+            *band = Band { first: lowest, ..Band::default() };
+        }
+        if band.first >= count {
+            return;
+        }
+        let last = if begun { band.end() } else { band.first + AHEAD }.min(count - 1);
+        let (low, high) = (grid.kept(band.first), grid.kept(last));
+        let rule = thermal.rule(passage, [low.label(GridPanel::LOWEST), high.label(GridPanel::HIGHEST)]);
+        let mut room = Vec::new();
+        let nodes = |label: Label<'_>, room: &mut Vec<_>| match &rule {
+            StepRule::Nothing => {}
+            StepRule::Shared(nodes) if room.is_empty() => room.extend_from_slice(nodes),
+            StepRule::Shared(_) => {}
+            StepRule::Fitted => thermal.fit(passage, label, room),
+        };
+        if matches!(rule, StepRule::Nothing) {
+            return;
+        }
+        if !begun {
+            // Panels at whose upper end everything has broken need not be stored.
+            let mut gone = |number: u64| {
+                let panel = grid.kept(number);
+                let top = panel.label(GridPanel::HIGHEST);
+                nodes(top, &mut room);
+                thermal.added_to(&room, top) > GONE
+            };
+            band.first = first_remaining(band.first, count - 1, &mut gone);
         }
         for number in band.first..count {
-            let (points, weights) = grid.panel(number).nodes();
-            let (ranks, mut added) = (self.ranks(grid, number), Nodal::default());
-            let rank = |i: usize| ranks.as_ref().map(|ranks| &ranks[i]);
-            let labels = std::array::from_fn(|i| Label { newborn: points[i], rank: rank(i) });
-            fitted(labels[NODES / 2], &mut |moments| added = thermal.added(moments, &labels));
+            let panel = grid.kept(number);
+            nodes(panel.label(GridPanel::MIDDLE), &mut room);
+            let added = thermal.added(&room, &panel.labels);
             // The stronger a contact the lower its rate.
             if added[0] < thermal.nothing {
                 break;
             }
             let place = (number - band.first) as usize;
             if place == band.exponents.len() {
-                let density: Nodal = std::array::from_fn(|i| weights[i] * self.law.density(points[i]));
                 band.exponents.push(Nodal::default());
-                band.weights.push(density);
             }
             band.exponents[place].iter_mut().zip(added).for_each(|(exponent, added)| *exponent += added);
         }
@@ -292,81 +281,94 @@ impl RankedThresholds {
         band.rise(band.first + gone.min(band.exponents.len().saturating_sub(1)) as u64);
     }
 
-    /// The ranks on a panel of the grid, if contacts keep their rank.
-    fn ranks(&self, grid: &LabelGrid, number: u64) -> Option<Arc<PanelRanks>> {
-        /// Panels whose ranks are kept: 32 MB.
-        const MOST: usize = 1 << 14;
-        self.strongest.1.as_ref()?;
-        if let Some(known) = self.ranks.read().unwrap_or_else(PoisonError::into_inner).get(&number) {
-            return Some(known.clone());
+    /// The same for point masses.
+    fn accumulate_on_atoms(
+        &self,
+        thermal: &ThermalBreaking,
+        passage: &StepPassage<'_>,
+        left: &mut SurvivingRanks,
+    ) {
+        let mut room = Vec::new();
+        for (((fraction, exponent), atom), rank) in left.atoms.iter_mut().zip(&self.atoms).zip(&self.ranks) {
+            if *fraction == 0.0 {
+                continue;
+            }
+            let label = Label { newborn: atom.position, rank: rank.as_ref() };
+            *exponent += match thermal.rule(passage, [label, label]) {
+                StepRule::Nothing => 0.0,
+                StepRule::Shared(nodes) => thermal.added_to(&nodes, label),
+                StepRule::Fitted => {
+                    thermal.fit(passage, label, &mut room);
+                    thermal.added_to(&room, label)
+                }
+            };
         }
-        let panel = grid.panel(number);
-        let thresholds: Vec<f64> = panel.nodes().0.into_iter().chain([panel.high]).collect();
-        let found: Vec<Rank> = thresholds.into_iter().filter_map(|h| self.evolution.rank(h)).collect();
-        let ranks: Arc<PanelRanks> = Arc::new(found.try_into().ok()?);
-        // Two threads may compute the same panel; both results are equal, so that it does not
-        // matter which is kept.
-        let mut known = self.ranks.write().unwrap_or_else(PoisonError::into_inner);
-        if known.len() < MOST {
-            known.insert(number, ranks.clone());
-        }
-        Some(ranks)
     }
 
     /// The surviving fraction, and its stiffness.
     pub(super) fn measure(&self, left: &SurvivingRanks, age: f64) -> (f64, f64) {
-        let count = self.count(left) / left.newborn;
-        let stiffness = match self.stiffness {
-            Stiffness::Equal(_) => count,
-            Stiffness::PerThreshold(_) => {
-                let aged = self.evolution.at(age);
-                let threshold = |h: f64| aged.threshold(h);
-                (self.touched(left, threshold) + self.untouched(self.top(left), age)) / left.newborn
-            }
+        let top = self.top(left);
+        let aged = match self.stiffness {
+            Stiffness::Equal(_) => None,
+            Stiffness::PerThreshold(_) => Some(self.evolution.at(age)),
+        };
+        let touched = self.touched(left, aged.as_ref());
+        let count = (self.untouched(left, top) + touched[0]) / left.newborn;
+        let stiffness = if aged.is_some() {
+            (touched[1] + self.untouched_stiffness(top, age)) / left.newborn
+        } else {
+            count
         };
         (count, stiffness)
     }
 
     fn count(&self, left: &SurvivingRanks) -> f64 {
-        let top = self.top(left);
+        self.untouched(left, self.top(left)) + self.touched(left, None)[0]
+    }
+
+    /// The fraction of fresh contacts above the band, without point masses.
+    fn untouched(&self, left: &SurvivingRanks, top: f64) -> f64 {
         let beyond = |atom: &&Atom| atom.position > top;
         let atoms: f64 = self.atoms.iter().filter(beyond).map(|atom| atom.weight).sum();
-        (self.law.survival(top) - atoms).max(0.0) + self.touched(left, |_| 1.0)
+        let whole = match (&self.thermal, &left.band) {
+            (Some((_, grid)), Some(band)) if !band.is_empty() => grid.kept(band.end() - 1).survival,
+            _ => self.law.survival(top),
+        };
+        (whole - atoms).max(0.0)
     }
 
     /// The fresh threshold above which A = 0.
     fn top(&self, left: &SurvivingRanks) -> f64 {
         match (&self.thermal, &left.band) {
-            (Some((_, grid)), Some(band)) if !band.is_empty() => grid.panel(band.end() - 1).high,
+            (Some((_, grid)), Some(band)) if !band.is_empty() => grid.kept(band.end() - 1).whole.high,
             _ => left.met,
         }
     }
 
     /// ∫ P_ci h dh_0 above a fresh threshold, without point masses.
-    fn untouched(&self, from: f64, age: f64) -> f64 {
+    fn untouched_stiffness(&self, from: f64, age: f64) -> f64 {
         let beyond = self.atoms.iter().filter(|atom| atom.position > from);
         let atoms: f64 = beyond.map(|atom| atom.weight * self.evolution.threshold(atom.position, age)).sum();
         (self.evolution.moments_above(self.law.as_ref(), from, age)[1] - atoms).max(0.0)
     }
 
-    /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 over the band above c, and over point masses.
-    fn touched(&self, left: &SurvivingRanks, weight: impl Fn(f64) -> f64) -> f64 {
-        let term = |(atom, (fraction, exponent)): (&Atom, &(f64, f64))| {
-            atom.weight * weight(atom.position) * fraction * (-exponent).exp()
-        };
-        let atoms: f64 = self.atoms.iter().zip(&left.atoms).map(term).sum();
-        let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return atoms };
-        let panels = band.exponents.iter().zip(&band.weights).zip(band.first..);
-        let fraction = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
-            let panel = grid.panel(number);
-            if panel.low < left.met {
-                return panel.above(left.met, exponents, |h| self.law.density(h) * weight(h));
-            }
-            let labels = panel.points().map(|(label, _)| label);
-            let terms = weights.iter().zip(exponents).zip(labels);
-            terms.map(|((fraction, exponent), label)| fraction * weight(label) * (-exponent).exp()).sum()
-        };
-        atoms + panels.map(fraction).sum::<f64>()
+    /// ∫ P_ci e^{−A} dh_0 over the band above c and over point masses; and the same with the present threshold as a factor, if
+    /// thresholds are given.
+    fn touched(&self, left: &SurvivingRanks, aged: Option<&ThresholdsAtAge<'_>>) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for (atom, (fraction, exponent)) in self.atoms.iter().zip(&left.atoms) {
+            let survivors = atom.weight * fraction * (-exponent).exp();
+            sums[0] += survivors;
+            sums[1] += aged.map_or(0.0, |aged| survivors * aged.threshold(atom.position));
+        }
+        let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return sums };
+        for (exponents, number) in band.exponents.iter().zip(band.first..) {
+            let panel = grid.kept(number);
+            let on_panel = || survivors(&panel, left.met, exponents, aged);
+            let [count, stiffness] = wide(on_panel).unwrap_or_else(on_panel);
+            sums = [sums[0] + count, sums[1] + stiffness];
+        }
+        sums
     }
 
     /// The time at which contacts at one stretch that move at `velocity` reach the next point mass of the
@@ -406,6 +408,25 @@ impl RankedThresholds {
         }
         !self.atoms.is_empty()
     }
+}
+
+/// ∫ P_ci e^{−A} dh_0 over a panel above c, and the same with the present threshold as a factor, if thresholds are given.
+#[inline(always)]
+fn survivors(panel: &GridPanel, met: f64, exponents: &Nodal, aged: Option<&ThresholdsAtAge<'_>>) -> [f64; 2] {
+    let (exponents, mut terms) = (*exponents, panel.weights);
+    let thresholds = aged.map(|aged| aged.thresholds_of(&panel.labels));
+    if panel.whole.low < met {
+        let SurvivorsAbove { points, weights, left } = panel.above(met, &exponents);
+        for i in 0..NODES {
+            terms[i] = weights[i] * left[i];
+        }
+        let above = |thresholds: Nodal| dot(&terms, &series_at(&RULE.coefficients(&thresholds), &points));
+        return [terms.iter().sum(), thresholds.map_or(0.0, above)];
+    }
+    for i in 0..NODES {
+        terms[i] *= exp(-exponents[i]);
+    }
+    [terms.iter().sum(), thresholds.map_or(0.0, |thresholds| dot(&terms, &thresholds))]
 }
 
 /// The first index from `low` on that is not `gone`, or `high`: exponential search, then bisection.
@@ -450,7 +471,7 @@ mod tests {
         let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
-        let ranks = RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts).unwrap(), 1e-8);
+        let ranks = RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts).unwrap(), 1e-6);
         let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
         let mut left = ranks.newborn(&seed);

@@ -1,22 +1,28 @@
 //! Thermal breaking in a part of a time step: quadrature of A = ∫w dt.
 //!
-//! If ln w changes little, one Gauss–Legendre rule in time serves all contacts. Otherwise w falls about
-//! exponentially from one end, at a rate that depends on the threshold: the [`fitted`] rule then serves
-//! contacts of similar thresholds, on halves of the step where w does not fall exponentially.
+//! If ln w changes by a few units at most, one Gauss–Legendre rule in time serves all contacts, with as many nodes as the
+//! change requires. Otherwise w falls about exponentially from one end, at a rate that depends on the threshold: the
+//! [`fitted`] rule then serves contacts of similar thresholds, on halves of the step where w does not fall exponentially.
 
 use super::fitted::fitted;
 use super::path::Path;
-use crate::contacts::{Contacts, Label, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge};
+use crate::contacts::{
+    Barrier, Contacts, Label, NodalLabels, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge,
+};
+use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::wide::wide;
 
 /// Thermal breaking.
 #[derive(Debug)]
 pub(super) struct ThermalBreaking {
     temperature: Temperature,
     stiffness: Stiffness,
+    /// Whether w is a function of the stretch times one of the threshold.
+    separable: bool,
     /// Largest change of ln w in a step that each of the [`RULES`] integrates.
     most_change: [f64; RULES.len()],
-    /// Largest deviation of ln w from a straight line at a node of the fitted rule.
+    /// Largest deviation of ln w from a straight line: at a node of the fitted rule, and in the middle for a shared one.
     most_bend: f64,
     /// Contributions to A below this are neglected.
     pub(super) nothing: f64,
@@ -41,10 +47,42 @@ pub(super) struct QuadratureMoment<'a> {
     time: f64,
 }
 
+/// How A is integrated over a step.
+#[derive(Debug)]
+pub(super) enum StepRule<'a> {
+    /// Nothing breaks.
+    Nothing,
+    /// At these nodes, for all contacts.
+    Shared(Vec<QuadratureMoment<'a>>),
+    /// At nodes that are fitted to similar thresholds.
+    Fitted,
+}
+
 /// Gauss rules on [0, 1], as points and weights.
-const RULES: [&[(f64, f64)]; 2] = [
-    &[(0.211_324_865_405_187_13, 0.5), (0.788_675_134_594_812_9, 0.5)],
-    &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
+const RULES: [&[(f64, f64)]; 5] = [
+    &[(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)],
+    &[(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
+    &[
+        (0.069_431_844_202_973_71, 0.173_927_422_568_726_92),
+        (0.330_009_478_207_571_87, 0.326_072_577_431_273_05),
+        (0.669_990_521_792_428_1, 0.326_072_577_431_273_05),
+        (0.930_568_155_797_026_3, 0.173_927_422_568_726_92),
+    ],
+    &[
+        (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
+        (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+        (0.5, 0.284_444_444_444_444_44),
+        (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+        (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+    ],
+    &[
+        (0.033_765_242_898_423_99, 0.085_662_246_189_585_18),
+        (0.169_395_306_766_867_73, 0.180_380_786_524_069_3),
+        (0.380_690_406_958_401_56, 0.233_956_967_286_345_52),
+        (0.619_309_593_041_598_5, 0.233_956_967_286_345_52),
+        (0.830_604_693_233_132_2, 0.180_380_786_524_069_3),
+        (0.966_234_757_101_576, 0.085_662_246_189_585_18),
+    ],
 ];
 
 /// The largest change c of ln w for which a rule of n nodes meets the tolerance: its error of ∫₀¹ e^{cs} ds
@@ -82,33 +120,64 @@ impl ThermalBreaking {
         /// the smallest value used.
         const FAINT: f64 = 1e-6;
         const LEAST: f64 = 1e-15;
+        /// Error of A that the steps of a shared rule may add, in tolerances over the blur.
+        const SHARE: f64 = 0.3;
+        // Only contacts inside the blur see errors.
+        let allowed = (tolerance / blur).min(ROUGH);
+        let separable = temperature.barrier == Barrier::Elastic
+            && matches!(contacts.stiffness, Stiffness::Equal(_))
+            && contacts.rules.ageing.is_none();
         Self {
             temperature,
             stiffness: contacts.stiffness,
-            most_change: RULES.map(|rule| most_change(rule, tolerance)),
-            // Only contacts inside the blur see errors.
-            most_bend: ((tolerance / blur).min(ROUGH) / MISSED).sqrt(),
+            separable,
+            most_change: RULES.map(|rule| most_change(rule, SHARE * allowed)),
+            most_bend: (allowed / MISSED).sqrt(),
             nothing: (FAINT * tolerance / blur).clamp(LEAST, FAINT),
         }
     }
 
-    /// The nodes of a rule that serves all labels up to `top`, if one of the [`RULES`] does.
-    pub(super) fn shared<'a>(
-        &self,
-        passage: &StepPassage<'a>,
-        top: Label<'_>,
-    ) -> Option<Vec<QuadratureMoment<'a>>> {
-        let &StepPassage { evolution, age, path, ends: (from, to), .. } = passage;
-        let time = path.duration * (to - from);
-        let [before, after] = [age, age + time].map(|age| evolution.at(age).threshold_of(top));
-        let moved = path.advance(from, to).abs() + (after - before).abs();
-        let top = before.max(after);
-        let change = self.stiffness.of(top) * top * moved / self.temperature.energy;
+    /// How to integrate A of contacts with labels between these two, of which the first breaks earlier.
+    pub(super) fn rule<'a>(&self, passage: &StepPassage<'a>, between: [Label<'_>; 2]) -> StepRule<'a> {
+        let &StepPassage { path, ends: (from, to), .. } = passage;
+        let moments = [from, 0.5 * (from + to), to].map(|s| passage.at(s));
+        let ln_rates = between.map(|label| {
+            moments.each_ref().map(|(stretch, aged)| self.ln_rate(*stretch, aged.threshold_of(label)))
+        });
+        let highest = ln_rates[0].into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if self.temperature.attempt_rate * path.duration * (to - from) * highest.exp() < self.nothing {
+            return StepRule::Nothing;
+        }
+        let change = |[a, b, c]: [f64; 3]| (b - a).abs() + (c - b).abs();
+        let bend = |[a, b, c]: [f64; 3]| (b - 0.5 * (a + c)).abs();
+        if ln_rates.into_iter().any(|at| bend(at) > self.most_bend) {
+            return StepRule::Fitted;
+        }
+        let change = ln_rates.map(change).into_iter().fold(0.0, f64::max);
         let does = |(_, most): &(&[(f64, f64)], f64)| change <= *most;
-        let (rule, _) = RULES.into_iter().zip(self.most_change).find(does)?;
+        let Some((rule, _)) = RULES.into_iter().zip(self.most_change).find(does) else {
+            return StepRule::Fitted;
+        };
         let moment =
             |&(point, weight): &(f64, f64)| passage.moment(from + (to - from) * point, (to - from) * weight);
-        Some(rule.iter().map(moment).collect())
+        let mut nodes: Vec<_> = rule.iter().map(moment).collect();
+        if self.separable {
+            self.unite(&mut nodes);
+        }
+        StepRule::Shared(nodes)
+    }
+
+    /// ln w = −kh²/2T + kx²/2T with constant thresholds: nodes at the largest stretch, weighted for that, do for all
+    /// thresholds, and are one.
+    fn unite(&self, nodes: &mut Vec<QuadratureMoment<'_>>) {
+        let unit = 0.5 * self.stiffness.of(1.0) / self.temperature.energy;
+        let Some(most) = nodes.iter().copied().max_by(|a, b| a.stretch.total_cmp(&b.stretch)) else { return };
+        let lower = |node: &QuadratureMoment<'_>| {
+            unit * (node.stretch - most.stretch) * (node.stretch + most.stretch)
+        };
+        let time = nodes.iter().map(|node| node.time * lower(node).exp()).sum();
+        nodes.clear();
+        nodes.push(QuadratureMoment { time, ..most });
     }
 
     /// The nodes of a rule that serves labels like this one.
@@ -164,14 +233,41 @@ impl ThermalBreaking {
     }
 
     /// What the moments add to A of these labels.
-    pub(super) fn added(&self, moments: &[QuadratureMoment], labels: &[Label<'_>; NODES]) -> Nodal {
-        let mut exponents = Nodal::default();
+    pub(super) fn added(&self, moments: &[QuadratureMoment], labels: &NodalLabels) -> Nodal {
+        wide(|| self.sum_over(moments, labels)).unwrap_or_else(|| self.sum_over(moments, labels))
+    }
+
+    #[inline(always)]
+    fn sum_over(&self, moments: &[QuadratureMoment], labels: &NodalLabels) -> Nodal {
+        let mut sum = Nodal::default();
+        let unit = -0.5 * self.stiffness.of(1.0) / self.temperature.energy;
         for moment in moments {
-            for (exponent, &label) in exponents.iter_mut().zip(labels) {
-                *exponent += self.over(moment, label);
+            let (x, time) = (moment.stretch, moment.time * self.temperature.attempt_rate);
+            let thresholds = moment.aged.thresholds_of(labels);
+            // −ΔE/T of each barrier in units that depend on x and h only; one loop for each, which vectorises.
+            let catastrophe = |h: f64| (1.0 - x / h) * (1.0 - x / h).abs().sqrt();
+            match (self.temperature.barrier, self.stiffness) {
+                (Barrier::Elastic, Stiffness::Equal(_)) => {
+                    add_rates(&mut sum, &thresholds, (x, time), |h| unit * ((h - x) * (h + x)));
+                }
+                (Barrier::Elastic, Stiffness::PerThreshold(_)) => {
+                    add_rates(&mut sum, &thresholds, (x, time), |h| unit * h * ((h - x) * (h + x)));
+                }
+                (Barrier::Bell, Stiffness::Equal(_)) => {
+                    add_rates(&mut sum, &thresholds, (x, time), |h| unit * h * (h - x));
+                }
+                (Barrier::Bell, Stiffness::PerThreshold(_)) => {
+                    add_rates(&mut sum, &thresholds, (x, time), |h| unit * (h * h) * (h - x));
+                }
+                (Barrier::Catastrophe, Stiffness::Equal(_)) => {
+                    add_rates(&mut sum, &thresholds, (x, time), |h| unit * (h * h) * catastrophe(h));
+                }
+                (Barrier::Catastrophe, Stiffness::PerThreshold(_)) => {
+                    add_rates(&mut sum, &thresholds, (x, time), |h| unit * (h * h * h) * catastrophe(h));
+                }
             }
         }
-        exponents
+        sum
     }
 
     /// Contribution of the nodes to A of one label.
@@ -190,8 +286,6 @@ impl ThermalBreaking {
     /// ln(w/ω), continued beyond the threshold.
     #[inline]
     fn ln_rate(&self, stretch: f64, threshold: f64) -> f64 {
-        /// Where the stretch is so many thresholds there is no barrier, and its continuation overflows.
-        const FAR: f64 = 1e100;
         if threshold * FAR <= stretch || threshold <= 0.0 {
             return 0.0;
         }
@@ -199,6 +293,21 @@ impl ThermalBreaking {
         -whole / self.temperature.energy * self.temperature.barrier.continued(stretch / threshold)
     }
 }
+
+/// Adds `time` e^{`ln_rate`} at sixteen thresholds and a stretch, where there is a barrier.
+#[inline(always)]
+fn add_rates(sum: &mut Nodal, thresholds: &Nodal, (stretch, time): (f64, f64), ln_rate: impl Fn(f64) -> f64) {
+    let (thresholds, mut out) = (*thresholds, *sum);
+    for i in 0..NODES {
+        let h = thresholds[i];
+        let exponent = if h * FAR <= stretch { 0.0 } else { ln_rate(h) };
+        out[i] += time * exp(exponent);
+    }
+    *sum = out;
+}
+
+/// Where the stretch is so many thresholds there is no barrier, and its continuation overflows.
+const FAR: f64 = 1e100;
 
 /// Largest number of bisections of a step.
 const DEEPEST: u32 = 30;
