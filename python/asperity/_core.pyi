@@ -2155,6 +2155,7 @@ class Transport(Model):
 
         Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
         """
+
     @property
     def velocity(self, /) -> float | None:
         """The velocity of the steady sliding in which the contacts start, or None."""

@@ -68,7 +68,7 @@ def test_a_transport_starts_in_steady_sliding() -> None:
         asp.Transport(GROWING, start="steady")
     with pytest.raises(ValueError, match="velocity: expected no velocity but that of start='steady'"):
         asp.Transport(GROWING, velocity=1.0)
-    with pytest.raises(ValueError, match="start: expected conditional or relaxed for time-dependent contacts"):
+    with pytest.raises(ValueError, match="start: expected conditional or relaxed for time-dependent"):
         asp.MasterEquation(GROWING, velocity=1.0, start="steady")
     athermal = asp.MasterEquation(asp.Contacts(THRESHOLDS), start="steady")
     # F_k of thresholds with σ = 0.1, to the aim of the master equation
