@@ -325,7 +325,7 @@ POSITIONS = list(POSITION)
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "unknown": (
         lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["threshold.mean"]),
-        r"free\.0: expected one of thresholds\.mean, .*compliance, .*, origin, got threshold\.mean",
+        r"free\.0: expected one of thresholds\.mean, .*compliance, .*, background, got threshold\.mean",
     ),
     "none": (
         lambda: asp.fit(GUESS, POSITION, SIMULATED, free=[]),
