@@ -61,9 +61,9 @@ impl EquationOfMotion {
         velocity * (self.viscosity + (self.mass * resistance).sqrt()) / resistance
     }
 
-    /// Work of the drive on a cell at rest, by the trapezoidal rule, what the background force dissipates, and a correction of the energy dissipated in breaks. The
-    /// contacts break at the stretches of X_2, but the cell is at a distance b from X_2, which changes the energy by
-    /// b ΔF + ½b² ΔF'.
+    /// Work of the drive on a cell at rest, by the trapezoidal rule, what the background force dissipates, and a correction
+    /// of the energy dissipated in breaks. The contacts break at the stretches of X_2, but the cell is at a distance b from
+    /// X_2, which changes the energy by b ΔF + ½b² ΔF'.
     fn at_rest(&self, states: [&SlidingCell; 2], drive: DriveMotion, duration: f64) -> (f64, f64, f64) {
         let [before, after] = states;
         let drives = [drive.position, drive.after(duration)];

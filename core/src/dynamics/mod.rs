@@ -3,9 +3,9 @@
 //! M Ẍ_j + η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t]
 //!
 //! Cell j is at X_j. A spring K_0j connects it to the drive X_T, which moves at a constant velocity in a step. The stiffness
-//! matrix A of the slider couples the cells, and F_j is the friction of the contacts. A background force only shifts forces and the
-//! zero of X_T, except at rest ([`Arrest::Unload`]). A deformable interface has many cells and
-//! M = 0. A block is one cell, which may have a mass.
+//! matrix A of the slider couples the cells, and F_j is the friction of the contacts. A background force only shifts forces
+//! and the zero of X_T, except at rest ([`Arrest::Unload`]). A deformable interface has many cells and M = 0. A block is
+//! one cell, which may have a mass.
 //!
 //! A step ([`tr_bdf2`]) is implicit in friction, springs and coupling, so that it may be as long as a stick phase. Its two stages
 //! are solved by a [`StageSolver`]: [`OneCell`] for a block, and a solver for coupled cells in `elastic`. Contacts move forward

@@ -29,7 +29,8 @@ pub struct FrictionEstimates {
 }
 
 impl Estimates {
-    /// F_s, F_k, X* and K_c of the contacts (of curve 0 where curves differ), with the errors gᵀVg of the covariance V of the estimates, g the derivatives of
+    /// F_s, F_k, X* and K_c of the contacts (of curve 0 where curves differ), with the errors gᵀVg of the covariance V of
+    /// the estimates, g the derivatives of
     /// [`crate::master::Pull::friction_gradients`].
     ///
     /// # Errors
@@ -47,7 +48,8 @@ impl Estimates {
     }
 }
 
-/// Friction of contacts on a pull, with a background force, and the errors that follow from the covariance of the estimates of `free`.
+/// Friction of contacts on a pull, with a background force, and the errors that follow from the covariance of the estimates
+/// of `free`.
 ///
 /// # Errors
 /// Those of [`Pull::friction_gradients`].

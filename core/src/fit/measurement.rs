@@ -84,8 +84,9 @@ impl Measurement {
         Ok(Self { positions: means(&self.positions), forces: means(&self.forces), machine: self.machine })
     }
 
-    /// A first value of a compliance that is not known, for contacts of the stiffness N⟨k⟩ = K together: the steepest mean slope s
-    /// over a tenth of the readings is about K/(1 + cK), so that c = 1/s − 1/K; a hundredth of 1/K where this is not above it.
+    /// A first value of a compliance that is not known, for contacts of the stiffness N⟨k⟩ = K together: the steepest mean
+    /// slope s over a tenth of the readings is about K/(1 + cK), so that c = 1/s − 1/K; a hundredth of 1/K where this is
+    /// not above it.
     pub fn first_compliance(&self, stiffness: f64) -> f64 {
         let (n, least) = (self.positions.len(), 0.01 / stiffness);
         let apart = (n / 10).max(1);

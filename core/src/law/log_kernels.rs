@@ -64,8 +64,8 @@ impl LogKernels {
         Ok(Self { ends, coefficients, series })
     }
 
-    /// The distribution with `count` coefficients near `law`, over `reach` standard deviations to both sides of the mean; where its
-    /// density is below e^−50 of the largest, that.
+    /// The distribution with `count` coefficients near `law`, over `reach` standard deviations to both sides of the mean;
+    /// where its density is below e^−50 of the largest, that.
     ///
     /// # Errors
     /// Those of [`Self::new`].

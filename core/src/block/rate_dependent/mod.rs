@@ -17,7 +17,8 @@ pub use log::{Moment, RateDependentSlip, Slide};
 
 impl Block {
     /// Moves the slider's top along `drive`, from equilibrium with `contacts` ([`RateDependentContacts::steady_velocity`]: at
-    /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start. `tolerance` is the largest error of a step in time, a length.
+    /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start. `tolerance` is
+    /// the largest error of a step in time, a length.
     ///
     /// # Errors
     /// A loading other than a spring; a slip rule without a velocity limit; times that are not ascending or outside the drive;

@@ -132,8 +132,8 @@ impl RateDependentInterface {
             arrest: Arrest::Stand,
         };
         let pull = connected as f64 * connection;
-        // At this drive the springs carry the total friction force, and the drag of steady sliding. The equilibrium positions solve a linear
-        // system, because contacts do not move with them.
+        // At this drive the springs carry the total friction force, and the drag of steady sliding. The equilibrium
+        // positions solve a linear system, because contacts do not move with them.
         let resistance = |contacts: &dyn RateDependentContacts| {
             contacts.force() + viscosity * contacts.steady_velocity().unwrap_or(0.0)
         };

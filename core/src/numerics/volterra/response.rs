@@ -11,8 +11,8 @@ use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
 
 impl Solution {
-    /// source + kernel ∗ g on the mesh of g for several sources, each with its kernel or none, which has no point masses. Kernels with the same cells and breakpoints share the
-    /// values of g between cells of different widths.
+    /// source + kernel ∗ g on the mesh of g for several sources, each with its kernel or none, which has no point masses.
+    /// Kernels with the same cells and breakpoints share the values of g between cells of different widths.
     ///
     /// # Errors
     /// [`crate::Error::Stopped`] by the monitor.
