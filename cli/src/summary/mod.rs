@@ -83,7 +83,7 @@ fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)>
         StaticFriction::Reached { force, position } => {
             format!("F_s = {} at X_s = {}", value(force, Quantity::Force), value(position, Quantity::Length))
         }
-        StaticFriction::NotReached => "not reached: the force still rises at the end".into(),
+        StaticFriction::NotReached => "not reached: the force is highest at the end".into(),
     };
     let estimate = value(friction.relaxation_length_paper.0, Quantity::Length);
     let length = value(friction.relaxation_length.0, Quantity::Length);
