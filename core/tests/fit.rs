@@ -184,6 +184,27 @@ fn a_fit_is_the_same_on_any_number_of_threads() {
 }
 
 #[test]
+fn first_values_may_be_far_off() {
+    let positions = positions(120, 4.0);
+    let forces = simulated(&positions, 6);
+    let run = |mean: f64, std: f64| {
+        let guess =
+            MasterEquation::new(contacts(1500.0, [mean, std], spread()), &Initial::default()).unwrap();
+        let fit = Fit::new(guess, Measurement::new(positions.clone(), forces.clone()));
+        fit.free(TRUE.map(|number| number.0)).run().unwrap()
+    };
+    let near = run(1.0, 0.12);
+    for [mean, std] in [[0.3, 0.05], [0.5, 0.2], [0.7, 0.2], [1.4, 0.1], [2.0, 0.5]] {
+        let found = run(mean, std);
+        assert!(found.converged, "from {mean}, {std}");
+        for (found, near) in found.parameters.iter().zip(&near.parameters).take(TRUE.len()) {
+            // Searches end within a thousandth of an error of the same place, for the noise at slightly other values.
+            assert!((found.value - near.value).abs() < 0.01 * near.error, "from {mean}, {std}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn units_do_not_matter() {
     let positions = positions(120, 4.0);
     let forces = simulated(&positions, 6);

@@ -52,7 +52,8 @@ const LONGEST: f64 = 1.5;
 const LONGEST_OF_DISTRIBUTIONS: f64 = 0.7;
 /// Of a coefficient of a logarithmic density, which may be of its tails.
 const LONGEST_OF_TAILS: f64 = 10.0;
-/// Longest step of a mean or an end of a distribution, in mean thresholds: the phase of what follows after the first peak.
+/// Longest step of a mean or an end of a distribution, in first mean thresholds or parts of itself: more would change the phase
+/// of what follows after the first peak.
 const LONGEST_SHIFT: f64 = 0.15;
 
 /// A number that a fit varies.
@@ -69,7 +70,7 @@ pub(super) struct FreeParameter {
     pub logarithmic: bool,
     /// Its first value.
     pub start: f64,
-    /// The longest step of its coordinate in a search.
+    /// The longest step of its coordinate in a search: see [`Self::longest_step`].
     pub longest: f64,
     /// The range of its coordinate.
     pub bounds: [f64; 2],
@@ -109,6 +110,11 @@ impl FreeParameter {
     /// The derivative of the value by the coordinate.
     pub fn slope(&self, coordinate: f64) -> f64 {
         if self.logarithmic { coordinate.exp() } else { 1.0 }
+    }
+
+    /// The longest step of its coordinate in a search from `coordinate`. From first values far too small, steps grow.
+    pub fn longest_step(&self, coordinate: f64) -> f64 {
+        if self.logarithmic { self.longest } else { self.longest.max(LONGEST_SHIFT * coordinate.abs()) }
     }
 
     /// Whether it only says how large errors are.

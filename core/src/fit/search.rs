@@ -199,7 +199,10 @@ fn active(free: &[FreeParameter], coordinates: &[f64], score: &Score, held: &[bo
 
 /// The coordinates after a step, shortened as a whole so that no number moves too far, and cut at the ends of ranges.
 fn stepped(free: &[FreeParameter], coordinates: &[f64], step: &Mat<f64>) -> Vec<f64> {
-    let too_long = free.iter().enumerate().map(|(k, parameter)| step[(k, 0)].abs() / parameter.longest);
+    let too_long = free
+        .iter()
+        .enumerate()
+        .map(|(k, parameter)| step[(k, 0)].abs() / parameter.longest_step(coordinates[k]));
     let share = 1.0 / too_long.fold(1.0, f64::max);
     let moved = coordinates.iter().enumerate().map(|(k, u)| {
         let [low, high] = free[k].bounds;
