@@ -430,3 +430,24 @@ fn a_relaxed_start_breaks_what_is_above_its_threshold_at_once() {
     let pull = MasterEquation::new(contacts, &above).unwrap().pull_with(6.0, PROMISED, &mut ()).unwrap();
     agree("all above", &pull, |x| fresh.force(x), PROMISED);
 }
+
+/// An initial distribution that ends δ below the highest threshold gives the solution cells of width δ. F moves with it
+/// by no more than the mass that moves, 2δ/1.5, times the force of a contact at its threshold, 1.5; twice that is allowed,
+/// and differences of rounding.
+#[test]
+fn an_initial_distribution_that_ends_just_below_the_highest_threshold() {
+    let thresholds = rectangular(0.5, 1.5);
+    let pull_from = |gap: f64| pulled(&thresholds, &rest(), &rectangular(0.0, 1.5 - gap), 5.0);
+    let reference = pull_from(1e-5);
+    for gap in [2e-9, 1e-8, 3e-8, 1e-7, 1e-6] {
+        let pull = pull_from(gap);
+        let allowed = 4.0 * (1e-5 - gap) + ROUNDING;
+        for edge in (0..10).map(|k| 0.5 * f64::from(k)) {
+            for beyond in [0.0, 0.3 * gap, 0.9 * gap, 3.0 * gap, 1e-3] {
+                let (got, expected) = (pull.force(edge + beyond), reference.force(edge + beyond));
+                let off = (got - expected).abs();
+                assert!(off <= allowed, "{gap:e}: {got}, not {expected}, {beyond:e} after X = {edge}");
+            }
+        }
+    }
+}

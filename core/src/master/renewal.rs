@@ -112,11 +112,11 @@ impl RenewalSolution {
     /// The error of F/(N_c⟨k⟩) per mean life: that of the lives, plus the larger of the error of ∫Q and that
     /// of the polynomials of F, measured by two quadratures that share only Γ with the solution.
     fn estimated_error(&self) -> f64 {
-        let (mut probability_error, mut force_error) = (0.0_f64, 0.0_f64);
-        for (cell, x) in self.places() {
-            probability_error = probability_error.max((self.sum_at(Life::survival, x) - 1.0).abs());
-            force_error = force_error.max((self.sum_at(Life::force, x) - self.force.value_in(cell, x)).abs());
-        }
+        let lost = |(_, x)| (self.sum_at(Life::survival, x) - 1.0).abs();
+        let off = |(cell, x)| (self.sum_at(Life::force, x) - self.force.value_in(cell, x)).abs();
+        let probability_error = largest(self.spread().map(lost));
+        // A spread misses narrow cells. Beside a pole these hold mass somewhere within them, which no force feels.
+        let force_error = largest(self.spread().chain(self.narrowest()).map(off));
         self.of_lives() + probability_error.max(force_error / unit_force(&self.reformed))
     }
 
@@ -142,20 +142,33 @@ impl RenewalSolution {
         self.solution.convolve_at(curve(&self.first).curve(), curve(&self.reformed), past)
     }
 
-    /// Test points with their cells: halfway between the middle of a cell, where a polynomial is most
-    /// accurate, and its end (point masses lie on boundaries); and the end of the last cell.
-    fn places(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    /// Test points with their cells, spread over the interval, and the end of the last cell.
+    fn spread(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let end = self.force.end();
         // Multiples of the golden ratio are spread evenly over the interval, and meet no period of
         // the solution.
-        let spread = (1..=16).map(move |k| end * (f64::from(k) * GOLDEN).fract()).chain([end]);
-        let inside = spread.map(|x| {
-            let cell = self.force.nearest(x);
-            let (middle, half) = self.force.cell(cell);
-            (cell, middle + 0.5 * half)
-        });
+        let places = (1..=16).map(move |k| end * (f64::from(k) * GOLDEN).fract()).chain([end]);
+        let inside = places.map(|x| self.test_point(self.force.nearest(x)));
         inside.chain([(self.force.nearest(end), end * (1.0 - 1e-12))])
+    }
+
+    /// Test points of the four narrowest cells whose positions keep their digits.
+    fn narrowest(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        const CLEAR: f64 = 1e-9;
+        let edges = &self.force.boundaries;
+        let width = |cell: usize| edges[cell + 1] - edges[cell];
+        let mut cells: Vec<usize> =
+            (0..edges.len() - 1).filter(|&cell| width(cell) > CLEAR * edges[cell]).collect();
+        cells.sort_by(|&a, &b| width(a).total_cmp(&width(b)));
+        cells.into_iter().take(4).map(|cell| self.test_point(cell))
+    }
+
+    /// Halfway between the middle of a cell, where a polynomial is most accurate, and its end, where point
+    /// masses may lie.
+    fn test_point(&self, cell: usize) -> (usize, f64) {
+        let (middle, half) = self.force.cell(cell);
+        (cell, middle + 0.5 * half)
     }
 
     /// The contacts that formed up to the advance `u`, in the given cell, and may still exist.
@@ -180,6 +193,10 @@ impl RenewalSolution {
         let rate = rate.part(past, u).mirrored().shifted(u);
         self.reformed.born(&Births { rate, atoms, breakpoints })
     }
+}
+
+fn largest(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.fold(0.0, f64::max)
 }
 
 /// Length, in mean lives, over which slopes of forces are measured at least: over less, they are lost in the

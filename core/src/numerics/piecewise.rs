@@ -77,6 +77,13 @@ pub fn tail(coefficients: &Nodal) -> f64 {
     if last < before { last * last / before } else { last }
 }
 
+/// The truncation estimate that rounding of values and positions alone gives, for a cell `distance` half
+/// widths from 0.
+pub fn rounding(values: &Nodal, distance: f64) -> f64 {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
+    16.0 * f64::EPSILON * (low.abs().max(high.abs()) + (high - low) * distance)
+}
+
 impl Piecewise {
     /// Interpolates `f` on [0, end]. Cells are bisected until each satisfies `resolution`, or bisection no
     /// longer reduces the error. `edges` are cell boundaries from the start.
@@ -366,9 +373,10 @@ fn bisect<const K: usize>(
     // analytic function (L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM
     // 2013, chapter 8).
     let error = resolution.error(&values.map(|v| v[0]), tail(&first), half, up_to_here);
-    // Where the rounding of f dominates, the error at best halves with the width; converging series gain far
-    // more.
-    let noise = error > 0.4 * before && resolution.may_be_rounding(error, depth);
+    // Where the rounding of f, or of positions beside a pole, dominates, the error at best halves with the
+    // width; converging series gain far more.
+    let of_rounding = || tail(&first) <= rounding(&values.map(|v| v[0]), middle.abs() / half);
+    let noise = error > 0.4 * before && (resolution.may_be_rounding(error, depth) || of_rounding());
     let narrowest = half <= 16.0 * f64::EPSILON * b;
     // Bisection does not help where f is not a number.
     let unknown = error.is_nan();

@@ -23,13 +23,16 @@ pub(super) struct LaggedBlock {
 
 /// Relative position of two cells: the distance of their middles in units of 1e-11 of the target's width, and
 /// the two widths.
-type RelativePosition = (i64, u64, u64);
+///
+/// The distance is a whole number kept as the bits of a float: beside a breakpoint, cells are so narrow that it exceeds
+/// every integer type, and a saturated distance would be that of other pairs too.
+type RelativePosition = (u64, u64, u64);
 
 fn by_position(target: (f64, f64), source: (f64, f64)) -> RelativePosition {
     // But for the last 16 bits, 1e-11 of the number.
     let rounded = |width: f64| (width.to_bits() + (1 << 15)) >> 16;
     let gap = (target.0 - source.0) / (2e-11 * target.1);
-    (gap.round() as i64, rounded(target.1), rounded(source.1))
+    (gap.round().to_bits(), rounded(target.1), rounded(source.1))
 }
 
 /// Largest number of blocks cached between cells of different runs: 32 MB.

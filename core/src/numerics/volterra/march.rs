@@ -8,7 +8,7 @@ use super::{Accuracy, Solution, convolve_atoms};
 use crate::monitor::{Monitor, report};
 use crate::numerics::breakpoints::{Atom, Breakpoint, renewed, same_position};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
-use crate::numerics::piecewise::{Piecewise, tail};
+use crate::numerics::piecewise::{Piecewise, rounding, tail};
 use crate::{Error, Float, Result};
 
 /// The state of the march.
@@ -152,13 +152,6 @@ const SMALLEST: f64 = 1e-30;
 
 /// Relative rounding error of the position of a breakpoint, which is a sum of others.
 const ROUNDED: f64 = 1e-14;
-
-/// The truncation estimate that rounding of values and positions alone gives, for a cell `distance` half
-/// widths from 0.
-fn rounding(values: &Nodal, distance: f64) -> f64 {
-    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
-    16.0 * f64::EPSILON * (low.abs().max(high.abs()) + (high - low) * distance)
-}
 
 impl March<'_> {
     /// Solves the cells from the present position to `stop`, halving and doubling as needed.
