@@ -109,6 +109,8 @@ def texts(package: dict) -> list:
             chosen = [path for path in files if word.lower() in path.name.lower()]
             files = chosen or [path for path in files if "-" not in path.name] or files
             break
+    # Fonts within a crate have licences of their own.
+    files = files + sorted(folder.glob("assets/**/LICENSE*"))
     told = [path.read_text(encoding="utf-8", errors="replace") for path in files]
     authors = ", ".join(package["authors"]) or f"the authors of {package['name']}"
     absent = f"{package['license']}; copyright {authors}; the crate comes without the text of its licence."

@@ -8,6 +8,7 @@ use asperity_runner::duration;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use super::figure::{Format, Style};
 use super::threads;
 
 /// Friction of many contacts that stretch, break and re-form: the master equation and the ensemble.
@@ -69,6 +70,21 @@ pub struct Run {
     /// Continue from the last checkpoint of a stopped run; without one, start at the beginning
     #[arg(long)]
     pub resume: bool,
+    /// File formats of the pictures, separated by commas
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "svg,png")]
+    pub figures: Vec<Format>,
+    /// Draw no pictures
+    #[arg(long, conflicts_with = "figures")]
+    pub no_figures: bool,
+    /// Width of a picture in mm, such as 86 for a column [default: 175]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub figure_width: Option<f64>,
+    /// Dots per inch of PNG pictures
+    #[arg(long, value_name = "DPI", value_parser = positive, default_value = "300")]
+    pub figure_dpi: f64,
+    /// Leave out the title above pictures
+    #[arg(long)]
+    pub no_title: bool,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
@@ -77,7 +93,24 @@ pub struct Run {
     pub json: bool,
 }
 
+/// A finite number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if f64::is_finite(value) && value > 0.0 => Ok(value),
+        _ => Err("expected a number above 0".into()),
+    }
+}
+
 impl Run {
+    /// How pictures are written.
+    pub fn style(&self) -> Style {
+        Style {
+            formats: if self.no_figures { Vec::new() } else { self.figures.clone() },
+            width: self.figure_width,
+            resolution: self.figure_dpi,
+        }
+    }
+
     /// Where the results go.
     pub fn directory(&self) -> PathBuf {
         self.output.clone().unwrap_or_else(|| {

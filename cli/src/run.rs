@@ -6,6 +6,7 @@ use std::path::Path;
 use asperity::scenario::Scenario;
 use asperity::task::summary::Summary;
 use asperity_runner::checkpoint::Checkpoints;
+use asperity_runner::output::{Attachment, Outcome};
 use asperity_runner::{input, output, run_with};
 
 use super::arguments::Run;
@@ -23,12 +24,12 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     }
     let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
-    let outcome = compute(&input, checkpoints.as_mut(), arguments, &interrupts)?;
+    let mut outcome = compute(&input, checkpoints.as_mut(), arguments, &interrupts)?;
     if checkpoints.is_some() {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures = figure::draw(&outcome).map_err(Failure::run)?;
+    let figures = figures(&mut outcome, arguments).map_err(Failure::run)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let renamed = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
     if !arguments.quiet {
@@ -43,6 +44,18 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// The pictures, with their title or without it.
+fn figures(outcome: &mut Outcome, arguments: &Run) -> Result<Vec<Attachment>, String> {
+    let style = arguments.style();
+    if !arguments.no_title {
+        return figure::draw(outcome, &style);
+    }
+    let title = std::mem::take(&mut outcome.summary.title);
+    let figures = figure::draw(outcome, &style);
+    outcome.summary.title = title;
+    figures
 }
 
 /// Prints the summary in the requested form.
@@ -110,7 +123,7 @@ fn compute(
     mut checkpoints: Option<&mut Checkpoints>,
     arguments: &Run,
     interrupts: &Interrupts,
-) -> Result<output::Outcome, Failure> {
+) -> Result<Outcome, Failure> {
     let mut monitor = Progress::new(arguments.quiet, interrupts);
     let compute = || run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
     threads::on(arguments.threads, compute)?.map_err(|error| match error {

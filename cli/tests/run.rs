@@ -77,6 +77,30 @@ fn the_summary_can_be_json_or_nothing() {
 }
 
 #[test]
+fn pictures_are_those_that_are_asked_for() {
+    let folder = folder();
+    let pictures = |options: &[&str]| -> Vec<String> {
+        folder.succeed(&[&["run", "quick.toml", "-o", "results", "--quiet"], options].concat());
+        let written = names(&folder.path().join("results")).into_iter();
+        written.filter(|name| [".svg", ".png", ".pdf"].iter().any(|end| name.ends_with(end))).collect()
+    };
+    assert_eq!(pictures(&["--no-figures"]), [""; 0]);
+    let expected = ["distribution.pdf", "evolution.pdf", "force.pdf"];
+    assert_eq!(pictures(&["--figures", "pdf", "--no-title", "--figure-width", "86"]), expected);
+    for (options, expected) in [
+        (&["--figures", "eps"][..], "possible values: svg, png, pdf"),
+        (&["--figure-width=-3"], "expected a number above 0"),
+        (&["--figure-dpi", "inf"], "expected a number above 0"),
+        (&["--figures", "pdf", "--no-figures"], "cannot be used with"),
+    ] {
+        let output = folder.run(&[&["run", "quick.toml", "-o", "none"], options].concat());
+        assert_eq!(output.status.code(), Some(2), "{options:?}");
+        assert!(errors(&output).contains(expected), "{options:?}: {}", errors(&output));
+        assert!(!folder.path().join("none").exists(), "{options:?}");
+    }
+}
+
+#[test]
 fn the_written_scenario_gives_the_same_bytes_on_any_number_of_threads() {
     let folder = folder();
     folder.succeed(&["run", "quick.toml", "--set", "contacts.thresholds.gaussian.std=0.2", "-o", "first"]);

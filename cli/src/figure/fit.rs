@@ -17,8 +17,6 @@ const HEIGHT: f64 = 340.0;
 const RESIDUALS: f64 = 150.0;
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (14.0, 24.0);
-/// Margin left of both panels, so that their axes begin at the same place.
-const LEFT: f64 = 74.0;
 /// Largest number of edges of the band.
 const EDGES: usize = 600;
 const DOTS: &str = "2 4";
@@ -113,7 +111,7 @@ fn below(ends: (f64, f64), position: &[f64], whitened: &[f64]) -> (Plots, Layout
 fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
     style::layout(x, y)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
-        .with_force_margins(LEFT, 14.0)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
         .with_label_size(13)
 }

@@ -26,8 +26,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     plots.push(line(curve(position, force), BLUE, 2.0, None));
     legend.insert(0, style::line("master equation", BLUE, None));
     ensemble(outcome, position, &mut plots, &mut legend);
-    frictions(outcome, position, &mut plots, &mut legend);
-    let layout = style::legend_below(axes(outcome, position, force)?, legend);
+    let axes = axes(outcome, position, force)?;
+    frictions(outcome, position, height(&axes), (&mut plots, &mut legend));
+    let layout = style::legend_below(axes, legend);
     Some(match outcome.summary.numbers.friction().and_then(|friction| friction.friction_coefficients) {
         Some(coefficients) => render_twin_y(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
         None => render_multiple(plots, layout),
@@ -108,7 +109,20 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
     legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
 }
 
-fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
+/// The force from the lower to the upper end of the axis.
+fn height(axes: &Layout) -> f64 {
+    axes.y_axis_max.unwrap_or(1.0) - axes.y_axis_min.unwrap_or(0.0)
+}
+
+/// Lines and markers of kinetic and static friction, on an axis of this height.
+fn frictions(
+    outcome: &Outcome,
+    position: &[f64],
+    height: f64,
+    (plots, legend): (&mut Plots, &mut Vec<LegendEntry>),
+) {
+    /// The marker points at the peak from above, by this part of the height.
+    const ABOVE: f64 = 0.025;
     let summary = &outcome.summary;
     let unit = summary.units.label(Quantity::Force);
     let Some(friction) = summary.numbers.friction() else { return };
@@ -118,7 +132,10 @@ fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mu
     let label = format!("kinetic {}", style::with_unit(friction.kinetic_friction, &unit));
     legend.push(style::line(label, GREY, Some(DASHES)));
     if let StaticFriction::Reached { force, position } = friction.static_friction {
-        let point = ScatterPlot::new().with_data([(position, force)]).with_color(BLACK).with_size(5.0);
+        let point = ScatterPlot::new()
+            .with_data([(position, force + ABOVE * height)])
+            .with_color(BLACK)
+            .with_size(5.0);
         plots.push(Plot::Scatter(point.with_marker(MarkerShape::TriangleDown)));
         legend.push(style::marker(
             format!("static {}", style::with_unit(force, &unit)),

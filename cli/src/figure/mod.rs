@@ -1,10 +1,9 @@
-//! The pictures of a run, as SVG and PNG.
+//! The pictures of a run.
 
 mod catalogue;
 mod corner;
 mod covariance;
 mod curve;
-mod dashes;
 mod distribution;
 mod equilibrium;
 mod evolution;
@@ -12,6 +11,7 @@ mod field;
 mod fit;
 mod fit_spectrum;
 mod force;
+mod formats;
 mod free_form;
 mod hold_curve;
 mod potential;
@@ -24,21 +24,22 @@ mod stick_slip;
 mod stress_map;
 mod style;
 mod thresholds;
+mod typography;
 mod velocity_curve;
 mod velocity_step;
 
 use asperity_runner::output::{Attachment, Outcome};
-use kuva::backend::png::PngBackend;
-use kuva::backend::svg::SvgBackend;
 
-/// Dots per unit of the canvas in PNG files: a picture is about 2000 dots wide.
-const DENSITY: f32 = 3.0;
+pub use formats::{Format, Style};
 
 /// Draws every picture for which the record has the variables.
 ///
 /// # Errors
-/// A picture that cannot be converted to PNG, with its name.
-pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
+/// A picture that cannot be converted, with its name.
+pub fn draw(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String> {
+    if style.formats.is_empty() {
+        return Ok(Vec::new());
+    }
     let scenes = [
         ("force", force::scene(outcome)),
         ("evolution", evolution::scene(outcome)),
@@ -63,35 +64,19 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("free_form", free_form::scene(outcome)),
         ("corner", corner::scene(outcome)),
     ];
+    let title = style::heading(&outcome.summary.title).0;
     let mut pictures = Vec::new();
     for (name, scene) in scenes {
-        let Some(mut scene) = scene else { continue };
-        let svg = renumbered(&SvgBackend::new().render_scene(&scene));
-        dashes::cut(&mut scene);
-        let png = PngBackend::new().with_scale(DENSITY).render_scene(&scene);
-        let png = png.map_err(|error| format!("{name}.png: {error}"))?;
-        pictures.push(Attachment { name: format!("{name}.svg"), bytes: svg.into_bytes() });
-        pictures.push(Attachment { name: format!("{name}.png"), bytes: png });
+        let Some(scene) = scene else { continue };
+        let svg = formats::svg(&scene, &title, style);
+        for &format in &style.formats {
+            let name = format!("{name}.{}", format.ending());
+            let bytes =
+                formats::converted(&svg, format, style).map_err(|error| format!("{name}: {error}"))?;
+            pictures.push(Attachment { name, bytes });
+        }
     }
     Ok(pictures)
-}
-
-/// Renumbers the clip paths of a picture from 0, because the library counts them over the whole process.
-fn renumbered(svg: &str) -> String {
-    const PREFIX: &str = "kuva-clip-";
-    let mut parts = svg.split(PREFIX);
-    let mut text = parts.next().unwrap_or_default().to_owned();
-    let mut seen: Vec<&str> = Vec::new();
-    for part in parts {
-        let digits = part.len() - part.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-        let (number, rest) = part.split_at(digits);
-        let index = seen.iter().position(|&s| s == number).unwrap_or_else(|| {
-            seen.push(number);
-            seen.len() - 1
-        });
-        text += &format!("{PREFIX}{index}{rest}");
-    }
-    text
 }
 
 #[cfg(test)]

@@ -54,6 +54,7 @@ fn velocity(outcome: &Outcome) -> Option<(Plots, Layout)> {
         .with_y_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
         .with_label_size(13);
     Some((plots, layout))
@@ -83,6 +84,7 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
         .with_x_label(style::axis(outcome, "Time t", record.get("time")?))
         .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?))
         .with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
         .with_label_size(13);
     Some((plots, layout))

@@ -52,6 +52,7 @@ fn panel(outcome: &Outcome, columns: &[(&str, &str)], words: &str) -> Option<(Pl
         .with_y_label(style::axis(outcome, words, record.get(columns[0].0)?))
         .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
         .with_label_size(13);
     Some((plots, layout))

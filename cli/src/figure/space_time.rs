@@ -16,8 +16,6 @@ use super::style::{self, BLACK, ORANGE, Plots, RED};
 const LARGE: f64 = 0.05;
 /// Largest number of events that are drawn.
 const MOST: usize = 300;
-/// Fraction of the cells of an event that may be left out at the beginning of its time axis.
-const HESITANT: f64 = 0.1;
 /// Points of the line of a front speed.
 const FINE: u32 = 200;
 /// Width of the panel of the colour scale.
@@ -119,12 +117,8 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         return None;
     }
     let epicentre = points.iter().find(|point| point.1 == first)?.0;
-    // The first cells may begin to slip long before the others.
-    let mut sorted = times;
-    sorted.sort_by(f64::total_cmp);
-    let from = sorted[(HESITANT * sorted.len() as f64) as usize];
-    let air = 0.08 * (last - from).max(1e-3 * last);
-    let window = ((from - air).max(first), last + air);
+    let air = 0.08 * (last - first);
+    let window = (first - air, last + air);
     let mut plots: Plots = Vec::new();
     let mut words = Vec::new();
     for (name, sign) in [("left", -1.0), ("right", 1.0)] {

@@ -13,8 +13,11 @@ use super::style::{self, Plots};
 const PANELS: usize = 6;
 /// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
-/// Height of a panel with its title.
-const HEIGHT: f64 = 270.0;
+/// Margins of a panel: left and right, above and below.
+const SIDES: (f64, f64) = (56.0, 10.0);
+const MARGINS: (f64, f64) = (30.0, 48.0);
+/// Smallest and largest height of a map.
+const HEIGHTS: (f64, f64) = (60.0, 600.0);
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let record = &outcome.record;
@@ -39,6 +42,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
             .with_ticks(4)
             .with_tick_size(11)
             .with_label_size(13)
+            .with_force_margins(SIDES.0, SIDES.1)
+            .with_force_margins_y(MARGINS.0, MARGINS.1)
             .with_x_label("Column")
             .with_y_label("Row");
         (vec![field.plot(ends, &ColorMap::Viridis, shown.len())], layout)
@@ -50,7 +55,13 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         layouts.push(style::layout((0.0, 1.0), (0.0, 1.0)));
     }
     let (colours, axes) = bar(ends, &ColorMap::Viridis, &style::axis(outcome, "Force of a cell", force));
+    let axes = axes.with_force_margins_y(MARGINS.0, MARGINS.1);
     let structure = structure(rows, columns);
+    // Cells are square, and the colour scale is as tall as the maps.
+    let across = (style::WIDTH * 1.3 - BAR) / columns as f64 - SIDES.0 - SIDES.1;
+    let square = sides[0] as f64 / sides[1] as f64;
+    let height = (across * square).clamp(HEIGHTS.0, HEIGHTS.1);
+    let across = across.min(height / square);
     let order = shown.len().min(columns);
     plots.insert(order, colours);
     layouts.insert(order, axes);
@@ -61,7 +72,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_title_size(size)
         .with_plots(plots)
         .with_layouts(layouts)
-        .with_cell_size((style::WIDTH * 1.3 - BAR) / columns as f64, HEIGHT)
+        .with_cell_size(across + SIDES.0 + SIDES.1, height + MARGINS.0 + MARGINS.1)
         .with_col_width(columns, BAR)
         .with_spacing(6.0);
     Some(figure.render())

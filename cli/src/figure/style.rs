@@ -20,6 +20,8 @@ pub const GREY: &str = "#767676";
 
 /// Width of a picture, in units of the canvas. Font sizes are for 8.6 cm columns.
 pub const WIDTH: f64 = 660.0;
+/// Left and right margins of panels above each other, so that their axes begin and end together.
+pub const SIDES: (f64, f64) = (82.0, 16.0);
 /// Height of a picture of one panel.
 pub const HEIGHT: f64 = 480.0;
 
@@ -81,13 +83,14 @@ pub fn legend_below(layout: Layout, entries: Vec<LegendEntry>) -> Layout {
     layout.with_legend_entries(entries).with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
-/// A legend entry for a line.
+/// A legend entry for a line. Its dashes are half as long as those of the line, so that two of them are visible.
 pub fn line(label: impl Into<String>, color: &str, dashes: Option<&str>) -> LegendEntry {
+    let halved = |length: &str| length.parse::<f64>().map_or(length.to_owned(), |l| (0.5 * l).to_string());
     LegendEntry {
         label: label.into(),
         color: color.into(),
         shape: LegendShape::Line,
-        dasharray: dashes.map(str::to_owned),
+        dasharray: dashes.map(|dashes| dashes.split(' ').map(halved).collect::<Vec<_>>().join(" ")),
     }
 }
 

@@ -7,7 +7,8 @@ use asperity::task::summary::{
 };
 use asperity_runner::output::{Attachment, Outcome};
 
-use super::{draw, renumbered};
+use super::formats::renumbered;
+use super::{Format, Style};
 
 fn friction() -> Friction {
     Friction {
@@ -62,18 +63,72 @@ fn outcome() -> Outcome {
     Outcome { scenario: String::new(), summary, record }
 }
 
-fn svg<'a>(pictures: &'a [Attachment], name: &str) -> &'a str {
+fn style() -> Style {
+    Style { formats: vec![Format::Svg, Format::Png], width: None, resolution: 300.0 }
+}
+
+fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
+    super::draw(outcome, &style())
+}
+
+/// A picture as SVG.
+fn raw<'a>(pictures: &'a [Attachment], name: &str) -> &'a str {
     let picture = pictures.iter().find(|p| p.name == name).unwrap();
     std::str::from_utf8(&picture.bytes).unwrap()
 }
 
+/// The same without the marks of symbols within texts.
+fn svg(pictures: &[Attachment], name: &str) -> String {
+    let mut parts = raw(pictures, name).replace("</tspan>", "");
+    while let Some(start) = parts.find("<tspan") {
+        let end = start + parts[start..].find('>').unwrap();
+        parts.replace_range(start..=end, "");
+    }
+    parts
+}
+
+/// The frames of the panels, to which curves are clipped: left, top, width, height.
+fn frames(svg: &str) -> Vec<[f64; 4]> {
+    let of = |part: &str, key: &str| -> f64 {
+        part.split(&format!("{key}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    let clips = svg.split("<clipPath").skip(1).map(|part| part.split("<rect").nth(1).unwrap());
+    clips.map(|part| ["x", "y", "width", "height"].map(|key| of(part, key))).collect()
+}
+
 #[test]
-fn every_picture_comes_as_svg_and_png() {
-    let pictures = draw(&outcome()).unwrap();
+fn every_picture_comes_in_every_format() {
+    let formats = vec![Format::Svg, Format::Png, Format::Pdf];
+    let pictures = super::draw(&outcome(), &Style { formats, ..style() }).unwrap();
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).collect();
-    let expected = ["force", "evolution", "distribution"].map(|n| [format!("{n}.svg"), format!("{n}.png")]);
+    let expected = ["force", "evolution", "distribution"]
+        .map(|n| ["svg", "png", "pdf"].map(|ending| format!("{n}.{ending}")));
     assert_eq!(names, expected.as_flattened());
-    assert!(pictures.iter().filter(|p| p.name.ends_with("png")).all(|p| p.bytes.starts_with(b"\x89PNG")));
+    for (ending, start) in [("svg", &b"<svg"[..]), ("png", b"\x89PNG"), ("pdf", b"%PDF")] {
+        let mut of_format = pictures.iter().filter(|p| p.name.ends_with(ending));
+        assert!(of_format.all(|p| p.bytes.starts_with(start)), "{ending}");
+    }
+    assert!(super::draw(&outcome(), &Style { formats: Vec::new(), ..style() }).unwrap().is_empty());
+}
+
+/// A column of 86 mm at 600 dots per inch has 2031.5 dots, and its height follows.
+#[test]
+fn a_picture_has_the_width_and_the_resolution_that_are_asked_for() {
+    let wanted = Style { width: Some(86.0), resolution: 600.0, ..style() };
+    let pictures = super::draw(&outcome(), &wanted).unwrap();
+    let text = raw(&pictures, "force.svg");
+    assert!(text.contains("width=\"86mm\"") && text.contains("viewBox=\"0 0 660 480\""), "{}", &text[..200]);
+    let png = &pictures.iter().find(|p| p.name == "force.png").unwrap().bytes;
+    let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    assert_eq!([number(16), number(20)], [2032, 1478]);
+}
+
+#[test]
+fn symbols_are_typeset() {
+    let pictures = draw(&outcome()).unwrap();
+    let text = raw(&pictures, "force.svg");
+    assert!(text.contains("Friction force <tspan font-style=\"italic\">F</tspan> (MPa)"));
+    assert!(!text.contains('_'));
 }
 
 /// A map of correlation coefficients without the start of the pull, where the force is certain, for positions at even
@@ -180,7 +235,7 @@ fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
     let text = svg(&pictures, "velocity_curve.svg");
     for words in [
         "Velocity v (µm/s)",
-        "Kinetic friction F_k (MPa)",
+        "Kinetic friction Fk (MPa)",
         "T = 0.1 MPa·µm",
         "T = 0.2 MPa·µm",
         "slow creep",
@@ -209,7 +264,7 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
     let text = svg(&pictures, "hold_curve.svg");
     for words in [
         "Hold time (s)",
-        "Static friction F_s (MPa)",
+        "Static friction Fs (MPa)",
         "healing 0.01 MPa per decade, cutoff time 3 s",
         "kinetic 0.5 MPa",
     ] {
@@ -258,13 +313,19 @@ fn an_interface_has_a_catalogue_and_maps() {
     for (picture, words) in [
         (
             "catalogue.svg",
-            ["Load-point displacement X_T (µm)", "Force F (MPa)", "Breaks in an event", "40 events"],
+            ["Load-point displacement XT (µm)", "Force F (MPa)", "Breaks in an event", "40 events"],
         ),
-        ("stress_map.svg", ["X_T = 20", "X_T = 40", "Force of a cell (MPa)", "Column"]),
+        ("stress_map.svg", ["XT = 20", "XT = 40", "Force of a cell (MPa)", "Column"]),
     ] {
         for word in words {
             assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
         }
+    }
+    // The frames of both maps have 3 rows and 4 columns of square cells, and that of the colour scale is as tall.
+    let [first, second, scale] = frames(raw(&pictures, "stress_map.svg"))[..] else { panic!("three frames") };
+    for map in [first, second] {
+        assert!((map[2] / map[3] - 4.0 / 3.0).abs() < 1e-3, "{map:?}");
+        assert!((map[1] - scale[1]).abs() + (map[3] - scale[3]).abs() < 1e-6, "{map:?} {scale:?}");
     }
     assert!(svg(&pictures, "catalogue.svg").contains("Poisson process"));
     let mut none = lattice(40);
@@ -319,6 +380,9 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
     let pictures = draw(&outcome).unwrap();
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
     assert_eq!(names, ["protocol.svg", "velocity_step.svg"]);
+    // Both panels share the axis of time.
+    let [above, below] = frames(raw(&pictures, "protocol.svg"))[..] else { panic!("two frames") };
+    assert_eq!([above[0], above[2]], [below[0], below[2]]);
     for (picture, words) in [
         ("protocol.svg", ["Time t (s)", "Velocity v (µm/s)", "Friction force F (MPa)"]),
         (

@@ -72,7 +72,8 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
     let size = (step.velocity / read.velocity_before).ln();
     let compared_fit: Vec<Point> =
         step.measured.iter().flat_map(|found| fit_of(found, size, &compared)).collect();
-    let heights: Vec<f64> = [&computed, &compared].into_iter().flatten().map(|p| p.1).collect();
+    let heights: Vec<f64> =
+        [&computed, &compared, &fitted, &compared_fit].into_iter().flatten().map(|p| p.1).collect();
     let (low, high) = style::range([heights.as_slice()]);
     let air = 0.1 * (high - low);
     let plots = vec![
@@ -89,6 +90,7 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
         .with_y_label(style::axis(outcome, "Friction force F", outcome.record.get("force")?))
         .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
         .with_label_size(13);
     Some((plots, layout))
