@@ -9,6 +9,8 @@ use super::curve::line;
 use super::style::{self, GREY, ORANGE, Plots};
 
 const DASHES: &str = "8 5";
+/// Fewest bins with events that are drawn.
+const FEWEST: usize = 3;
 /// Bins per decade.
 const PER_DECADE: f64 = 10.0;
 /// Exponent of sizes of a mean-field model swept to its instability (P. C. Hemmer and A. Hansen, 1992).
@@ -19,6 +21,10 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (sizes, events) = (record.values("size")?, record.values("size_events")?);
     let points: Vec<(f64, f64)> =
         sizes.iter().zip(events).map(|(&size, &count)| (size, count / whole_numbers(size))).collect();
+    // Of two sizes nothing can be seen.
+    if points.len() < FEWEST {
+        return None;
+    }
     let first = *points.first()?;
     let last = points.last()?.0;
     let (low, high) = (points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min), first.1);
@@ -32,7 +38,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle),
         style::line("slope −5/2: mean field, integrated up to instability", GREY, Some(DASHES)),
     ];
-    let layout = style::layout((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high)).with_log_scale();
+    let layout = style::layout((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high))
+        .with_log_scale()
+        .with_tick_format(style::powers());
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label("Contacts broken in an event")
         .with_y_label("Events per number of contacts");

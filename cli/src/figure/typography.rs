@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::style;
 
 /// Letters that are symbols of quantities where they stand alone.
-const SYMBOLS: &str = "FKNPQSVXkqtuvxκ";
+const SYMBOLS: &str = "FKNPQSTVXkqtuvxκ";
 /// Size of a subscript and its distance below the line, relative to the size of the text.
 const SMALL: f64 = 0.72;
 const LOWERED: f64 = 0.22;
