@@ -58,17 +58,17 @@ pub enum Slip {
     /// By γẊ = K(X_T − X) − F, without mass. At fixed X_T over contacts without time dependence it ends where `Overdamped` does.
     Damped {
         /// Viscous damping γ, force per velocity, above 0.
-        #[schemars(extend("x-dimension" = "force*time/length"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time/length"))]
         damping: f64,
     },
     /// By MẌ = K(X_T − X) − F − γẊ to the first arrest Ẋ = 0; from there to the balance, without inertia.
     Inertial {
         /// Mass M of the slider, above 0.
-        #[schemars(extend("x-dimension" = "force*time^2/length"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time^2/length"))]
         mass: f64,
         /// Viscous damping γ, force per velocity, 0 or above.
         #[serde(default)]
-        #[schemars(extend("x-dimension" = "force*time/length"))]
+        #[schemars(extend("minimum" = 0, "x-dimension" = "force*time/length"))]
         damping: f64,
     },
 }

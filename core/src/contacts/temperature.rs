@@ -25,10 +25,10 @@ pub enum Barrier {
 pub struct Temperature {
     /// T, the temperature as an energy (force times length), above 0; contacts then also break below their thresholds, at
     /// the rate ω e^{−ΔE/T}.
-    #[schemars(extend("x-dimension" = "force*length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*length"))]
     pub energy: f64,
     /// Attempt rate ω, per time, above 0.
-    #[schemars(extend("x-dimension" = "1/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "1/time"))]
     pub attempt_rate: f64,
     /// The barrier ΔE: `"elastic"`, `"bell"` or `"catastrophe"`.
     #[serde(default)]

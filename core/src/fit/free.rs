@@ -26,7 +26,7 @@ pub struct Prior {
     #[schemars(extend("x-dimension" = "any"))]
     pub value: f64,
     /// The standard deviation, in the unit of the value, above 0.
-    #[schemars(extend("x-dimension" = "any"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "any"))]
     pub error: f64,
 }
 

@@ -12,7 +12,7 @@ use crate::block::{self, Loading, Slip};
 pub struct Block {
     /// Shear stiffness K of the slider between its top and its base, force per length, above 0; without `[block]` the slider
     /// is rigid.
-    #[schemars(extend("x-dimension" = "force/length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length"))]
     pub stiffness: f64,
     /// Slip rule: `"reset"`, `"overdamped"`, `"arrest"`, `damped = { damping }` or `inertial = { mass, damping }`, whose
     /// `damping` is 0 if not given.
@@ -20,7 +20,7 @@ pub struct Block {
     pub slip: Slip,
     /// An event of the ensemble is a slip if more than this fraction of the contacts break at one position of the drive.
     #[serde(default = "slip_fraction")]
-    #[schemars(extend("x-dimension" = "1"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-dimension" = "1"))]
     pub slip_fraction: f64,
 }
 

@@ -14,33 +14,43 @@ use crate::{Error, Result, contacts};
 /// The contacts of the interface: either `thresholds`, or `areas` from which thresholds and stiffnesses follow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-#[schemars(extend("oneOf" = [{ "required": ["thresholds"] }, { "required": ["areas"] }]))]
+#[schemars(extend(
+    "oneOf" = [
+        { "required": ["thresholds"] },
+        { "required": ["areas"], "not": { "anyOf": [{ "required": ["stiffness"] }, { "required": ["stiffness_per_threshold"] }] } },
+    ],
+    "not" = { "anyOf": [
+        { "required": ["stiffness", "stiffness_per_threshold"] },
+        { "required": ["background_force", "background_coefficient"] },
+    ] },
+    "dependentRequired" = { "background_coefficient": ["normal_load"] },
+))]
 pub struct Contacts {
     /// Number N_c of contacts, above 0; with 1, forces are per contact.
-    #[schemars(extend("x-dimension" = "1"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "1"))]
     pub count: f64,
     /// Stiffness ⟨k⟩ of a contact, force per length, above 0, independent of its threshold.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 1.0, "x-dimension" = "force/length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "default" = 1.0, "x-dimension" = "force/length"))]
     pub stiffness: Option<f64>,
     /// Factor κ, above 0, for stiffnesses k = κ x_s; instead of `contacts.stiffness`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "force/length^2"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length^2"))]
     pub stiffness_per_threshold: Option<f64>,
     /// Normal load carried by the interface, or by each cell of `[interface]`, a force, above 0; if given, friction coefficients
     /// are reported in addition to forces.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "force"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force"))]
     pub normal_load: Option<f64>,
     /// Background force B, 0 or above, of each cell with `[interface]`: a friction force in addition to that of the contacts,
     /// against the motion; all forces of results contain it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "force"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "force"))]
     pub background_force: Option<f64>,
     /// The same as a friction coefficient μ_b, 0 or above, B = μ_b `contacts.normal_load`; instead of
     /// `contacts.background_force`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "1"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "1"))]
     pub background_coefficient: Option<f64>,
     /// Distribution P_c of the stretches at which contacts break; either this or `contacts.areas` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,10 +82,10 @@ pub struct Areas {
     /// Distribution of the contact areas, in units of length²; instead of thresholds and stiffnesses.
     pub law: Law,
     /// Stiffness of a contact divided by the square root of its area, ρc², force per length², above 0.
-    #[schemars(extend("x-dimension" = "force/length^2"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length^2"))]
     pub modulus: f64,
     /// Force per area at which a contact breaks, above 0.
-    #[schemars(extend("x-dimension" = "force/length^2"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length^2"))]
     pub strength: f64,
 }
 

@@ -20,7 +20,7 @@ use crate::{Error, Result};
 pub struct Drive {
     /// Load-point displacement (displacement of the slider's top), from its equilibrium at X = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 20.0, "x-dimension" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "default" = 20.0, "x-dimension" = "length"))]
     pub distance: Option<f64>,
     /// Successive load-point positions X_T for driving back and forth; instead of `drive.distance`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,10 +28,11 @@ pub struct Drive {
     pub turning_points: Option<Vec<f64>>,
     /// Imposed force, increased up to this value; instead of `drive.distance`, without `[block]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "force"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force"))]
     pub force_to: Option<f64>,
     /// Points of the trace, evenly spaced along the drive; turning points and the points before and after every slip are
     /// added; slips of an interface are in its catalogue.
+    #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// Drives, in increasing order, at which the state of every cell of an interface is stored; for a chain it is also
     /// stored at every point of the trace.
@@ -43,7 +44,7 @@ pub struct Drive {
     pub start: TaskStart,
     /// Velocity of the load point, above 0, as `pull.velocity`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
 }
 

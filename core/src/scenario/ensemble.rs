@@ -14,7 +14,7 @@ pub struct Ensemble {
     /// Number of simulated contacts; forces are scaled to `contacts.count`. Without `[ensemble]` there is no simulation. For
     /// an interface, the number of contacts of each cell (required).
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 100_000))]
+    #[schemars(extend("minimum" = 1, "default" = 100_000))]
     pub size: Option<usize>,
     /// Seed; the same seed gives the same contacts, on any number of threads.
     pub seed: u64,

@@ -55,7 +55,7 @@ pub struct Fit {
     pub noise: FitNoise,
     /// Standard deviation of the independent error of a force, above 0; without it, it is estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "force"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force"))]
     pub reading: Option<f64>,
     /// A slow drift of the force, a normal process whose amplitude and correlation length are estimated; without this table
     /// there is none.
@@ -80,6 +80,7 @@ pub struct Fit {
     #[schemars(extend("x-dimension" = "length"))]
     pub range: Option<[f64; 2]>,
     /// Number of neighbouring readings that are averaged to one, 1 or more.
+    #[schemars(extend("minimum" = 1))]
     pub average: usize,
     /// What is known of free keys beforehand: for each key its most probable `value` and its standard deviation `error`; a
     /// normal distribution, of the logarithm where the number is above 0.
@@ -97,13 +98,14 @@ pub struct Fit {
     /// as the curve allows; `"law"`: without it.
     pub thresholds: FitThresholds,
     /// Number of kernels in the density of free form, 12 or more.
+    #[schemars(extend("minimum" = 12))]
     pub kernels: usize,
     /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
     /// for others.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
 }
 
@@ -134,7 +136,7 @@ pub enum FitThresholds {
 #[serde(deny_unknown_fields)]
 pub struct FitDrift {
     /// Longest correlation length of the drift, below a quarter of the range of positions.
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
     pub longest: f64,
 }
 

@@ -26,7 +26,7 @@ pub struct FitSteady {
     pub position: Option<Vec<f64>>,
     /// Displacement of the slider from one reading to the next, above 0; required where no positions are given.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
     pub spacing: Option<f64>,
     /// Measured forces, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]

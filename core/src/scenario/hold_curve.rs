@@ -11,17 +11,18 @@ use crate::Result;
 #[serde(deny_unknown_fields)]
 pub struct HoldCurve {
     /// Shortest hold time of a curve of static friction against hold time (healing), above 0.
-    #[schemars(extend("x-dimension" = "time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
     pub from: f64,
     /// Longest hold time.
-    #[schemars(extend("x-dimension" = "time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
     pub to: f64,
     /// Number of hold times, evenly spaced in their logarithm, including both ends.
     #[serde(default = "points")]
+    #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// Velocity before and after the hold (slide-hold-slide), above 0: the slider slides until sliding is steady, is held,
     /// and slides again until the force has peaked.
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub velocity: f64,
 }
 

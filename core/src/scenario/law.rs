@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::{exactly_one, positive};
@@ -21,6 +21,20 @@ pub struct ParametricFamily {
     pub member: fn(scale: f64, width: f64) -> Law,
 }
 
+/// Adds the ranges of the parameters of distributions to their schema: positions are 0 or above, widths, scales and shapes
+/// above 0.
+fn with_ranges(schema: &mut Schema) {
+    let laws = schema.get_mut("oneOf").and_then(|laws| laws.as_array_mut()).into_iter().flatten();
+    for (name, law) in laws.filter_map(|law| law.get_mut("properties")?.as_object_mut()?.iter_mut().next()) {
+        let parameters = law.get_mut("properties").and_then(|all| all.as_object_mut()).into_iter().flatten();
+        for (parameter, schema) in parameters.filter(|(_, schema)| schema["type"] == "number") {
+            let from_zero = matches!(parameter.as_str(), "min" | "at" | "cut" | "coupling")
+                || (name.as_str(), parameter.as_str()) == ("gaussian", "mean");
+            schema[if from_zero { "minimum" } else { "exclusiveMinimum" }] = 0.into();
+        }
+    }
+}
+
 /// Defines [`Law`] and what depends on the declarations of the parametric distributions.
 macro_rules! define_law {
     ($(
@@ -35,6 +49,7 @@ macro_rules! define_law {
         /// before truncation.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(rename_all = "snake_case", deny_unknown_fields)]
+        #[schemars(transform = with_ranges)]
         #[non_exhaustive]
         pub enum Law {
             $(
@@ -119,12 +134,16 @@ parametric_distributions!(define_law);
 /// A distribution given by numbers: a density in rows, linear between them, or a sample of lengths.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    { "required": ["file"] }, { "required": ["samples"] }, { "required": ["stretch", "density"] }
+]))]
 pub struct Tabulated {
     /// CSV with columns `stretch,density`, or with one column of samples; its path is relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// A sample, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
     pub samples: Option<Vec<f64>>,
     /// Stretches at which the density is given, in increasing order, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -139,6 +158,7 @@ pub struct Tabulated {
 #[serde(deny_unknown_fields)]
 pub struct Component {
     /// Weight of the component, above 0; weights sum to 1.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub weight: f64,
     /// Distribution of the component.
     pub law: Law,

@@ -18,7 +18,7 @@ pub struct MasterEquation {
     /// and an interface in time, the error is estimated only if this key is given, because it takes some three times as
     /// long.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 1e-10, "x-dimension" = "1"))]
+    #[schemars(extend("minimum" = 1e-12, "maximum" = 1e-2, "default" = 1e-10, "x-dimension" = "1"))]
     pub tolerance: Option<f64>,
 }
 

@@ -10,8 +10,10 @@ use crate::{Error, Result};
 #[serde(default, deny_unknown_fields)]
 pub struct FitPosterior {
     /// Draws of each chain, 4 or more.
+    #[schemars(extend("minimum" = 4))]
     pub draws: usize,
     /// Number of chains, 1 or more.
+    #[schemars(extend("minimum" = 1))]
     pub chains: usize,
     /// Seed of the random numbers.
     pub seed: u64,

@@ -10,7 +10,7 @@ use crate::{Error, Result};
 /// Successive steps, from X = 0 (with a block, from its equilibrium there) at t = 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
-pub struct Protocol(pub Vec<Step>);
+pub struct Protocol(#[schemars(length(min = 1))] pub Vec<Step>);
 
 /// A step: a hold, or motion at a velocity over a distance or a duration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -19,31 +19,32 @@ pub struct Protocol(pub Vec<Step>);
     { "required": ["hold"], "not": { "anyOf": [
         { "required": ["velocity"] }, { "required": ["distance"] }, { "required": ["duration"] }
     ] } },
-    { "required": ["velocity", "distance"], "not": { "anyOf": [{ "required": ["duration"] }, { "required": ["velocity_to"] }] } },
+    { "required": ["velocity", "distance"], "properties": { "velocity": { "exclusiveMinimum": 0 } }, "not": { "anyOf": [{ "required": ["duration"] }, { "required": ["velocity_to"] }] } },
     { "required": ["velocity", "duration"], "not": { "required": ["distance"] } }
 ]))]
 pub struct Step {
     /// Velocity; above 0 over a distance, 0 or above for a duration.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
     /// Velocity at the end of a ramp that begins at `velocity` and takes `duration`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "length/time"))]
     pub velocity_to: Option<f64>,
     /// Displacement in the step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
     pub distance: Option<f64>,
     /// Duration of the step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
     pub duration: Option<f64>,
     /// Duration of a hold at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
     pub hold: Option<f64>,
     /// Points of the trace in the step, evenly spaced in time, including both ends.
+    #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// In the first step only: `"conditional"` or `"relaxed"`, as `pull.start`, or `"steady"`: steady sliding at the `velocity`
     /// of this step, which must be above 0.
@@ -52,7 +53,7 @@ pub struct Step {
     pub start: Option<TaskStart>,
     /// Number of intervals of constant velocity that approximate a ramp, equally long, each at the velocity of its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 64))]
+    #[schemars(extend("minimum" = 1, "default" = 64))]
     pub pieces: Option<usize>,
 }
 

@@ -11,9 +11,10 @@ use crate::{Error, Result};
 #[serde(default, deny_unknown_fields)]
 pub struct Pull {
     /// Displacement of the slider's base.
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
     pub distance: f64,
     /// Number of output positions, evenly spaced, including both ends.
+    #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// Positions at which the distribution of stretches is stored, in increasing order.
     #[schemars(extend("x-dimension" = "length"))]
@@ -31,7 +32,7 @@ pub struct Pull {
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
     /// for others.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
 }
 

@@ -21,8 +21,10 @@ pub struct Renormalisation {
     /// Number of independent interfaces, each driven until every contact has broken (for cells, all but 1e-6), with
     /// successive seeds: from `ensemble.seed` on for contacts coupled one by one, from `interface.disorder.seed` on for
     /// cells; errors are estimated from their scatter.
+    #[schemars(extend("minimum" = 2))]
     pub runs: usize,
     /// Number of equal intervals of the drive in which first breaks are counted.
+    #[schemars(extend("minimum" = 1))]
     pub points: usize,
 }
 

@@ -15,7 +15,7 @@ pub type Ageing = contacts::AgeingRule<Law>;
 pub struct Delay {
     /// Time τ, 0 or above, for which a broken contact is detached before it re-forms; without `[contacts.delay]` it re-forms
     /// at once.
-    #[schemars(extend("x-dimension" = "time"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "time"))]
     pub time: f64,
 }
 

@@ -13,18 +13,19 @@ pub struct Spectrum {
     /// Largest wave number, in radians per length; without it the fifth multiple of 2π over the mean displacement between
     /// breaks of a contact.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "1/length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "1/length"))]
     pub highest: Option<f64>,
     /// Largest displacement of the autocovariance; without it ten times the mean displacement between breaks.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
     pub displacement: Option<f64>,
     /// Number of wave numbers and of displacements, evenly spaced from 0, including both ends.
+    #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing), without effect for
     /// others.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
 }
 

@@ -11,17 +11,18 @@ use crate::Result;
 #[serde(deny_unknown_fields)]
 pub struct VelocityCurve {
     /// Lowest velocity of a curve of kinetic friction against velocity, above 0.
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub from: f64,
     /// Highest velocity.
-    #[schemars(extend("x-dimension" = "length/time"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length/time"))]
     pub to: f64,
     /// Number of velocities, evenly spaced in their logarithm, including both ends.
     #[serde(default = "points")]
+    #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// List of temperatures, with a curve for each, instead of `contacts.temperature.energy`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("x-dimension" = "force*length"))]
+    #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-dimension" = "force*length"))]
     pub temperatures: Vec<f64>,
     /// Whether the critical stiffnesses at each velocity are also computed, which takes about a second each; with `[block]`
     /// they are those for its mass and damping, and the growth rate of deviations from steady sliding is computed for its

@@ -100,6 +100,9 @@ impl Error for Fault {
     }
 }
 
+/// Largest float up to which every whole number is one: 2⁵³.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
 /// Reads a value out of a node.
 pub struct Reader<'a>(pub &'a Node);
 
@@ -133,6 +136,10 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.0.kind {
             Kind::Integer(0..) => self.deserialize_any(visitor),
+            // 1e5 is a float in TOML.
+            Kind::Float(number) if (0.0..=LARGEST_WHOLE).contains(&number) && number.fract() == 0.0 => {
+                visitor.visit_u64(number as u64)
+            }
             _ => self.refuse("a whole number, 0 or above"),
         }
     }

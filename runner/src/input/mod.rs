@@ -4,6 +4,7 @@ mod deserialise;
 mod diagnostic;
 mod document;
 mod overrides;
+mod schema;
 mod tables;
 mod text;
 
@@ -14,6 +15,7 @@ use serde::Deserialize as _;
 use serde::de::DeserializeOwned;
 
 pub use diagnostic::{Diagnostic, Mark, Source};
+pub use schema::schema;
 
 use deserialise::{Fault, Reader};
 use document::{Document, Node};
@@ -106,12 +108,6 @@ fn amount(bytes: u64) -> String {
 pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> asperity::Result<T> {
     let refused = |fault: Fault| asperity::Error::invalid(key, fault.expected, fault.found);
     T::deserialize(Reader(&Node::from(word))).map_err(refused)
-}
-
-/// The JSON Schema of scenarios.
-pub fn schema() -> String {
-    let schema = schemars::schema_for!(Scenario);
-    serde_json::to_string_pretty(&schema).expect("a schema is JSON")
 }
 
 /// A scenario as TOML with every value written out. Reading it gives the same scenario.

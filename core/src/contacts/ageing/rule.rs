@@ -22,7 +22,7 @@ pub enum AgeingRule<D> {
         /// P_cf, the stationary distribution of thresholds if no contact breaks.
         mature: D,
         /// D, stretch² per time, above 0.
-        #[schemars(extend("x-dimension" = "length^2/time"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length^2/time"))]
         diffusion: f64,
     },
     /// A contact keeps its quantile while the distribution evolves as under Smoluchowski ageing with D = σ_f²/`time` and no
@@ -31,16 +31,16 @@ pub enum AgeingRule<D> {
         /// P_cf.
         mature: D,
         /// The time in which it matures, above 0.
-        #[schemars(extend("x-dimension" = "time"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
         time: f64,
     },
     /// h(t) = h_0[1 + β ln(1 + t/τ_0)]: unlimited strengthening, as measured on rock and polymers.
     Logarithmic {
         /// β, 0 or above.
-        #[schemars(extend("x-dimension" = "1"))]
+        #[schemars(extend("minimum" = 0, "x-dimension" = "1"))]
         growth: f64,
         /// τ_0, above 0.
-        #[schemars(extend("x-dimension" = "time"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
         time: f64,
     },
     /// The mean-field closure of the coupled equations for Q and P_c in steady sliding: P_c = ∫₀^∞ e^{−τ}
@@ -50,7 +50,7 @@ pub enum AgeingRule<D> {
         /// P_cf.
         mature: D,
         /// D, stretch² per time, above 0.
-        #[schemars(extend("x-dimension" = "length^2/time"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length^2/time"))]
         diffusion: f64,
     },
 }

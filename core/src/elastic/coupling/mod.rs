@@ -76,16 +76,16 @@ pub enum Elasticity {
     /// Springs between nearest neighbours.
     Neighbours {
         /// K_int, stiffness of such a spring, 0 or above.
-        #[schemars(extend("x-dimension" = "force/length"))]
+        #[schemars(extend("minimum" = 0, "x-dimension" = "force/length"))]
         stiffness: f64,
     },
     /// An elastic half-space.
     HalfSpace {
         /// G*, its modulus, force per area, above 0.
-        #[schemars(extend("x-dimension" = "force/length^2"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length^2"))]
         modulus: f64,
         /// Side a of a cell, above 0.
-        #[schemars(extend("x-dimension" = "length"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
         cell: f64,
     },
 }

@@ -19,13 +19,14 @@ pub use scales::Scales;
 pub struct Interface {
     /// `[length]` of a chain or `[rows, columns]` of a lattice of elastically coupled cells; `contacts.count` is the number
     /// of contacts of each cell, or, for contacts coupled one by one, of all together.
+    #[schemars(length(min = 1, max = 2), extend("items" = { "type": "integer", "minimum": 1 }))]
     pub cells: Vec<usize>,
     /// `"many"`: each cell has many contacts, which move together; or `"one"`: contacts are coupled one by one and re-form
     /// after the slip event.
     #[serde(default)]
     pub contacts: PerCell,
     /// Stiffness K_0 of the spring between a cell and the drive, 0 or above.
-    #[schemars(extend("x-dimension" = "force/length"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "force/length"))]
     pub connection: f64,
     /// `neighbours = { stiffness }` with K_int, or `half_space = { modulus, cell }` with G* (the shear modulus G for ν = 0,
     /// G/(1 − ν) on a chain along the direction of sliding) and the side a of a cell.
@@ -45,7 +46,7 @@ pub struct Interface {
     /// Viscous drag on a moving cell, force per velocity, above 0: events then have durations, and fronts have speeds;
     /// required with time-dependent contacts.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "force*time/length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time/length"))]
     pub viscosity: Option<f64>,
     /// How cells of many contacts differ; without this table they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,11 +54,11 @@ pub struct Interface {
     /// Accuracy of the drive at which equilibrium is lost, in mean thresholds; with time-dependent contacts there is no such
     /// drive, and `master_equation.tolerance` is the accuracy of a step of a cell.
     #[serde(default = "drive_tolerance")]
-    #[schemars(extend("x-dimension" = "1"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "1"))]
     pub drive_tolerance: f64,
     /// Events are recorded from this drive on, 0 or above.
     #[serde(default)]
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "length"))]
     pub catalogue_from: f64,
 }
 

@@ -14,7 +14,7 @@ pub struct Scales {
     /// Standard deviation, 0 or above, of the scale factors s_j of the cells, which multiply all lengths of their contacts;
     /// they are drawn from a Gaussian distribution of mean 1.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "1"))]
+    #[schemars(extend("minimum" = 0, "x-dimension" = "1"))]
     pub std: Option<f64>,
     /// Seed of these random numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,7 +26,7 @@ pub struct Scales {
     pub file: Option<String>,
     /// The scale factors themselves, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "1"))]
+    #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-dimension" = "1"))]
     pub scale: Option<Vec<f64>>,
 }
 

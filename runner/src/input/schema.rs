@@ -1,0 +1,240 @@
+//! The JSON Schema of scenarios: that of their types, with the rules between tables, in the form that editors expect.
+
+use asperity::scenario::Scenario;
+use serde_json::{Map, Value, json};
+
+/// Identifies the schema; no address.
+const ID: &str = concat!("urn:asperity:scenario:", env!("CARGO_PKG_VERSION"));
+
+/// The JSON Schema of scenarios.
+pub fn schema() -> String {
+    let mut schema = schemars::schema_for!(Scenario);
+    schema.insert("$id".into(), ID.into());
+    schema.insert("allOf".into(), combinations().into());
+    without_null(schema.as_object_mut().expect("the schema of a table"));
+    serde_json::to_string_pretty(&schema).expect("a schema is JSON")
+}
+
+/// What the checks of the core refuse of tables and keys that are valid by themselves.
+fn combinations() -> Vec<Value> {
+    let timed = any(
+        ["contacts.temperature", "contacts.ageing", "contacts.delay"].map(|rule| having(rule, json!({})))
+    );
+    let single = having("interface.contacts", json!({ "const": "one" }));
+    let steady = any([
+        having("protocol", json!({ "prefixItems": [having("start", json!({ "const": "steady" }))] })),
+        having("pull.start", json!({ "const": "steady" })),
+        having("drive.start", json!({ "const": "steady" })),
+    ]);
+    let mean_field = having("contacts.ageing.mean_field", json!({}));
+    let quenched = having("ensemble.disorder", json!({ "const": "quenched" }));
+    let edge = having("interface.loading", json!({ "const": "edge" }));
+    let stability = having("velocity_curve.stability", json!({ "const": true }));
+    vec![
+        // Which tables belong to which task.
+        never(
+            "block",
+            any(["pull", "hold_curve", "spectrum", "fit", "renormalisation", "interface"].map(key)),
+        ),
+        implies(all([key("block"), key("velocity_curve")]), stability),
+        never("interface", any(["pull", "velocity_curve", "hold_curve", "spectrum", "fit"].map(key))),
+        implies(key("renormalisation"), key("interface")),
+        implies(key("drive.maps"), key("interface")),
+        implies(key("compare"), any(["pull", "protocol", "protocol_file"].map(key))),
+        never("compare", key("block")),
+        never("drive.force_to", any([key("block"), key("interface"), timed.clone()])),
+        never("drive.turning_points", key("interface")),
+        // Where contacts are time-dependent.
+        implies(all([timed.clone(), key("pull")]), key("pull.velocity")),
+        implies(all([timed.clone(), key("drive")]), key("drive.velocity")),
+        implies(all([timed.clone(), key("spectrum")]), key("spectrum.velocity")),
+        implies(
+            all([timed.clone(), key("interface")]),
+            all([key("interface.viscosity"), having("interface.slip", json!({ "const": "overdamped" }))]),
+        ),
+        implies(having("velocity_curve.temperatures", json!({ "minItems": 1 })), key("contacts.temperature")),
+        refuses(
+            mean_field,
+            any([
+                key("ensemble"),
+                key("contacts.temperature"),
+                key("pull"),
+                key("drive"),
+                key("protocol"),
+                key("protocol_file"),
+                key("hold_curve"),
+                having("velocity_curve.stability", json!({ "const": true })),
+            ]),
+        ),
+        // Contacts that are coupled one by one, and cells of many.
+        refuses(
+            single,
+            any([
+                timed.clone(),
+                key("interface.slip"),
+                key("interface.viscosity"),
+                key("interface.disorder"),
+                key("interface.coupling.half_space"),
+                key("ensemble.size"),
+                key("contacts.stiffness_per_threshold"),
+                key("contacts.background_force"),
+                key("contacts.background_coefficient"),
+                edge.clone(),
+            ]),
+        ),
+        refuses(
+            edge,
+            any(["contacts.background_force", "contacts.background_coefficient", "renormalisation"].map(key)),
+        ),
+        refuses(
+            key("interface.disorder.std"),
+            any(["interface.disorder.file", "interface.disorder.scale"].map(key)),
+        ),
+        implies(
+            all([key("renormalisation"), not(having("interface.contacts", json!({ "const": "one" })))]),
+            all([key("interface.disorder.std"), not(key("ensemble"))]),
+        ),
+        implies(
+            all([
+                key("ensemble"),
+                key("interface"),
+                not(having("interface.contacts", json!({ "const": "one" }))),
+            ]),
+            all([key("ensemble.size"), having("interface.slip", json!({ "const": "overdamped" }))]),
+        ),
+        implies(
+            all([
+                key("interface.coupling.neighbours"),
+                not(having("interface.contacts", json!({ "const": "one" }))),
+            ]),
+            having("interface.coupling.neighbours.stiffness", json!({ "exclusiveMinimum": 0 })),
+        ),
+        implies(
+            having("interface.edges", json!({ "const": "periodic" })),
+            having("interface.cells", json!({ "items": { "minimum": 3 } })),
+        ),
+        implies(
+            all([
+                having("interface.edges", json!({ "const": "periodic" })),
+                having("interface.contacts", json!({ "const": "one" })),
+            ]),
+            having("interface.connection", json!({ "exclusiveMinimum": 0 })),
+        ),
+        implies(
+            all([key("renormalisation"), key("initial")]),
+            having("initial.point.at", json!({ "const": 0 })),
+        ),
+        // Starts and noise.
+        implies(
+            having("protocol", json!({ "minItems": 2 })),
+            having("protocol", json!({ "prefixItems": [true], "items": not(key("start")) })),
+        ),
+        implies(
+            having("protocol", json!({ "prefixItems": [having("start", json!({ "const": "steady" }))] })),
+            having(
+                "protocol",
+                json!({ "prefixItems": [having("velocity", json!({ "exclusiveMinimum": 0 }))] }),
+            ),
+        ),
+        refuses(having("pull.start", json!({ "const": "steady" })), timed.clone()),
+        not(key("contacts.ageing.smoluchowski.mature.point")),
+        refuses(steady, any([key("initial"), quenched.clone()])),
+        refuses(key("spectrum"), quenched),
+        // What a fit is given.
+        refuses(
+            key("fit.steady"),
+            any([
+                "fit.file",
+                "fit.position",
+                "fit.drive",
+                "fit.curve",
+                "fit.range",
+                "contacts.background_force",
+                "contacts.background_coefficient",
+                "initial",
+            ]
+            .map(key)),
+        ),
+        refuses(key("fit.curve"), any(["fit.file", "fit.position", "fit.drive"].map(key))),
+        implies(key("fit.drive"), key("fit.compliance")),
+        implies(
+            all([any(["fit.position", "fit.drive"].map(key)), not(key("fit.force"))]),
+            key("fit.reading"),
+        ),
+        refuses(
+            having("fit.noise", json!({ "const": "white" })),
+            having(
+                "fit.free",
+                all([
+                    json!({ "contains": { "const": "contacts.count" } }),
+                    json!({ "contains": { "const": "contacts.stiffness" } }),
+                ]),
+            ),
+        ),
+    ]
+}
+
+/// A schema of what has the key, such as `interface.viscosity`.
+fn key(key: &str) -> Value {
+    having(key, json!({}))
+}
+
+/// A schema of what has the key, with a value of the given schema.
+fn having(key: &str, value: Value) -> Value {
+    let (first, value) = match key.split_once('.') {
+        None => (key, value),
+        Some((table, rest)) => (table, having(rest, value)),
+    };
+    json!({ "required": [first], "properties": { first: value } })
+}
+
+fn any<const N: usize>(schemas: [Value; N]) -> Value {
+    json!({ "anyOf": Vec::from(schemas) })
+}
+
+fn all<const N: usize>(schemas: [Value; N]) -> Value {
+    json!({ "allOf": Vec::from(schemas) })
+}
+
+fn not(schema: Value) -> Value {
+    json!({ "not": schema })
+}
+
+fn implies(condition: Value, then: Value) -> Value {
+    json!({ "if": condition, "then": then })
+}
+
+fn refuses(condition: Value, other: Value) -> Value {
+    implies(condition, not(other))
+}
+
+fn never(table: &str, other: Value) -> Value {
+    refuses(key(table), other)
+}
+
+/// Leaves out the alternatives `null`, which TOML does not have: an editor would report both where the other is wrong.
+fn without_null(schema: &mut Map<String, Value>) {
+    if let Some(kinds) = schema.get_mut("type").and_then(Value::as_array_mut) {
+        kinds.retain(|kind| kind != "null");
+        if let [only] = kinds.as_slice() {
+            let only = only.clone();
+            schema.insert("type".into(), only);
+        }
+    }
+    if let Some(choices) = schema.get_mut("anyOf").and_then(Value::as_array_mut) {
+        let before = choices.len();
+        choices.retain(|choice| choice.get("type") != Some(&"null".into()));
+        if let (true, [Value::Object(only)]) = (choices.len() < before, choices.as_slice()) {
+            let only = only.clone();
+            schema.remove("anyOf");
+            schema.extend(only);
+        }
+    }
+    for value in schema.values_mut() {
+        match value {
+            Value::Object(inner) => without_null(inner),
+            Value::Array(items) => items.iter_mut().filter_map(Value::as_object_mut).for_each(without_null),
+            _ => {}
+        }
+    }
+}
