@@ -170,7 +170,7 @@ def test_what_does_not_go_with_time_is_refused() -> None:
     ):
         asp.Block(transport, 1.0, damped).drive()
     with pytest.raises(ValueError, match=r"block\.slip: expected damped or inertial"):
-        asp.Block(transport, 1.0).drive(velocity=1.0)
+        asp.Block(transport, 1.0, "overdamped").drive(velocity=1.0)
     with pytest.raises(ValueError, match=r"block\.stiffness: expected a finite stiffness in time"):
         asp.Block(transport, None, damped).drive(velocity=1.0)
     with pytest.raises(ValueError, match=r"drive\.turning_points\.1: expected a position above 3"):
