@@ -132,7 +132,12 @@ fn the_dynamic_stiffness_is_that_of_quadrature() {
 #[test]
 fn the_renewal_equation_gives_the_dynamic_stiffness() {
     let renewal = DynamicStiffness::new(&ageing(), VELOCITY).unwrap();
-    for q in [Complex64::new(0.0, 0.3), Complex64::new(0.0, 3.0), Complex64::new(0.0, 6.0), Complex64::new(1.0, 3.0)] {
+    for q in [
+        Complex64::new(0.0, 0.3),
+        Complex64::new(0.0, 3.0),
+        Complex64::new(0.0, 6.0),
+        Complex64::new(1.0, 3.0),
+    ] {
         let (found, exact) = (renewal.at(VELOCITY * q), by_quadrature(q));
         let off = (found - exact).norm();
         println!("{q}: {found} {exact} {off:e}");

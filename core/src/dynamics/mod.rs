@@ -32,10 +32,10 @@ pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
 
 use self::tr_bdf2::TrBdf2Step;
-use crate::{Error, Result};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::tr_bdf2::GAMMA;
 use crate::rate_dependent::ErrorEstimator;
+use crate::{Error, Result};
 
 /// Cells in motion, with their energies and errors so far.
 #[derive(Debug)]
@@ -161,7 +161,8 @@ impl SliderMotion {
     /// drag, which limit the velocity.
     fn lost_balance(&self) -> Option<Error> {
         let expected = "damped or inertial where a spring is so soft that a slider over time-dependent contacts slips: during a slip the velocity must be limited by a damping or a mass";
-        let found = format!("neither, and no balance after t = {}, X = {}", self.time, self.cells[0].position);
+        let found =
+            format!("neither, and no balance after t = {}, X = {}", self.time, self.cells[0].position);
         self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))
     }
 

@@ -96,7 +96,8 @@ impl DynamicStiffness {
             return Err(Error::invalid("reforming", "contacts that re-form without stretch", found));
         }
         if let Some(atom) = law.atoms().first() {
-            let expected = "a distribution without point masses, whose simultaneous breaks have no linear response";
+            let expected =
+                "a distribution without point masses, whose simultaneous breaks have no linear response";
             return Err(Error::invalid("thresholds", expected, format!("one at {}", atom.position)));
         }
         if let Some(Ageing::Smoluchowski { .. } | Ageing::MeanField { .. }) = contacts.rules.ageing {
@@ -148,7 +149,8 @@ impl DynamicStiffness {
     pub fn instantaneous(&self) -> f64 {
         let of = |life: &ThresholdLife| {
             let last = life.ages[life.ages.len() - 1];
-            life.weight * (life.sum(|at| at.stiffness * at.survival) - last.stiffness * last.stretch * life.lost)
+            life.weight
+                * (life.sum(|at| at.stiffness * at.survival) - last.stiffness * last.stretch * life.lost)
         };
         self.count * self.rate * self.lives.iter().map(of).sum::<f64>()
     }
