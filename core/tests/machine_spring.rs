@@ -288,7 +288,8 @@ fn a_scenario_without_a_slip_rule_has_the_spring_of_a_machine() {
         let steady = Some(scenario::TaskStart::Steady);
         let first = scenario::Step { start: steady, points: 2, ..scenario::Step::moving(0.1, 1.0) };
         let protocol = Some(scenario::Protocol(vec![first, scenario::Step::moving(1.0, 5.0)]));
-        let block = Some(scenario::Block { stiffness: 1.0, slip, slip_fraction: scenario::Block::SLIP_FRACTION });
+        let block =
+            Some(scenario::Block { stiffness: 1.0, slip, slip_fraction: scenario::Block::SLIP_FRACTION });
         scenario::Scenario { protocol, block, ..scenario::Scenario::new(contacts.clone()) }
     };
     let machine = with(Slip::default());
