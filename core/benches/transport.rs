@@ -1,11 +1,12 @@
-//! Contacts followed through time: velocity steps with temperature beside ageing alone, the velocity step of thresholds that
-//! diffuse, how many cells a second, one thread and two.
+//! Contacts followed through time: velocity steps with temperature beside ageing alone and behind a spring, the velocity step of
+//! thresholds that diffuse, how many cells a second, one thread and two.
 
 #![allow(missing_docs)]
 
 use std::sync::Arc;
 use std::time::Instant;
 
+use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::{Gaussian, Point, SharedLaw};
@@ -31,12 +32,17 @@ fn thermal() -> Contacts {
     contacts(gaussian(1.0, 0.1), Rules { temperature, ..Rules::default() })
 }
 
-/// From steady sliding at a velocity to a tenth of it, followed for one and a half mean thresholds.
-fn velocity_step(contacts: &Contacts, velocity: f64, tolerance: f64) -> f64 {
-    let slower = 0.1 * velocity;
+/// Motion at a velocity, then at a tenth of it for one and a half mean thresholds, and times along it.
+fn slower(velocity: f64) -> (History, Vec<f64>) {
     let piece = |velocity: f64, distance: f64| Piece { velocity, duration: distance / velocity };
-    let history = History::new(vec![piece(velocity, 0.2), piece(slower, 1.5)]).unwrap();
-    let times: Vec<f64> = (0..=100).map(|k| f64::from(k) / 100.0 * history.duration()).collect();
+    let history = History::new(vec![piece(velocity, 0.2), piece(0.1 * velocity, 1.5)]).unwrap();
+    let times = (0..=100).map(|k| f64::from(k) / 100.0 * history.duration()).collect();
+    (history, times)
+}
+
+/// From steady sliding at a velocity to a tenth of it.
+fn velocity_step(contacts: &Contacts, velocity: f64, tolerance: f64) -> f64 {
+    let (history, times) = slower(velocity);
     let mut transport = Transport::steady_with(contacts, velocity, tolerance, &mut ()).unwrap();
     transport.follow(&history, &times).unwrap().force.iter().sum()
 }
@@ -87,6 +93,35 @@ fn pairs(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A velocity step behind the spring of a machine over that of a rigid one, at the same tolerance, on one thread.
+fn springs(criterion: &mut Criterion) {
+    let ageing = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
+    let temperature = Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let mut group = criterion.benchmark_group("velocity step behind a spring");
+    group.sample_size(10);
+    let pool = pool(1);
+    for (name, temperature) in [("ageing", None), ("temperature and ageing", temperature)] {
+        let rules = Rules { ageing: ageing(), temperature, ..Rules::default() };
+        let contacts = contacts(gaussian(1.0, 0.25), rules);
+        group.bench_function(format!("{name} to 1e-4, rigid"), |bencher| {
+            bencher.iter(|| pool.install(|| velocity_step(&contacts, 0.1, 1e-4)));
+        });
+        group.bench_function(format!("{name} to 1e-4, K = 1"), |bencher| {
+            bencher.iter(|| pool.install(|| step_behind_spring(&contacts, 0.1, 1e-4)));
+        });
+    }
+    group.finish();
+}
+
+/// [`velocity_step`] of the load point of a machine of stiffness 1.
+fn step_behind_spring(contacts: &Contacts, velocity: f64, tolerance: f64) -> f64 {
+    let (history, times) = slower(velocity);
+    let transport = Transport::steady_with(contacts, velocity, tolerance, &mut ()).unwrap();
+    let block = Block::new(Loading::Spring(1.0), Slip::Reset, None).unwrap();
+    let run = block.follow(&transport, &history, &times, tolerance).unwrap();
+    run.trace.iter().map(|moment| moment.force).sum()
+}
+
 /// Three velocities, a factor of ten apart, for five mean thresholds each.
 fn steps_from_rest(contacts: &Contacts, tolerance: f64) -> f64 {
     let piece = |velocity: f64| Piece { velocity, duration: 5.0 / velocity };
@@ -119,5 +154,5 @@ fn cells(_: &mut Criterion) {
     println!("cells: {hot:.3e} a second in a step of diffusion; memory would allow {memory:.3e}");
 }
 
-criterion_group!(benches, steps, pairs, cells);
+criterion_group!(benches, steps, pairs, springs, cells);
 criterion_main!(benches);

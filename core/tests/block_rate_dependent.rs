@@ -193,9 +193,12 @@ fn what_limits_no_velocity_is_refused() {
         Err(Error::Invalid { key, .. }) => key,
         other => panic!("{other:?}"),
     };
-    for slip in [Slip::Reset, Slip::Overdamped, Slip::Arrest] {
+    for slip in [Slip::Overdamped, Slip::Arrest] {
         assert_eq!(key(block(1.0, slip).follow(&transport, &drive, &[], 1e-3)), "slip");
     }
+    // In balance until X_T = 1.67, where the slider slips.
+    assert!(block(1.0, Slip::Reset).follow(&transport, &drive, &[], 1e-3).is_ok());
+    assert_eq!(key(block(1.0, Slip::Reset).follow(&transport, &steady(1.0, 2.0), &[], 1e-3)), "slip");
     let rigid = Block::new(Loading::Rigid, UNDAMPED, None).unwrap();
     assert_eq!(key(rigid.follow(&transport, &drive, &[], 1e-3)), "stiffness");
     let good = block(1.0, UNDAMPED);

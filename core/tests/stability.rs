@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use asperity::block::{Block, Loading, Regime, Slide, Slip};
 use asperity::contacts::{Ageing, Contacts, Rules};
 use asperity::history::{History, Piece};
-use asperity::master::{Slider, StepResponse, Transport};
+use asperity::master::{DynamicStiffness, Slider, StepResponse, Transport};
 use asperity::numerics::legendre::RULE;
 use common::{contacts, gaussian, point};
 use num_complex::Complex64;
@@ -127,6 +127,29 @@ fn the_dynamic_stiffness_is_that_of_quadrature() {
         // times are on straight lines.
         assert!(off < 2e-2 * exact.norm() + 5e-5, "{q}: {found} instead of {exact}");
     }
+}
+
+#[test]
+fn the_renewal_equation_gives_the_dynamic_stiffness() {
+    let renewal = DynamicStiffness::new(&ageing(), VELOCITY).unwrap();
+    for q in [
+        Complex64::new(0.0, 0.3),
+        Complex64::new(0.0, 3.0),
+        Complex64::new(0.0, 6.0),
+        Complex64::new(1.0, 3.0),
+    ] {
+        let (found, exact) = (renewal.at(VELOCITY * q), by_quadrature(q));
+        let off = (found - exact).norm();
+        println!("{q}: {found} {exact} {off:e}");
+        // The trapezoidal rule over 2000 ages of each threshold, (|q|/2000)²/12 and rounding of sums.
+        assert!(off < 1e-5, "{q}: {found} instead of {exact}");
+    }
+    let (critical, frequency) = renewal.critical_stiffness(&mut ()).unwrap().unwrap();
+    let stepped = response().critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
+    println!("{critical} at {frequency}, from a small step {stepped:?}");
+    // A step of a hundredth of the width of thresholds is off by its second order.
+    near(critical / stepped.0, 1.0, 2e-2);
+    assert_eq!(frequency, stepped.1);
 }
 
 /// A slider over contacts in steady sliding, stopped for a moment and pulled on by `drive`.

@@ -234,15 +234,16 @@ class Block(Description):
         """Moves the load point of the slider from equilibrium at t = 0 through the steps, one after the other, and
         integrates the motion of its base: MẌ = K(X_T - X) - F - γẊ.
 
-        The slip rule must be Damped or Inertial, because something must limit the slip velocity. A slip is the
+        The slip rule is Damped or Inertial, because something must limit the slip velocity, or the default: without mass
+        and damping the spring is in balance at every time, K(X_T - X) = F, and a slip is an error. A slip is the
         interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
         more than the fraction slip_fraction of the contacts.
 
         steps: a list of Step.
         progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for no steps, another slip rule, a rigid slider, or a MasterEquation, which has one
-        velocity.
+        Raises ValueError for no steps, another slip rule, a slip without damping and mass, a rigid slider, or a
+        MasterEquation, which has one velocity.
         """
 
     @property

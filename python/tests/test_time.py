@@ -170,7 +170,7 @@ def test_what_does_not_go_with_time_is_refused() -> None:
     ):
         asp.Block(transport, 1.0, damped).drive()
     with pytest.raises(ValueError, match=r"block\.slip: expected damped or inertial"):
-        asp.Block(transport, 1.0).drive(velocity=1.0)
+        asp.Block(transport, 1.0, "overdamped").drive(velocity=1.0)
     with pytest.raises(ValueError, match=r"block\.stiffness: expected a finite stiffness in time"):
         asp.Block(transport, None, damped).drive(velocity=1.0)
     with pytest.raises(ValueError, match=r"drive\.turning_points\.1: expected a position above 3"):
@@ -179,6 +179,17 @@ def test_what_does_not_go_with_time_is_refused() -> None:
         asp.Block(transport, None, damped).drive(force_to=1.0, velocity=1.0)
     with pytest.raises(ValueError, match="steps"):
         asp.Block(transport, 1.0, damped).follow([])
+
+
+def test_the_spring_of_a_machine_is_in_balance_without_damping() -> None:
+    sliding = asp.Transport(AGEING, start="steady", velocity=0.1)
+    steps = [asp.Step(0.1, distance=0.1, points=2), asp.Step(1.0, distance=2.0, points=21)]
+    run = asp.Block(sliding, 2.0).follow(steps)
+    # A hundredth of the tolerance 1e-6 of a step, times K + F'.
+    assert abs(run["spring_force"] - run["force"]).max() < 1e-7
+    assert abs(2.0 * (run["drive"] - run["position"]) - run["force"]).max() < 1e-7
+    # The velocity of the load point, which the slider reaches.
+    assert run["velocity"][-1] == pytest.approx(1.0, abs=0.2)
 
 
 def test_steady_sliding_needs_damping_where_contacts_age() -> None:

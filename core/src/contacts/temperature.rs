@@ -53,6 +53,15 @@ impl Barrier {
         self.of(1.0 - y, y)
     }
 
+    /// The derivative of ΔE/E_0 by y, for 0 ≤ y ≤ 1.
+    fn slope(self, y: f64) -> f64 {
+        match self {
+            Self::Elastic => -2.0 * y,
+            Self::Bell => -1.0,
+            Self::Catastrophe => -1.5 * (1.0 - y).max(0.0).sqrt(),
+        }
+    }
+
     fn of(self, missing: f64, y: f64) -> f64 {
         match self {
             Self::Elastic => missing * (1.0 + y),
@@ -77,6 +86,13 @@ impl Temperature {
     pub(crate) fn exponent(&self, stretch: f64, threshold: f64, stiffness: f64) -> f64 {
         let whole = 0.5 * stiffness * threshold * threshold;
         whole / self.energy * self.barrier.height(stretch.abs() / threshold)
+    }
+
+    /// The breaking rate w of a contact of stretch 0 ≤ x ≤ x_s, and ∂w/∂x.
+    pub(crate) fn rate_and_slope(&self, stretch: f64, threshold: f64, stiffness: f64) -> (f64, f64) {
+        let whole = 0.5 * stiffness * threshold * threshold / self.energy;
+        let rate = self.attempt_rate * (-whole * self.barrier.height_at(stretch, threshold)).exp();
+        (rate, -rate * whole * self.barrier.slope(stretch / threshold) / threshold)
     }
 
     /// Checks the parameters.

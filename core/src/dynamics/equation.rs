@@ -11,7 +11,7 @@ pub struct EquationOfMotion {
     pub connected: usize,
     /// Mass M of a cell, 0 or above.
     pub mass: f64,
-    /// Viscosity η, a force on a cell per velocity; above 0 if M is 0.
+    /// Viscosity η, a force on a cell per velocity, 0 or above.
     pub viscosity: f64,
     /// Background force B on a cell, against its motion; at rest what the balance of forces asks for, from −B to B. X_T is
     /// counted from where the spring carries B, so that B is not in the equation of a cell that slides forward.
@@ -37,6 +37,11 @@ impl DriveMotion {
 }
 
 impl EquationOfMotion {
+    /// Whether the forces are in balance at every time, without mass and drag.
+    pub fn is_quasistatic(&self) -> bool {
+        self.mass == 0.0 && self.viscosity == 0.0
+    }
+
     /// Stiffness K_0j of the spring of a cell; 0 if it has none.
     pub fn connection(&self, cell: usize) -> f64 {
         if cell < self.connected { self.connection } else { 0.0 }

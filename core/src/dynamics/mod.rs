@@ -7,6 +7,10 @@
 //! and the zero of X_T, except at rest ([`Arrest::Unload`]). A deformable interface has many cells and M = 0. A block is
 //! one cell, which may have a mass.
 //!
+//! Without mass and drag, M = η = 0, the forces are in balance at every time ([`EquationOfMotion::is_quasistatic`]): each stage
+//! ends in balance, and the path between is straight, which again gives second order. Where no balance follows continuously,
+//! the motion ends with an error.
+//!
 //! A step ([`tr_bdf2`]) is implicit in friction, springs and coupling, so that it may be as long as a stick phase. Its two stages
 //! are solved by a [`StageSolver`]: [`OneCell`] for a block, and a solver for coupled cells in `elastic`. Contacts move forward
 //! only; [`Arrest`] is the rule for a cell that they would pull back.
@@ -28,10 +32,10 @@ pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
 
 use self::tr_bdf2::TrBdf2Step;
-use crate::Result;
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::tr_bdf2::GAMMA;
 use crate::rate_dependent::ErrorEstimator;
+use crate::{Error, Result};
 
 /// Cells in motion, with their energies and errors so far.
 #[derive(Debug)]
@@ -78,6 +82,19 @@ impl SliderMotion {
         self.estimators.as_ref().map(|_| self.error)
     }
 
+    /// The velocity of the drive changes by `change`. In balance with springs alone the velocity of a cell that is connected
+    /// jumps, too: until contacts break, by K_0/(K_0 + F') of it.
+    pub fn change_drive_velocity(&mut self, change: f64) {
+        if !self.equation.is_quasistatic() {
+            return;
+        }
+        for (j, cell) in self.cells.iter_mut().enumerate() {
+            let connection = self.equation.connection(j);
+            let jump = connection * change / (connection + cell.contacts.tangent());
+            cell.velocity = (cell.velocity + jump).max(0.0);
+        }
+    }
+
     /// Makes one step of at most `left`, with a velocity of the drive. Returns its duration.
     ///
     /// # Errors
@@ -110,7 +127,8 @@ impl SliderMotion {
     ) -> Result<f64> {
         let mut duration = self.control.first(left);
         loop {
-            self.control.check(duration, left, self.time)?;
+            let resolved = self.control.check(duration, left, self.time);
+            resolved.map_err(|error| self.lost_balance().unwrap_or(error))?;
             // A trial step is repeated with a shorter duration until its stages converge, its error is
             // within the tolerance, and the cell does not move back.
             let tried = self.attempt(solver, drive, duration, &Watch::new(monitor))?;
@@ -137,6 +155,15 @@ impl SliderMotion {
             self.arrest(drive.after(duration));
             return Ok(duration);
         }
+    }
+
+    /// The error of a balance that has no continuation without a finite displacement in no time; `None` with a mass or a
+    /// drag, which limit the velocity.
+    fn lost_balance(&self) -> Option<Error> {
+        let expected = "damped or inertial where a spring is so soft that a slider over time-dependent contacts slips: during a slip the velocity must be limited by a damping or a mass";
+        let found =
+            format!("neither, and no balance after t = {}, X = {}", self.time, self.cells[0].position);
+        self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))
     }
 
     /// Moves copies of the error estimators in the same step, so that nothing has moved if the monitor stops it.

@@ -7,6 +7,9 @@ use crate::monitor::Watch;
 /// Largest number of iterations of the secant method; without convergence the step is shortened.
 const ROUNDS: u32 = 12;
 
+/// Farthest a balance without drag is searched beyond twice the advance at the present velocity, in units of the mean stretch.
+const FARTHEST: f64 = 0.5;
+
 /// Solves the stage of a single cell by the secant method for the residual.
 pub struct OneCell;
 
@@ -22,6 +25,14 @@ impl StageSolver for OneCell {
         let held = own + from.contacts.tangent();
         let mut slope = if own + from.slope > 0.0 { own + from.slope } else { held };
         let mut advance = (-residual(0.0, from.force) / slope).max(0.0);
+        // Without drag nothing keeps a soft spring from the next balance but one, so that the search begins where the velocity
+        // leads, goes no faster than the tangent allows, and not much farther than contacts are stretched.
+        let mut farthest = f64::INFINITY;
+        if stage.equation.is_quasistatic() && from.velocity > 0.0 {
+            advance = from.velocity * stage.duration;
+            slope = held;
+            farthest = 2.0 * advance + FARTHEST * from.force.abs() / from.contacts.tangent();
+        }
         let mut last: Option<(f64, f64)> = None;
         for _ in 0..ROUNDS {
             let contacts = from.contacts_ahead(advance, stage.duration, watch)?;
@@ -44,6 +55,9 @@ impl StageSolver for OneCell {
             }
             last = Some((advance, remaining));
             advance = (advance - remaining / slope).max(0.0);
+            if advance > farthest {
+                return Ok(None);
+            }
         }
         Ok(None)
     }

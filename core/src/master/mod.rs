@@ -6,6 +6,7 @@
 mod against_drive;
 mod covariance;
 mod distribution;
+mod dynamic_stiffness;
 mod force_after_break;
 mod friction_gradient;
 mod gradient;
@@ -29,6 +30,7 @@ mod unloading;
 
 pub use against_drive::AgainstDrive;
 pub use covariance::Covariance;
+pub use dynamic_stiffness::{DynamicStiffness, SpringResponse};
 pub use friction_gradient::FrictionGradient;
 pub use gradient::Gradient;
 pub use limits::{Limits, creep};

@@ -135,7 +135,7 @@ impl Task<'_> {
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
             (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| check_alone(model)),
             (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
-                block.in_time(true).map(drop)
+                block.inertia_and_drag().map(drop)
             }
             (_, None) => Ok(()),
             (task, Some(_)) => {

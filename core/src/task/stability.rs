@@ -48,7 +48,6 @@ pub fn stability(
 
 /// Stiffness, mass and damping of a block.
 fn slider(block: &scenario::Block) -> Result<Slider> {
-    block.in_time(false)?;
-    let (mass, damping) = block.slip.limits()?;
+    let (mass, damping) = block.inertia_and_drag()?;
     Ok(Slider { stiffness: block.stiffness, mass, damping })
 }

@@ -3,6 +3,10 @@
 //! M Ẍ = K(X_T(t) − X) − F − γẊ. The drive X_T(t) is a [`History`] that begins in equilibrium: at rest, X_T = X + F/K, or, over
 //! contacts that slide steadily at v, at this velocity, X_T = X + (F + γv)/K. This is the
 //! equation of motion of [`crate::dynamics`] for a single cell, which unloads its contacts after an arrest.
+//!
+//! Without mass and damping the spring is in balance at every time, K(X_T − X) = F, as the spring of a testing machine. The
+//! slider then creeps while the drive is at rest, dX = −dF/K. A spring too soft for a balance that changes continuously makes
+//! the slider slip, for which a mass or a damping is required.
 
 mod log;
 
@@ -20,9 +24,12 @@ impl Block {
     /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start. `tolerance` is
     /// the largest error of a step in time, a length.
     ///
+    /// With the default slip rule, [`Slip::Reset`], the spring is in balance at every time, K(X_T − X) = F, without mass and
+    /// damping. The rule itself is not used: a spring so soft that the slider slips is an error.
+    ///
     /// # Errors
-    /// A loading other than a spring; a slip rule without a velocity limit; times that are not ascending or outside the drive;
-    /// a tolerance that is not above 0; those of the contacts.
+    /// A loading other than a spring; [`Slip::Overdamped`] and [`Slip::Arrest`]; a slip without a mass or a damping; times that
+    /// are not ascending or outside the drive; a tolerance that is not above 0; those of the contacts.
     pub fn follow(
         &self,
         contacts: &dyn RateDependentContacts,
@@ -86,6 +93,7 @@ impl Block {
         }
         let mut requested = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
         for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
+            slider.motion.change_drive_velocity(piece.velocity - slider.velocity);
             slider.velocity = piece.velocity;
             log.set_velocity(piece.velocity);
             while let Some(time) = requested.next_if(|time| *time < knots[1].0) {
@@ -106,7 +114,7 @@ impl Block {
         let Loading::Spring(connection) = self.loading else {
             return Err(Error::invalid("stiffness", "a block with a stiffness, to be moved in time", "none"));
         };
-        let (mass, viscosity) = self.slip.limits()?;
+        let (mass, viscosity) = self.slip.inertia_and_drag()?;
         Ok(EquationOfMotion {
             connection,
             connected: 1,
@@ -119,6 +127,15 @@ impl Block {
 }
 
 impl Slip {
+    /// Mass M and damping γ of a motion in time. Both are 0 for the default, [`Slip::Reset`], with which the spring is in
+    /// balance at every time and a slip is an error.
+    ///
+    /// # Errors
+    /// [`Slip::Overdamped`] and [`Slip::Arrest`].
+    pub fn inertia_and_drag(self) -> Result<(f64, f64)> {
+        if self == Self::Reset { Ok((0.0, 0.0)) } else { self.limits() }
+    }
+
     /// Mass M and damping γ, which limit the velocity of a slip.
     ///
     /// # Errors
@@ -151,7 +168,8 @@ impl SlidingBlock {
         let cell = SlidingCell::new(contacts.copy(), contacts.position());
         let drag = equation.viscosity * cell.velocity;
         let drive = cell.position + (cell.force + drag) / equation.connection;
-        Self { motion: SliderMotion::new(equation, vec![cell], drive, tolerance), velocity: 0.0 }
+        let velocity = cell.velocity;
+        Self { motion: SliderMotion::new(equation, vec![cell], drive, tolerance), velocity }
     }
 
     fn cell(&self) -> &SlidingCell {
