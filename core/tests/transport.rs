@@ -97,6 +97,63 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
 }
 
 #[test]
+fn between_the_ends_of_steps_forces_are_as_accurate_as_there() {
+    let warm = thermal(Barrier::Elastic, 0.05);
+    let with = |ageing| Rules { ageing: Some(ageing), ..warm.clone() };
+    let per_threshold = |contacts| Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts };
+    let spread = |contacts| Contacts { reforming: rectangular(0.0, 0.2), ..contacts };
+    let cases = [
+        ("athermal", contacts(gaussian(1.0, 0.1), Rules::default()), (2.0, 1.0)),
+        ("delay", contacts(gaussian(1.0, 0.1), Rules { delay: 0.3, ..Rules::default() }), (2.0, 1.0)),
+        ("temperature and a spread", spread(contacts(gaussian(1.0, 0.1), warm.clone())), (2.0, 1e-3)),
+        ("both", per_threshold(contacts(gaussian(1.0, 0.1), with(logarithmic()))), (2.0, 1e-2)),
+        ("diffusion", contacts(gaussian(0.5, 0.1), ageing(smoluchowski())), (0.6, 0.3)),
+    ];
+    // Tens of times in each step, none of which ends one, and a single one in some.
+    for (tolerance, count) in [(1e-4, 1511), (1e-5, 1511), (1e-5, 53)] {
+        for (name, contacts, way) in &cases {
+            let (off, trace) = deviation(contacts, &point(0.0), *way, tolerance, count);
+            // The tolerance asked for.
+            assert!(off < tolerance, "{name} {tolerance:e} {count}: {off:e}");
+            // What breaks is the integral of the rate, by the trapezoidal rule over times that are dense.
+            let points: Vec<_> = trace.time.iter().zip(&trace.breaking_rate).collect();
+            let sum = |pair: &[(&f64, &f64)]| 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1);
+            let broken: f64 = points.windows(2).map(sum).sum();
+            let history = moving(&[(way.1, way.0 / way.1)]);
+            let mut whole =
+                Transport::new_with(contacts.clone(), &conditional(point(0.0)), tolerance, &mut ()).unwrap();
+            whole.follow(&history, &[]).unwrap();
+            let missed = (broken - whole.energies().broken).abs();
+            // Second order in spacings of a fiftieth of the width.
+            assert!(count < 100 || missed < 5e-3, "{name} {tolerance:e}: {missed:e}");
+        }
+    }
+}
+
+#[test]
+fn times_inside_a_hold_change_nothing() {
+    let both = contacts(
+        gaussian(1.0, 0.1),
+        Rules { ageing: Some(logarithmic()), ..thermal(Barrier::Elastic, 0.05) },
+    );
+    for contacts in [both.clone(), Contacts { stiffness: Stiffness::PerThreshold(1.0), ..both }] {
+        // Whatever is asked for, steps grow by factors in a hold.
+        let history = moving(&[(0.1, 9.0), (0.0, 1e6), (0.1, 0.1)]);
+        let times: Vec<f64> = (0..=60).map(|k| 9.0 + 10f64.powf(0.1 * f64::from(k))).collect();
+        let start = Transport::new_with(contacts, &conditional(point(0.0)), 1e-5, &mut ()).unwrap();
+        let together = start.clone().follow(&history, &times).unwrap();
+        for k in (0..=60).step_by(20) {
+            // A motion that ends there.
+            let ended = moving(&[(0.1, 9.0), (0.0, times[k] - 9.0)]);
+            let mut until = start.clone();
+            until.follow(&ended, &[]).unwrap();
+            // Both are right to the tolerance.
+            assert!((until.force() - together.force[k]).abs() < 2e-5, "{k}");
+        }
+    }
+}
+
+#[test]
 fn a_wide_law_at_a_temperature_is_followed_as_closely_as_one_asks() {
     let wide = contacts(Arc::new(Gamma::new(1.0, 0.2).unwrap()), thermal(Barrier::Elastic, 0.05));
     for (tolerance, allowed) in [(1e-6, 1e-6), (1e-9, 1e-9)] {
