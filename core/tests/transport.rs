@@ -8,6 +8,7 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiff
 use asperity::history::{History, Piece};
 use asperity::law::{Gamma, SharedLaw};
 use asperity::master::{MasterEquation, Trace, Transport};
+use asperity::monitor::Monitor;
 use common::{gaussian, point, rectangular};
 
 fn conditional(law: SharedLaw) -> Initial {
@@ -392,6 +393,23 @@ fn the_response_to_a_small_step_integrates_to_the_slope_of_kinetic_friction() {
         frequency.is_infinite()
             || (response.at(num_complex::Complex64::new(0.0, frequency)) + stiffness).norm() < 1e-9
     );
+}
+
+#[test]
+fn a_required_accuracy_is_reached_with_a_smaller_tolerance() {
+    let contacts = contacts(gaussian(1.0, 0.1), thermal(Barrier::Elastic, 0.05));
+    let history = moving(&[(1e-2, 150.0)]);
+    let times = times(&history, 201);
+    let mut tolerances = Vec::new();
+    let mut build = |tolerance: f64, monitor: &mut dyn Monitor| {
+        tolerances.push(tolerance);
+        Transport::new_with(contacts.clone(), &conditional(point(0.0)), tolerance, monitor)
+    };
+    // Errors are estimated as those of sixteen times the tolerance, which is above a tenth of it.
+    let (motion, accuracy) = ((&history, times.as_slice()), (1e-5, Some(1e-6)));
+    let trace = Transport::follow_as_required(&mut build, motion, accuracy, &mut ()).unwrap();
+    assert!(trace.error <= 1e-6, "{:e}", trace.error);
+    assert!(tolerances.len() == 2 && tolerances[1] < tolerances[0], "{tolerances:?}");
 }
 
 #[test]

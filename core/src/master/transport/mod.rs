@@ -23,6 +23,7 @@ mod model;
 mod panels;
 mod path;
 mod ranked;
+mod required;
 mod response;
 mod seeds;
 mod stability;
