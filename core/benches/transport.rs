@@ -1,5 +1,5 @@
-//! Contacts followed through time: velocity steps with temperature beside ageing alone and behind a spring, the velocity step of
-//! thresholds that diffuse, how many cells a second, one thread and two.
+//! Contacts followed through time: velocity steps with temperature beside ageing alone, behind a spring, and at few and at many
+//! times, the velocity step of thresholds that diffuse, how many cells a second, one thread and two; and lives at a velocity.
 
 #![allow(missing_docs)]
 
@@ -10,7 +10,7 @@ use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::{Gaussian, Point, SharedLaw};
-use asperity::master::Transport;
+use asperity::master::{MasterEquation, Transport};
 use asperity::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Workspace};
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -132,6 +132,60 @@ fn steps_from_rest(contacts: &Contacts, tolerance: f64) -> f64 {
     transport.follow(&history, &times).unwrap().force.iter().sum()
 }
 
+/// One velocity step of contacts that age, with temperature and without, shown at few times and at many.
+fn points(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("points of a trace");
+    group.sample_size(10);
+    let temperature = Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let ageing = Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
+    let pool = pool(1);
+    for (name, temperature) in [("ageing", None), ("temperature and ageing", temperature)] {
+        let rules = Rules { ageing: ageing.clone(), temperature, ..Rules::default() };
+        let contacts = contacts(gaussian(1.0, 0.25), rules);
+        for (tolerance, digits) in [(1e-4, "1e-4"), (1e-6, "1e-6")] {
+            for count in [10, 1000] {
+                group.bench_function(format!("{name} to {digits}, {count} points"), |bencher| {
+                    bencher.iter(|| pool.install(|| one_step(&contacts, tolerance, count)));
+                });
+            }
+        }
+    }
+    group.finish();
+}
+
+/// From steady sliding to a tenth of the velocity, for three mean thresholds.
+fn one_step(contacts: &Contacts, tolerance: f64, count: u32) -> f64 {
+    let history = History::new(vec![Piece { velocity: 0.01, duration: 300.0 }]).unwrap();
+    let times: Vec<f64> = (1..=count).map(|k| f64::from(k) / f64::from(count) * history.duration()).collect();
+    let mut transport = Transport::steady_with(contacts, 0.1, tolerance, &mut ()).unwrap();
+    transport.follow(&history, &times).unwrap().force.iter().sum()
+}
+
+/// Lives of contacts with temperature, with ageing and with both, that re-form at one stretch or at many.
+fn lives(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("lives");
+    group.sample_size(10);
+    let pool = pool(1);
+    let temperature = Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let ageing = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
+    let rows =
+        [("temperature", None, temperature), ("ageing", ageing(), None), ("both", ageing(), temperature)];
+    for (name, ageing, temperature) in rows {
+        for (starts, reforming) in [
+            ("one stretch", Arc::new(Point::new(0.0).unwrap()) as SharedLaw),
+            ("a spread", gaussian(0.1, 0.025)),
+        ] {
+            let rules = Rules { ageing: ageing.clone(), temperature, ..Rules::default() };
+            let contacts = Contacts { reforming, ..contacts(gaussian(1.0, 0.1), rules) };
+            let life = || MasterEquation::at(contacts.clone(), &Initial::default(), 0.01).unwrap();
+            group.bench_function(format!("{name}, {starts}"), |bencher| {
+                bencher.iter(|| pool.install(life));
+            });
+        }
+    }
+    group.finish();
+}
+
 /// Cells a second of a step of diffusion in cache, beside those that memory could feed: 16 bytes read and written for each.
 fn cells(_: &mut Criterion) {
     const CELLS: usize = 700;
@@ -154,5 +208,5 @@ fn cells(_: &mut Criterion) {
     println!("cells: {hot:.3e} a second in a step of diffusion; memory would allow {memory:.3e}");
 }
 
-criterion_group!(benches, steps, pairs, springs, cells);
+criterion_group!(benches, steps, pairs, springs, points, lives, cells);
 criterion_main!(benches);

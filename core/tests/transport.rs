@@ -8,6 +8,7 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiff
 use asperity::history::{History, Piece};
 use asperity::law::{Gamma, SharedLaw};
 use asperity::master::{MasterEquation, Trace, Transport};
+use asperity::monitor::Monitor;
 use common::{gaussian, point, rectangular};
 
 fn conditional(law: SharedLaw) -> Initial {
@@ -93,6 +94,63 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
         // The tolerance asked for, in units of the mean threshold.
         assert!(off < 1e-6, "{name}: {off:e}");
         assert!(trace.error > 0.1 * off && trace.error < 1e-3, "{name}: {off:e} {:e}", trace.error);
+    }
+}
+
+#[test]
+fn between_the_ends_of_steps_forces_are_as_accurate_as_there() {
+    let warm = thermal(Barrier::Elastic, 0.05);
+    let with = |ageing| Rules { ageing: Some(ageing), ..warm.clone() };
+    let per_threshold = |contacts| Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts };
+    let spread = |contacts| Contacts { reforming: rectangular(0.0, 0.2), ..contacts };
+    let cases = [
+        ("athermal", contacts(gaussian(1.0, 0.1), Rules::default()), (2.0, 1.0)),
+        ("delay", contacts(gaussian(1.0, 0.1), Rules { delay: 0.3, ..Rules::default() }), (2.0, 1.0)),
+        ("temperature and a spread", spread(contacts(gaussian(1.0, 0.1), warm.clone())), (2.0, 1e-3)),
+        ("both", per_threshold(contacts(gaussian(1.0, 0.1), with(logarithmic()))), (2.0, 1e-2)),
+        ("diffusion", contacts(gaussian(0.5, 0.1), ageing(smoluchowski())), (0.6, 0.3)),
+    ];
+    // Tens of times in each step, none of which ends one, and a single one in some.
+    for (tolerance, count) in [(1e-4, 1511), (1e-5, 1511), (1e-5, 53)] {
+        for (name, contacts, way) in &cases {
+            let (off, trace) = deviation(contacts, &point(0.0), *way, tolerance, count);
+            // The tolerance asked for.
+            assert!(off < tolerance, "{name} {tolerance:e} {count}: {off:e}");
+            // What breaks is the integral of the rate, by the trapezoidal rule over times that are dense.
+            let points: Vec<_> = trace.time.iter().zip(&trace.breaking_rate).collect();
+            let sum = |pair: &[(&f64, &f64)]| 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1);
+            let broken: f64 = points.windows(2).map(sum).sum();
+            let history = moving(&[(way.1, way.0 / way.1)]);
+            let mut whole =
+                Transport::new_with(contacts.clone(), &conditional(point(0.0)), tolerance, &mut ()).unwrap();
+            whole.follow(&history, &[]).unwrap();
+            let missed = (broken - whole.energies().broken).abs();
+            // Second order in spacings of a fiftieth of the width.
+            assert!(count < 100 || missed < 5e-3, "{name} {tolerance:e}: {missed:e}");
+        }
+    }
+}
+
+#[test]
+fn times_inside_a_hold_change_nothing() {
+    let both = contacts(
+        gaussian(1.0, 0.1),
+        Rules { ageing: Some(logarithmic()), ..thermal(Barrier::Elastic, 0.05) },
+    );
+    for contacts in [both.clone(), Contacts { stiffness: Stiffness::PerThreshold(1.0), ..both }] {
+        // Whatever is asked for, steps grow by factors in a hold.
+        let history = moving(&[(0.1, 9.0), (0.0, 1e6), (0.1, 0.1)]);
+        let times: Vec<f64> = (0..=60).map(|k| 9.0 + 10f64.powf(0.1 * f64::from(k))).collect();
+        let start = Transport::new_with(contacts, &conditional(point(0.0)), 1e-5, &mut ()).unwrap();
+        let together = start.clone().follow(&history, &times).unwrap();
+        for k in (0..=60).step_by(20) {
+            // A motion that ends there.
+            let ended = moving(&[(0.1, 9.0), (0.0, times[k] - 9.0)]);
+            let mut until = start.clone();
+            until.follow(&ended, &[]).unwrap();
+            // Both are right to the tolerance.
+            assert!((until.force() - together.force[k]).abs() < 2e-5, "{k}");
+        }
     }
 }
 
@@ -335,6 +393,23 @@ fn the_response_to_a_small_step_integrates_to_the_slope_of_kinetic_friction() {
         frequency.is_infinite()
             || (response.at(num_complex::Complex64::new(0.0, frequency)) + stiffness).norm() < 1e-9
     );
+}
+
+#[test]
+fn a_required_accuracy_is_reached_with_a_smaller_tolerance() {
+    let contacts = contacts(gaussian(1.0, 0.1), thermal(Barrier::Elastic, 0.05));
+    let history = moving(&[(1e-2, 150.0)]);
+    let times = times(&history, 201);
+    let mut tolerances = Vec::new();
+    let mut build = |tolerance: f64, monitor: &mut dyn Monitor| {
+        tolerances.push(tolerance);
+        Transport::new_with(contacts.clone(), &conditional(point(0.0)), tolerance, monitor)
+    };
+    // Errors are estimated as those of sixteen times the tolerance, which is above a tenth of it.
+    let (motion, accuracy) = ((&history, times.as_slice()), (1e-5, Some(1e-6)));
+    let trace = Transport::follow_as_required(&mut build, motion, accuracy, &mut ()).unwrap();
+    assert!(trace.error <= 1e-6, "{:e}", trace.error);
+    assert!(tolerances.len() == 2 && tolerances[1] < tolerances[0], "{tolerances:?}");
 }
 
 #[test]

@@ -128,9 +128,10 @@ fn a_hold_and_what_follows_it_are_those_of_the_elastic_barrier() {
                 let exact =
                     if i == 0 { law.survival(stretch) } else { left(&law, energy, (held, time), stretch) };
                 let off = (transport.force() - stretch * exact).abs();
-                // One cohort is exact but for the sums over thresholds, of sixteen points and here by Simpson's rule, and for
-                // what a part of a step adds below 1e-6 tolerances in all, of which there are hundreds.
-                assert!(off < 1e-3 * tolerance, "{} {energy:e} {i}: {off:e}", law.name());
+                // One cohort is exact but for the sums over thresholds, of sixteen points on six e-folds, to a tenth of the
+                // tolerance of those in them, a tenth of all, and here by Simpson's rule; and for what a part of a step adds
+                // below 1e-4 tolerances in all.
+                assert!(off < 1e-2 * tolerance, "{} {energy:e} {i}: {off:e}", law.name());
             }
         }
     }

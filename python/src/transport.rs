@@ -158,12 +158,22 @@ impl Transport {
     ) -> PyResult<Py<Record>> {
         let py = slf.py();
         let (history, times) = motion(steps)?;
-        let mut transport = slf.get().transport.clone();
-        let tolerance = Self::plain(slf).tolerance;
+        let Plain::Transport(interface, solved) = slf.as_super().as_super().get().plain() else {
+            unreachable!("a transport is described as a transport");
+        };
+        let made = slf.get();
+        let usual = solved.own.tolerance_in_time(&made.contacts.rules);
+        let mut build = |tolerance: f64, monitor: &mut dyn Monitor| {
+            if tolerance == usual {
+                return Ok(made.transport.clone());
+            }
+            let own = scenario::MasterEquation { tolerance: Some(tolerance) };
+            Self::build(interface, solved.velocity, &own, monitor).map(|finer| finer.transport)
+        };
+        let required = solved.own.tolerance;
         let follow = |monitor: &mut dyn Monitor| {
-            let trace = transport.follow_with(&history, &times, monitor)?;
-            trace.check(transport.unit(), tolerance)?;
-            Ok(trace)
+            let (motion, accuracy) = ((&history, times.as_slice()), (usual, required));
+            master::Transport::follow_as_required(&mut build, motion, accuracy, monitor)
         };
         let trace = watched(progress, py, follow)?;
         Py::new(py, Record::new(py, columns(trace), Units::default())?)

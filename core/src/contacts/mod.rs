@@ -5,7 +5,7 @@ mod ageing;
 mod temperature;
 
 pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
-pub(crate) use ageing::{Label, NodalLabels, Rank};
+pub(crate) use ageing::{Label, NodalLabels, Rank, ThresholdTrajectory};
 pub use temperature::{Barrier, Temperature};
 
 use std::sync::Arc;

@@ -79,12 +79,10 @@ impl GaussLegendre {
     pub fn coefficients(&self, values: &Nodal) -> Nodal {
         let (values, mut out) = (*values, [0.0; NODES]);
         // The loop over n vectorises, since a column is contiguous.
-        for n in 0..NODES {
-            let mut sum = 0.0;
-            for i in 0..NODES {
-                sum += self.columns[i][n] * values[i];
+        for i in 0..NODES {
+            for n in 0..NODES {
+                out[n] += self.columns[i][n] * values[i];
             }
-            out[n] = sum;
         }
         out
     }
@@ -142,6 +140,12 @@ pub fn dot_in_lanes(a: &Nodal, b: &Nodal) -> f64 {
         }
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
+/// Sum by four sums, which vectorises.
+#[inline(always)]
+pub fn sum_in_lanes(terms: &Nodal) -> f64 {
+    dot_in_lanes(terms, &[1.0; NODES])
 }
 
 /// Value at t of a Legendre series, by Clenshaw's recurrence.

@@ -81,10 +81,10 @@ pub(super) fn rigid(
     let (history, times) = (protocol.build()?, protocol.times());
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
-    let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let mut transport = transport(model, tolerance, aside)?;
-    let mut trace = transport.follow_with(&history, &times, &mut Part::new(monitor, 0.0, master))?;
-    trace.check(transport.unit(), model.master_equation.tolerance)?;
+    let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
+    let (accuracy, part) =
+        ((tolerance, model.master_equation.tolerance), &mut Part::new(monitor, 0.0, master));
+    let mut trace = Transport::follow_as_required(&mut build, (&history, &times), accuracy, part)?;
     let mut record = trace_record(&trace, contacts.rules.delay > 0.0);
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;

@@ -14,7 +14,7 @@ mod threshold_evolution;
 pub use closure::Closure;
 pub use fokker_planck::ThresholdFokkerPlanck;
 pub use rule::{Ageing, AgeingRule};
-pub(crate) use threshold_evolution::{Label, NodalLabels, Rank};
+pub(crate) use threshold_evolution::{Label, NodalLabels, Rank, ThresholdTrajectory};
 pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
 
 use super::Contacts;

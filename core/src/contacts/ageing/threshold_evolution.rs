@@ -8,6 +8,7 @@ use super::{Ageing, Contacts, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
 use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::logarithm::ln;
 use crate::{Error, Result};
 
 /// The present threshold h of a contact as a function of its fresh threshold h_0 and its age t; h rises with
@@ -287,6 +288,21 @@ impl ThresholdTrajectory<'_> {
             Self::Affine(strength, newborn) => strength.threshold(*newborn, age),
             Self::Ranked(followed) => followed.threshold(age).max(0.0),
         }
+    }
+
+    /// h at sixteen ages; the loop of logarithmic ageing vectorises.
+    #[inline(always)]
+    pub(crate) fn thresholds(&self, ages: &Nodal) -> Nodal {
+        if let Self::Affine(strength, newborn) = self
+            && let Kind::Logarithmic { growth, time } = strength.kind
+        {
+            let (ages, mut out) = (*ages, [0.0; NODES]);
+            for i in 0..NODES {
+                out[i] = newborn * (1.0 + growth * ln(1.0 + ages[i] / time));
+            }
+            return out;
+        }
+        ages.map(|age| self.threshold(age))
     }
 }
 

@@ -89,6 +89,11 @@ impl BrokenFraction {
         Self { middle: self.middle + other.middle, end: self.end + other.end }
     }
 
+    /// The same of the part of the step up to a fraction of the duration.
+    pub(super) fn up_to(self, s: f64) -> Self {
+        Self { middle: self.at(0.5 * s), end: self.at(s) }
+    }
+
     /// N(t) − N(t₀) at a fraction of the duration.
     fn at(self, s: f64) -> f64 {
         4.0 * s * (1.0 - s) * self.middle + s * (2.0 * s - 1.0) * self.end
@@ -167,6 +172,11 @@ impl Broken {
         // mass.
         let moment = (0.5 * (begun + last) - integral / duration).clamp(-MOST * mass, MOST * mass);
         BirthMoments { mass, moment }
+    }
+
+    /// Whether contacts re-form as soon as they break.
+    pub(super) fn is_immediate(&self) -> bool {
+        self.delay == 0.0
     }
 
     /// Stores a step.

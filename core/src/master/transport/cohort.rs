@@ -33,6 +33,43 @@ pub(super) struct EnergyChange {
     pub(super) strengthening: f64,
 }
 
+/// Stiffness and force of some cohorts, in units of the total stiffness.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct CohortForce {
+    pub(super) stiffness: f64,
+    pub(super) force: f64,
+}
+
+/// What a step does to a cohort, or to several.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct CohortStep {
+    pub(super) fraction: BrokenFraction,
+    pub(super) spent: EnergyChange,
+    /// Those of an old cohort in the middle of the step, and of a new one where it formed.
+    pub(super) passed: CohortForce,
+}
+
+impl CohortForce {
+    /// The sum over these cohorts.
+    pub(super) fn of(cohorts: &[Cohort]) -> Self {
+        cohorts.iter().fold(Self::default(), |sum, cohort| sum.plus(cohort.stiffness_and_force()))
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { stiffness: self.stiffness + other.stiffness, force: self.force + other.force }
+    }
+}
+
+impl CohortStep {
+    pub(super) fn plus(self, other: &Self) -> Self {
+        Self {
+            fraction: self.fraction.plus(other.fraction),
+            spent: self.spent.plus(1.0, other.spent),
+            passed: self.passed.plus(other.passed),
+        }
+    }
+}
+
 impl EnergyChange {
     /// From the changes of the stiffness in the two halves of a motion between two stretches, and the parts
     /// of these changes due to ageing: ½∫x² dk, with the stiffness a parabola whose rate of change is a + bs,
@@ -75,36 +112,35 @@ impl Cohort {
         model.fits(&self.state)
     }
 
-    /// Advances by a whole step: the fraction that breaks, and energies, with the stiffness as a parabola in
-    /// time.
+    /// Advances by a whole step, with the stiffness as a parabola in time for the energies.
     pub(super) fn advance_step(
         &mut self,
         model: &CohortModel,
         path: &Path,
         context: &mut StepContext<'_, '_>,
-    ) -> (BrokenFraction, EnergyChange) {
+    ) -> CohortStep {
         let (from, stiffness) = (self.place.stretch, self.tangent());
         let (middle, first) = self.advance(model, path, StepPart::First, context);
-        let between = self.tangent();
+        let (between, passed) = (self.tangent(), self.stiffness_and_force());
         let (end, second) = self.advance(model, path, StepPart::Second, context);
         let changes = [between - stiffness, self.tangent() - between];
         let spent = EnergyChange::on(from, self.place.stretch, changes, [first, second]);
-        (BrokenFraction { middle, end: middle + end }, spent)
+        CohortStep { fraction: BrokenFraction { middle, end: middle + end }, spent, passed }
     }
 
-    /// Advances from formation within a step to its end: the fraction of all contacts that breaks, and
-    /// energies.
+    /// Advances from formation within a step to its end.
     pub(super) fn advance_from_formation(
         &mut self,
         model: &CohortModel,
         path: &Path,
         part: StepPart,
         context: &mut StepContext<'_, '_>,
-    ) -> (f64, EnergyChange) {
-        let (from, stiffness) = (self.place.stretch, self.tangent());
-        let (broken, aged) = self.advance(model, path, part, context);
-        let change = self.tangent() - stiffness;
-        (broken, EnergyChange::on(from, self.place.stretch, [0.5 * change; 2], [0.5 * aged; 2]))
+    ) -> CohortStep {
+        let (from, passed) = (self.place.stretch, self.stiffness_and_force());
+        let (end, aged) = self.advance(model, path, part, context);
+        let change = self.tangent() - passed.stiffness;
+        let spent = EnergyChange::on(from, self.place.stretch, [0.5 * change; 2], [0.5 * aged; 2]);
+        CohortStep { fraction: BrokenFraction { middle: 0.0, end }, spent, passed }
     }
 
     /// Advances by a part of a step: the fraction of all contacts that breaks, and the stiffness that the
@@ -186,6 +222,10 @@ impl Cohort {
     /// dF/dX of the surviving contacts, per unit of the stiffness of all.
     pub(super) fn tangent(&self) -> f64 {
         self.mass * self.stiffness
+    }
+
+    fn stiffness_and_force(&self) -> CohortForce {
+        CohortForce { stiffness: self.tangent(), force: self.force() }
     }
 
     /// Elastic energy, per unit of the stiffness of all.

@@ -13,14 +13,17 @@
 
 mod broken;
 mod cohort;
+mod dense_output;
 mod diffusing;
 mod fitted;
+mod formed;
 mod grid;
 mod model;
 
 mod panels;
 mod path;
 mod ranked;
+mod required;
 mod response;
 mod seeds;
 mod stability;
@@ -42,6 +45,7 @@ use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterva
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
+use dense_output::{Asked, DenseOutput, Reading, StepReadings};
 use diffusing::Diffusing;
 use model::CohortModel;
 use path::Path;
@@ -81,6 +85,8 @@ pub struct Transport {
     pace: StepControl,
     /// Present breaking rate, a fraction of contacts per time.
     rate: f64,
+    /// Readings of the last step, which the next one may continue.
+    before: Option<StepReadings>,
     /// The velocity of steady sliding, as long as the slider has moved at this velocity only.
     steady: Option<f64>,
     /// Times at which the rate of formation has a kink, because the breaking rate had one.
@@ -207,6 +213,7 @@ impl Transport {
             spent: EnergyChange::default(),
             pace: StepControl::new(contacts, tolerance),
             rate: 0.0,
+            before: None,
             steady: None,
             kinks: Vec::new(),
             rough: None,
@@ -301,10 +308,10 @@ impl Transport {
         history.check_times(times)?;
         let mut rough = self.rough.take();
         let coarse =
-            rough.as_mut().map(|rough| rough.run(history, times, &mut Part::new(monitor, 0.0, ASIDE)));
+            rough.as_mut().map(|rough| rough.run(history, times, false, &mut Part::new(monitor, 0.0, ASIDE)));
         self.rough = rough;
         let coarse = coarse.transpose()?;
-        let mut trace = self.run(history, times, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
+        let mut trace = self.run(history, times, false, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
         if let Some(coarse) = coarse {
             // The error is estimated by the difference from the solution with the larger tolerance.
             let off = trace.force.iter().zip(&coarse.force).map(|(fine, rough)| (fine - rough).abs());
@@ -313,15 +320,24 @@ impl Transport {
         Ok(trace)
     }
 
-    /// Follows a history and reports progress.
-    fn run(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
+    /// Follows a history and reports progress. If `stopping`, steps end at the times, as those of another solution with the
+    /// same times do; they always do where densities jump.
+    fn run(
+        &mut self,
+        history: &History,
+        times: &[f64],
+        stopping: bool,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Trace> {
         let (begun, origin) = (self.time, self.position);
         let mut trace = Trace::default();
-        let mut stops: Vec<f64> = times.iter().copied().chain(history.knots().iter().map(|k| k.0)).collect();
+        let stopping = stopping || !self.pace.is_smooth();
+        let knots = history.knots().iter().map(|k| k.0);
+        let mut stops: Vec<f64> = knots.chain(times.iter().copied().filter(|_| stopping)).collect();
         stops.sort_by(f64::total_cmp);
         stops.dedup();
-        let mut asked = times.iter().copied().peekable();
-        let mut now = 0.0;
+        let velocity_at = |time: f64| history.pieces()[history.piece_at(time)].velocity;
+        let (mut now, mut rest) = (0.0, times);
         for stop in stops {
             if history.knots().iter().any(|knot| knot.0 == now) {
                 self.mark_kink();
@@ -331,15 +347,28 @@ impl Transport {
                 let part = |time: f64| (time - begun).clamp(now, stop) / history.duration();
                 // The distance is more accurate than a short time late in a long history.
                 let velocity = (history.position(stop) - history.position(now)) / (stop - now);
-                self.advance_steadily(velocity, stop - now, &part, monitor)?;
-                now = stop;
+                let (inside, later) = rest.split_at(rest.partition_point(|&time| time < stop));
+                let mut asked = Asked::new(inside.iter().map(|time| time - now));
+                self.advance_steadily(velocity, stop - now, &mut asked, &part, monitor)?;
+                for (&time, reading) in inside.iter().zip(asked.found()) {
+                    let at = (begun + time, origin + history.position(time));
+                    trace.push(at, velocity_at(time), reading, self.stiffness);
+                }
+                (now, rest) = (stop, later);
                 (self.time, self.position) = (begun + now, origin + history.position(now));
             }
-            if asked.next_if_eq(&stop).is_some() {
-                trace.push(self, history.pieces()[history.piece_at(stop)].velocity);
+            if let Some((_, later)) = rest.split_first().filter(|(time, _)| **time == stop) {
+                trace.push((self.time, self.position), velocity_at(stop), self.reading(), self.stiffness);
+                rest = later;
             }
         }
         Ok(trace)
+    }
+
+    /// The present state as a trace shows it.
+    fn reading(&self) -> Reading {
+        let force = self.cohorts.iter().map(Cohort::force).sum();
+        Reading { force, rate: self.rate, free: self.free() }
     }
 
     /// Moves the slider by `by` in the time `during`, at constant velocity.
@@ -355,7 +384,7 @@ impl Transport {
             rough.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
         }
         self.mark_kink();
-        self.advance_steadily(by / during, during, &|_| 0.0, monitor)
+        self.advance_steadily(by / during, during, &mut Asked::default(), &|_| 0.0, monitor)
     }
 
     /// Marks a possible kink of the breaking rate, here and where the contacts that break now re-form.
@@ -366,12 +395,13 @@ impl Transport {
         }
     }
 
-    /// Moves at constant velocity for a time; `part` returns the fraction of the whole work that is done at a
+    /// Moves at constant velocity for a time, and reads what is asked for on the way; `part` returns the fraction of the whole work that is done at a
     /// time.
     fn advance_steadily(
         &mut self,
         velocity: f64,
         during: f64,
+        asked: &mut Asked,
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
@@ -383,10 +413,12 @@ impl Transport {
             let coarse = &mut Aside { fraction: part(self.time), monitor };
             self.process_events(coarse)?;
             if left <= SAME * during {
+                asked.read_rest(self.reading());
                 return Ok(());
             }
             let duration = self.pace.propose(velocity, self.until_event(velocity, left));
-            if self.advance(&Path::steady(velocity, duration), coarse)? {
+            let times = (during - left, &mut *asked);
+            if self.advance(&Path::steady(velocity, duration), times, coarse)? {
                 left -= duration;
             }
             report(monitor, part(self.time))?;
@@ -394,18 +426,29 @@ impl Transport {
     }
 
     /// Tries a step and accepts it if it is accurate enough; returns whether it was.
-    fn advance(&mut self, path: &Path, monitor: &mut dyn Monitor) -> Result<bool> {
+    /// Accepted steps read what is asked for inside them; `elapsed` is the time of motion before.
+    fn advance(
+        &mut self,
+        path: &Path,
+        (elapsed, asked): (f64, &mut Asked),
+        monitor: &mut dyn Monitor,
+    ) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
         // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
         let before = self.pace.last();
-        if !self.pace.judge(path.duration, trial.fraction, trial.deaths) {
+        if !self.pace.judge(path.duration, trial.fraction, trial.formed.deaths) {
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
         }
+        let continued = self.before.take().filter(|_| before.is_some());
+        let error = self.tolerance * self.unit / self.stiffness;
+        let mut dense = DenseOutput::new(&stage, (&self.cohorts, &trial), path, continued, error);
+        self.before = Some(dense.readings());
+        asked.read(elapsed, path.duration, &mut dense, monitor)?;
         self.rate = trial.fraction.slope(path.duration, before);
-        self.broken.keep(self.time, path.duration, trial.fraction, trial.born);
+        self.broken.keep(self.time, path.duration, trial.fraction, trial.formed.mass());
         self.spent = self.spent.plus(1.0, trial.spent);
         self.cohorts = trial.cohorts;
         self.time += path.duration;
@@ -417,15 +460,13 @@ impl Transport {
     /// Removes cohorts of which almost nothing is left; what they still held counts as broken in the next
     /// step.
     fn drop_negligible(&mut self) {
-        /// Fraction of all contacts that no result shows.
-        const NOTHING: f64 = 1e-17;
         let least = LEAST * self.tolerance;
         let Self { cohorts, dropped, spent, .. } = self;
         *dropped = 0.0;
         // What is removed counts as broken, so that probability and energy are conserved however
         // many cohorts are removed.
         cohorts.retain(|cohort| {
-            let kept = cohort.left > least && cohort.attached() > NOTHING;
+            let kept = cohort.left > least && cohort.attached() > least;
             if !kept {
                 *dropped += cohort.attached();
                 spent.lost += cohort.energy();
@@ -530,6 +571,7 @@ impl RateDependentContacts for Transport {
             broken: broken.clone(),
             pace: pace.clone(),
             kinks: kinks.clone(),
+            before: None,
             rough: None,
             ..*self
         })
@@ -545,8 +587,9 @@ impl RateDependentContacts for Transport {
     }
 }
 
-/// Surviving fraction at which a cohort is removed, in units of the tolerance.
-const LEAST: f64 = 1e-5;
+/// Surviving fraction, of a cohort and of all contacts, at which a cohort is removed, in units of the tolerance. A step
+/// removes a few cohorts at most, a few steps before they would have broken.
+const LEAST: f64 = 1e-4;
 
 /// Relative difference below which velocities are equal.
 const ROUNDING: f64 = 1e-9;
@@ -565,13 +608,14 @@ impl Trace {
         required.map_or(Ok(()), |required| Tolerance::from(required).allows(self.error / unit, what))
     }
 
-    fn push(&mut self, transport: &Transport, velocity: f64) {
-        self.time.push(transport.time);
-        self.position.push(transport.position);
+    /// Adds a reading, whose force is in units of `stiffness`.
+    fn push(&mut self, (time, position): (f64, f64), velocity: f64, reading: Reading, stiffness: f64) {
+        self.time.push(time);
+        self.position.push(position);
         self.velocity.push(velocity);
-        self.force.push(transport.force());
-        self.breaking_rate.push(transport.rate);
-        self.free.push(transport.free());
+        self.force.push(stiffness * reading.force);
+        self.breaking_rate.push(reading.rate);
+        self.free.push(reading.free);
     }
 }
 

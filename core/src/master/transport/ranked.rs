@@ -20,7 +20,7 @@ use crate::contacts::{
 };
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::exponential::exp;
-use crate::numerics::legendre::{NODES, Nodal, RULE, dot, series_at};
+use crate::numerics::legendre::{NODES, Nodal, RULE, dot_in_lanes, series_at, sum_in_lanes};
 use crate::numerics::roots::{brent_minimum, brent_root};
 use crate::numerics::wide::wide;
 
@@ -229,7 +229,8 @@ impl RankedThresholds {
         let SurvivingRanks { met, band: Some(band), .. } = left else { return };
         // Panels are stored between the highest threshold met and the first panel that nothing has
         // broken on: A falls with the threshold, so that these two ends bound the band.
-        let (lowest, count) = (grid.above(*met), grid.count());
+        let count = grid.count();
+        let lowest = if band.is_empty() { grid.above(*met) } else { grid.above_from(band.first, *met) };
         let begun = lowest < band.end() && !band.is_empty();
         if begun {
             band.rise(lowest);
@@ -240,8 +241,9 @@ impl RankedThresholds {
             return;
         }
         let last = if begun { band.end() } else { band.first + AHEAD }.min(count - 1);
-        let (low, high) = (grid.kept(band.first), grid.kept(last));
-        let rule = thermal.rule(passage, [low.label(GridPanel::LOWEST), high.label(GridPanel::HIGHEST)]);
+        let [low, middle, high] = [band.first, u64::midpoint(band.first, last), last].map(|n| grid.kept(n));
+        let between = [low.label(GridPanel::LOWEST), high.label(GridPanel::HIGHEST)];
+        let rule = thermal.rule(passage, between, middle.label(GridPanel::MIDDLE));
         let mut room = Vec::new();
         let nodes = |label: Label<'_>, room: &mut Vec<_>| match &rule {
             StepRule::Nothing => {}
@@ -294,7 +296,7 @@ impl RankedThresholds {
                 continue;
             }
             let label = Label { newborn: atom.position, rank: rank.as_ref() };
-            *exponent += match thermal.rule(passage, [label, label]) {
+            *exponent += match thermal.rule(passage, [label; 2], label) {
                 StepRule::Nothing => 0.0,
                 StepRule::Shared(nodes) => thermal.added_to(&nodes, label),
                 StepRule::Fitted => {
@@ -420,13 +422,14 @@ fn survivors(panel: &GridPanel, met: f64, exponents: &Nodal, aged: Option<&Thres
         for i in 0..NODES {
             terms[i] = weights[i] * left[i];
         }
-        let above = |thresholds: Nodal| dot(&terms, &series_at(&RULE.coefficients(&thresholds), &points));
-        return [terms.iter().sum(), thresholds.map_or(0.0, above)];
+        let above =
+            |thresholds: Nodal| dot_in_lanes(&terms, &series_at(&RULE.coefficients(&thresholds), &points));
+        return [sum_in_lanes(&terms), thresholds.map_or(0.0, above)];
     }
     for i in 0..NODES {
         terms[i] *= exp(-exponents[i]);
     }
-    [terms.iter().sum(), thresholds.map_or(0.0, |thresholds| dot(&terms, &thresholds))]
+    [sum_in_lanes(&terms), thresholds.map_or(0.0, |thresholds| dot_in_lanes(&terms, &thresholds))]
 }
 
 /// The first index from `low` on that is not `gone`, or `high`: exponential search, then bisection.

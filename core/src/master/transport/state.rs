@@ -52,7 +52,7 @@ impl Transport {
             (time, position, dropped, spent, rate);
         (self.cohorts, self.kinks) = (cohorts, kinks);
         (self.broken, self.pace) = (broken.of(self.delay), pace.of(&self.pace));
-        (self.rough, self.steady) = (None, None);
+        (self.rough, self.steady, self.before) = (None, None, None);
         Ok(())
     }
 }

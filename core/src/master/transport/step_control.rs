@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::broken::{BrokenFraction, EarlyBreaks};
-use crate::contacts::Contacts;
+use crate::contacts::{Ageing, Contacts};
 use crate::law::Law;
 use crate::{Error, Float, Result};
 
@@ -13,6 +13,9 @@ pub(super) struct StepControl {
     /// Largest stretching in a step.
     #[serde(skip)]
     reach: f64,
+    /// Whether the density of thresholds has no jumps.
+    #[serde(skip)]
+    smooth: bool,
     /// Largest allowed error of the extrapolated number of breaks, per contact.
     #[serde(skip)]
     extrapolation_error: f64,
@@ -48,9 +51,11 @@ const GROWTH: f64 = 2.0;
 
 impl StepControl {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Self {
-        let smooth = (REACH * tolerance.powf(0.25)).min(1.0) * scale(contacts);
+        let smooth = (REACH * tolerance.powf(0.25)).min(1.0) * smoothness(contacts);
+        let coarsest = coarsest(contacts, tolerance);
         Self {
-            reach: smooth.min(coarsest(contacts, tolerance)),
+            reach: smooth.min(coarsest),
+            smooth: coarsest.is_infinite(),
             extrapolation_error: SURPRISE * tolerance.powf(0.75),
             curvature: BEND * tolerance,
             next: f64::INFINITY,
@@ -60,8 +65,13 @@ impl StepControl {
 
     /// The same with the settings of `other`, which are not serialised.
     pub(super) fn of(self, other: &Self) -> Self {
-        let &Self { reach, extrapolation_error, curvature, .. } = other;
-        Self { reach, extrapolation_error, curvature, ..self }
+        let &Self { reach, smooth, extrapolation_error, curvature, .. } = other;
+        Self { reach, smooth, extrapolation_error, curvature, ..self }
+    }
+
+    /// Whether the density of thresholds has no jumps, so that forces are smooth inside steps.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.smooth
     }
 
     /// The duration of the next step at a velocity, with the time `left` until the next event.
@@ -152,13 +162,28 @@ impl StepControl {
 
 /// The length on which lives vary: that of the thresholds, and what temperature adds.
 pub(super) fn scale(contacts: &Contacts) -> f64 {
+    blurred_by(contacts, 1.0)
+}
+
+/// The length on which lives are smooth enough for steps. Where thresholds diffuse into the stretch they break without
+/// temperature, too, so that temperature smooths lives less.
+fn smoothness(contacts: &Contacts) -> f64 {
+    /// Part of the length that temperature adds: half of it meets the tolerance with a margin of four.
+    const DIFFUSING: f64 = 0.5;
+    let diffuses = matches!(contacts.rules.ageing, Some(Ageing::Smoluchowski { .. }));
+    blurred_by(contacts, if diffuses { DIFFUSING } else { 1.0 })
+}
+
+/// The length on which lives vary, with this part of what temperature adds.
+fn blurred_by(contacts: &Contacts, part: f64) -> f64 {
     /// For identical thresholds without temperature, in units of the mean threshold.
     const LEAST: f64 = 0.02;
     let mean = contacts.thresholds.mean();
     let ageing = contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature());
     let widths = [Some(&contacts.thresholds), ageing].into_iter().flatten().map(|law| width(law.as_ref()));
     let width = widths.fold(mean, f64::min);
-    let thermal = contacts.rules.temperature.map_or(0.0, |t| t.energy / (contacts.stiffness.of(mean) * mean));
+    let thermal =
+        contacts.rules.temperature.map_or(0.0, |t| part * t.energy / (contacts.stiffness.of(mean) * mean));
     if width == 0.0 { thermal.clamp(LEAST * mean, mean) } else { width.hypot(thermal).min(mean) }
 }
 

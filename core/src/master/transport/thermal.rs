@@ -22,6 +22,8 @@ pub(super) struct ThermalBreaking {
     separable: bool,
     /// Largest change of ln w in a step that each of the [`RULES`] integrates.
     most_change: [f64; RULES.len()],
+    /// Largest relative error of A of one node in place of several.
+    most_missed: f64,
     /// Largest deviation of ln w from a straight line: at a node of the fitted rule, and in the middle for a shared one.
     most_bend: f64,
     /// Contributions to A below this are neglected.
@@ -41,6 +43,8 @@ pub(super) struct StepPassage<'a> {
 /// A node of a quadrature rule in time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct QuadratureMoment<'a> {
+    /// The fraction of the step.
+    s: f64,
     stretch: f64,
     aged: ThresholdsAtAge<'a>,
     /// Its weight.
@@ -103,7 +107,7 @@ impl<'a> StepPassage<'a> {
 
     fn moment(&self, s: f64, weight: f64) -> QuadratureMoment<'a> {
         let (stretch, aged) = self.at(s);
-        QuadratureMoment { stretch, aged, time: weight * self.path.duration }
+        QuadratureMoment { s, stretch, aged, time: weight * self.path.duration }
     }
 }
 
@@ -117,9 +121,10 @@ impl ThermalBreaking {
         /// An error of A that never matters.
         const ROUGH: f64 = 0.01;
         /// Error of A, in tolerances, that does not matter even if many steps add it for all contacts; and
-        /// the smallest value used.
-        const FAINT: f64 = 1e-6;
+        /// the smallest and the largest value used.
+        const FAINT: f64 = 1e-4;
         const LEAST: f64 = 1e-15;
+        const MOST: f64 = 1e-6;
         /// Error of A that the steps of a shared rule may add, in tolerances over the blur.
         const SHARE: f64 = 0.3;
         // Only contacts inside the blur see errors.
@@ -132,13 +137,19 @@ impl ThermalBreaking {
             stiffness: contacts.stiffness,
             separable,
             most_change: RULES.map(|rule| most_change(rule, SHARE * allowed)),
+            most_missed: SHARE * allowed,
             most_bend: (allowed / MISSED).sqrt(),
-            nothing: (FAINT * tolerance / blur).clamp(LEAST, FAINT),
+            nothing: (FAINT * tolerance / blur).clamp(LEAST, MOST),
         }
     }
 
-    /// How to integrate A of contacts with labels between these two, of which the first breaks earlier.
-    pub(super) fn rule<'a>(&self, passage: &StepPassage<'a>, between: [Label<'_>; 2]) -> StepRule<'a> {
+    /// How to integrate A of contacts with labels between these two, of which the first breaks earlier, among them `middle`.
+    pub(super) fn rule<'a>(
+        &self,
+        passage: &StepPassage<'a>,
+        between: [Label<'_>; 2],
+        middle: Label<'_>,
+    ) -> StepRule<'a> {
         let &StepPassage { path, ends: (from, to), .. } = passage;
         let moments = [from, 0.5 * (from + to), to].map(|s| passage.at(s));
         let ln_rates = between.map(|label| {
@@ -163,6 +174,9 @@ impl ThermalBreaking {
         let mut nodes: Vec<_> = rule.iter().map(moment).collect();
         if self.separable {
             self.unite(&mut nodes);
+        } else if let Some(one) = self.united(passage, &nodes, (between, middle)) {
+            nodes.clear();
+            nodes.push(one);
         }
         StepRule::Shared(nodes)
     }
@@ -178,6 +192,38 @@ impl ThermalBreaking {
         let time = nodes.iter().map(|node| node.time * lower(node).exp()).sum();
         nodes.clear();
         nodes.push(QuadratureMoment { time, ..most });
+    }
+
+    /// One node in place of several, at the mean time of breaking, with the weight that gives A of the middle label; if it
+    /// gives A of the labels at both ends, too. It does where rates of different labels rise alike: the error is the square of
+    /// how their ratio changes in the step, over 24.
+    fn united<'a>(
+        &self,
+        passage: &StepPassage<'a>,
+        nodes: &[QuadratureMoment<'a>],
+        (between, middle): ([Label<'_>; 2], Label<'_>),
+    ) -> Option<QuadratureMoment<'a>> {
+        let (mut whole, mut first) = (0.0, 0.0);
+        for node in nodes {
+            let term = node.time * self.factor(node, middle);
+            whole += term;
+            first += node.s * term;
+        }
+        if whole <= 0.0 {
+            return None;
+        }
+        let mut one = passage.moment(first / whole, 1.0);
+        one.time = whole / self.factor(&one, middle);
+        let serves = |label: Label<'_>| {
+            let all: f64 = nodes.iter().map(|node| node.time * self.factor(node, label)).sum();
+            (one.time * self.factor(&one, label) - all).abs() <= self.most_missed * all
+        };
+        between.into_iter().all(serves).then_some(one)
+    }
+
+    /// w/ω at a node.
+    fn factor(&self, node: &QuadratureMoment<'_>, label: Label<'_>) -> f64 {
+        self.ln_rate(node.stretch, node.aged.threshold_of(label)).exp()
     }
 
     /// The nodes of a rule that serves labels like this one.

@@ -6,7 +6,8 @@
 //! accurate to fourth order.
 
 use super::broken::{BirthMoments, Broken, BrokenFraction, EarlyBreaks};
-use super::cohort::{Cohort, EnergyChange};
+use super::cohort::{Cohort, CohortForce, CohortStep, EnergyChange};
+use super::formed::FormedInStep;
 use super::model::CohortModel;
 use super::path::{GAUSS, Path, StepContext, StepPart};
 use super::seeds::Seed;
@@ -18,9 +19,10 @@ pub(super) struct Trial {
     /// All cohorts at its end, the newly formed last.
     pub(super) cohorts: Vec<Cohort>,
     pub(super) fraction: BrokenFraction,
-    pub(super) born: f64,
-    /// Breaks of the contacts formed in it.
-    pub(super) deaths: EarlyBreaks,
+    /// Contacts formed in it.
+    pub(super) formed: FormedInStep,
+    /// Force of the other cohorts in its middle, in units of the total stiffness.
+    pub(super) middle_force: f64,
     /// Energies; those of formation are included in the losses.
     pub(super) spent: EnergyChange,
 }
@@ -29,9 +31,8 @@ pub(super) struct Trial {
 const LEAST: usize = 4096;
 
 /// Sums over these cohorts.
-fn total(passed: &[(BrokenFraction, EnergyChange)]) -> (BrokenFraction, EnergyChange) {
-    let nothing = (BrokenFraction::default(), EnergyChange::default());
-    passed.iter().fold(nothing, |sum, (fraction, spent)| (sum.0.plus(*fraction), sum.1.plus(1.0, *spent)))
+fn total(passed: &[CohortStep]) -> CohortStep {
+    passed.iter().fold(CohortStep::default(), |sum, one| sum.plus(one))
 }
 
 /// What does not change within a step.
@@ -68,37 +69,62 @@ impl StepAttempt<'_> {
             let (born, part) = ((i - old) / seeds, [StepPart::Early, StepPart::Late]);
             let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born], context.watch);
             let stored = cohort.energy();
-            let (end, spent) = cohort.advance_from_formation(self.model, path, part[born], context);
-            (
-                cohort,
-                (BrokenFraction { middle: 0.0, end }, EnergyChange { lost: spent.lost - stored, ..spent }),
-            )
+            let mut passed = cohort.advance_from_formation(self.model, path, part[born], context);
+            passed.spent.lost -= stored;
+            (cohort, passed)
         };
         // Existing cohorts first, then those formed at the two Gauss nodes, seed by seed.
         let count = old + GAUSS.len() * seeds;
-        let piece = |context: &mut StepContext<'_, '_>,
-                     number: usize|
-         -> Vec<(Cohort, (BrokenFraction, EnergyChange))> {
+        let piece = |context: &mut StepContext<'_, '_>, number: usize| -> Vec<(Cohort, CohortStep)> {
             let from = number * chunk;
             (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
         };
         let watch = Watch::new(monitor);
         let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
         watch.check()?;
-        let (mut cohorts, passed): (Vec<Cohort>, Vec<(BrokenFraction, EnergyChange)>) =
-            pieces.into_iter().flatten().unzip();
+        let (mut cohorts, passed): (Vec<Cohort>, Vec<CohortStep>) = pieces.into_iter().flatten().unzip();
         let dropped = BrokenFraction { middle: 0.5 * self.dropped, end: self.dropped };
-        let (before, spent) = total(&passed[..old]);
+        let before = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
-        let deaths = EarlyBreaks { early: early.0.end, late: late.0.end };
+        let deaths = EarlyBreaks { early: early.fraction.end, late: late.fraction.end };
         // Cohorts formed in this step were advanced with unit mass; the balance of breaks and formation gives
         // their masses.
-        let (fraction, masses) = self.balance(path, before.plus(dropped), deaths);
+        let (fraction, masses) = self.balance(path, before.fraction.plus(dropped), deaths);
+        let ends = [old, old + seeds].map(|from| CohortForce::of(&cohorts[from..][..seeds]));
+        let formed = FormedInStep::new(path, masses, deaths, [early.passed, late.passed], ends);
         for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
             cohort.mass *= masses[i / seeds];
         }
-        let spent = spent.plus(masses[0], early.1).plus(masses[1], late.1);
-        Ok(Trial { cohorts, fraction, born: masses[0] + masses[1], deaths, spent })
+        let spent = before.spent.plus(masses[0], early.spent).plus(masses[1], late.spent);
+        Ok(Trial { cohorts, fraction, formed, middle_force: before.passed.force, spent })
+    }
+
+    /// The breaks of these cohorts from the start of a step to a fraction of it, and their force there.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(super) fn partly(
+        &self,
+        cohorts: &[Cohort],
+        path: &Path,
+        s: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(f64, f64)> {
+        // The way there is the first half of one twice as long.
+        let twice = Path { duration: 2.0 * s * path.duration, by: 2.0 * s * path.by };
+        let chunk = (LEAST / self.model.cells()).max(1);
+        let piece = |context: &mut StepContext<'_, '_>, number: usize| {
+            let part = &cohorts[number * chunk..cohorts.len().min((number + 1) * chunk)];
+            part.iter().fold((0.0, 0.0), |(broken, force), cohort| {
+                let mut cohort = cohort.clone();
+                let breaks = cohort.advance(self.model, &twice, StepPart::First, context).0;
+                (broken + breaks, force + cohort.force())
+            })
+        };
+        let watch = Watch::new(monitor);
+        let pieces = watch.share(cohorts.len().div_ceil(chunk), || StepContext::new(&watch), piece)?;
+        watch.check()?;
+        Ok(pieces.into_iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
     }
 
     /// Contacts that form at the fraction s of a step, with a mass of 1 for all seeds.
