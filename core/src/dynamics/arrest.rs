@@ -170,6 +170,7 @@ impl SliderMotion {
             self.energies.background += background;
             self.energies.breaks += breaks;
             self.cells[0] = rested;
+            self.cells[0].settle();
             return Ok(duration);
         }
     }

@@ -43,6 +43,13 @@ impl SlidingCell {
         Ok(contacts)
     }
 
+    /// Simplifies the state of its contacts after an accepted step.
+    pub(super) fn settle(&mut self) {
+        self.contacts.settle();
+        // The same force but for rounding; a cell that is restored takes it from its contacts, too.
+        self.force = self.contacts.force();
+    }
+
     /// The cell after an advance that led to `force`. The slope stays if the advance is within `accuracy`.
     pub fn advanced(
         &self,

@@ -134,6 +134,7 @@ impl SliderMotion {
             self.energies.background += self.equation.background * moved;
             self.energies.work += self.equation.background * drive.velocity * duration;
             self.cells = step.end;
+            self.cells.iter_mut().for_each(SlidingCell::settle);
             self.arrest(drive.after(duration));
             return Ok(duration);
         }

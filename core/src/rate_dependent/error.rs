@@ -30,6 +30,8 @@ impl ErrorEstimator {
         for _ in 0..2 {
             self.halved.step(0.5 * by, 0.5 * during, monitor)?;
         }
+        self.rough.settle();
+        self.halved.settle();
         Ok((self.rough.force() - force).abs() + HALVED * (self.halved.force() - force).abs())
     }
 

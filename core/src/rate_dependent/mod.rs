@@ -50,6 +50,10 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Accuracy not reached; a stop by the monitor, after which the contacts are invalid.
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
+    /// Simplifies the present state as far as the tolerance allows, between accepted steps of a slider. Position, time and
+    /// breaks stay; the force stays but for rounding.
+    fn settle(&mut self) {}
+
     /// A copy in the present state with a larger tolerance, for an estimate of the error of the force. `None` for contacts
     /// that are followed one by one.
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {

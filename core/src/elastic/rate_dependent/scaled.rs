@@ -66,6 +66,10 @@ impl RateDependentContacts for Scaled {
         self.contacts.step(by / self.scale, during, monitor)
     }
 
+    fn settle(&mut self) {
+        self.contacts.settle();
+    }
+
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
         let scaled =
             |contacts| Box::new(Self { contacts, scale: self.scale }) as Box<dyn RateDependentContacts>;

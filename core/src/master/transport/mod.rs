@@ -16,6 +16,7 @@ mod cohort;
 mod diffusing;
 mod fitted;
 mod grid;
+mod merging;
 mod model;
 
 mod panels;
@@ -27,6 +28,7 @@ mod stability;
 mod state;
 mod steady;
 mod step_control;
+mod survival_table;
 mod thermal;
 mod trial;
 
@@ -70,6 +72,8 @@ pub struct Transport {
     /// N_c⟨k⟩ times the mean threshold.
     unit: f64,
     tolerance: f64,
+    /// Largest spread of a cohort ([`merging`]).
+    spread: f64,
     delay: f64,
     time: f64,
     position: f64,
@@ -198,6 +202,7 @@ impl Transport {
             stiffness: contacts.count * stiffness,
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
             tolerance,
+            spread: merging::largest_spread(contacts, tolerance),
             delay: contacts.rules.delay,
             time: 0.0,
             position: 0.0,
@@ -436,8 +441,9 @@ impl Transport {
 
     /// Time until the next simultaneous event, up to `limit`.
     fn until_event(&self, velocity: f64, limit: f64) -> f64 {
+        let cohorts: &[Cohort] = if self.model.has_atoms() { &self.cohorts } else { &[] };
         let time_to_atom =
-            self.cohorts.iter().filter_map(|cohort| cohort.time_to_atom(&self.model, velocity, limit));
+            cohorts.iter().filter_map(|cohort| cohort.time_to_atom(&self.model, velocity, limit));
         let births = self.broken.next_point_mass().into_iter().chain(self.kinks.iter().copied());
         time_to_atom.chain(births.map(|time| time - self.time)).fold(limit, f64::min)
     }
@@ -446,7 +452,8 @@ impl Transport {
     /// masses re-form.
     fn process_events(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let mut simultaneous = 0.0;
-        for cohort in &mut self.cohorts {
+        let cohorts: &mut [Cohort] = if self.model.has_atoms() { &mut self.cohorts } else { &mut [] };
+        for cohort in cohorts {
             let (broken, lost) = cohort.break_at_atom(&self.model);
             simultaneous += broken;
             self.spent.lost += lost;
@@ -513,6 +520,10 @@ impl RateDependentContacts for Transport {
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         Self::step(self, by, during, monitor)
+    }
+
+    fn settle(&mut self) {
+        self.merge_cohorts();
     }
 
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {

@@ -83,7 +83,12 @@ impl StepAttempt<'_> {
             (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
         };
         let watch = Watch::new(monitor);
-        let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
+        let pieces = if count <= chunk {
+            // Few cohorts do not repay the start of a shared loop.
+            vec![piece(&mut StepContext::new(&watch), 0)]
+        } else {
+            watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?
+        };
         watch.check()?;
         let (mut cohorts, passed): (Vec<Cohort>, Vec<(BrokenFraction, EnergyChange)>) =
             pieces.into_iter().flatten().unzip();

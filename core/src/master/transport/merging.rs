@@ -1,0 +1,45 @@
+//! Merging of cohorts under error control.
+//!
+//! Each step adds cohorts, and an interface makes far more steps than the contacts of one cell need. Two cohorts of attached
+//! fractions a and b that break at a distance Δ from each other become one at their centre. To second order the number of
+//! breaks and the force then change by ab/(a + b) Δ²/2 times the change of the density of thresholds per length, at most
+//! 0.24/σ² for a Gaussian, and with both signs in the life of a contact, so that changes of successive cohorts cancel.
+//! The sum of ab/(a + b) Δ² of all that has been merged, the *spread* of a cohort, is limited.
+
+use super::Transport;
+use super::step_control::scale;
+use crate::contacts::Contacts;
+
+/// Largest spread of a cohort, in units of the tolerance times the square of the length on which lives vary.
+const SPREAD: f64 = 0.1;
+
+/// Largest spread of a cohort, fraction × length².
+pub(super) fn largest_spread(contacts: &Contacts, tolerance: f64) -> f64 {
+    SPREAD * tolerance * scale(contacts).powi(2)
+}
+
+impl Transport {
+    /// Merges cohorts that formed at the same seed one after the other, as far as the tolerance allows.
+    pub(super) fn merge_cohorts(&mut self) {
+        let Self { cohorts, seeds, model, spent, spread, .. } = self;
+        // The last cohort of each seed that stays.
+        let mut last: Vec<Option<usize>> = vec![None; seeds.len()];
+        let mut kept = 0;
+        for next in 0..cohorts.len() {
+            let seed = cohorts[next].seed().map(|seed| seed as usize);
+            if let Some(before) = seed.and_then(|seed| last[seed]) {
+                let (stay, come) = cohorts.split_at_mut(next);
+                if let Some(lost) = stay[before].absorb(&come[0], model, *spread) {
+                    spent.lost += lost;
+                    continue;
+                }
+            }
+            if let Some(seed) = seed {
+                last[seed] = Some(kept);
+            }
+            cohorts.swap(kept, next);
+            kept += 1;
+        }
+        cohorts.truncate(kept);
+    }
+}
