@@ -14,14 +14,16 @@
 mod arrest;
 mod cell;
 mod equation;
+mod lag;
 mod one_cell;
 mod slip_velocity;
 mod step_control;
 mod tr_bdf2;
 
 pub use arrest::Arrest;
-pub use cell::SlidingCell;
+pub use cell::{SlidingCell, SlopeTrend};
 pub use equation::{DriveMotion, EquationOfMotion};
+pub use lag::ContactLag;
 pub use one_cell::OneCell;
 pub use slip_velocity::{SLIP_VELOCITY, crossing};
 pub use step_control::MotionStepControl;
@@ -146,17 +148,24 @@ impl SliderMotion {
         let Some(estimators) = &mut self.estimators else { return Ok(()) };
         let watch = &Watch::new(monitor);
         let follow = |(): &mut (), j: usize| {
-            let (mut estimator, mut watch) = (estimators[j].copy(), watch);
-            let ((middle, force), end) = (step.middle[j], &step.end[j]);
-            let first = estimator.step(middle - cells[j].position, time, force, &mut watch)?;
-            let second = estimator.step(end.position - middle, duration - time, end.force, &mut watch)?;
-            Ok((estimator, first.max(second)))
+            let [middle, end] = [&step.middle[j], &step.end[j]];
+            let moves = [middle.moved_since(&cells[j], time), end.moved_since(middle, duration - time)];
+            if moves.iter().all(Option::is_none) {
+                return Ok(None);
+            }
+            let (mut estimator, mut watch, mut apart) = (estimators[j].copy(), watch, 0.0_f64);
+            for moved in moves.into_iter().flatten() {
+                apart = apart.max(estimator.step(&moved.path, moved.force, &mut watch)?);
+            }
+            Ok(Some((estimator, apart)))
         };
-        let followed = watch.share(cells.len(), || (), follow)?;
-        let (followed, apart): (Vec<_>, Vec<f64>) =
-            followed.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
-        *estimators = followed;
-        self.error = apart.into_iter().fold(self.error, f64::max);
+        let followed = watch.share(cells.len(), || (), follow)?.into_iter().collect::<Result<Vec<_>>>()?;
+        for (estimator, followed) in estimators.iter_mut().zip(followed) {
+            if let Some((followed, apart)) = followed {
+                *estimator = followed;
+                self.error = self.error.max(apart);
+            }
+        }
         Ok(())
     }
 }

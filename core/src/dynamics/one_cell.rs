@@ -19,7 +19,7 @@ impl StageSolver for OneCell {
             |advance: f64, force: f64| stage.drag(0, advance) + force + connection * advance - pull;
         let own = stage.stiffness(0);
         // If friction decreases faster than the other forces increase, a secant leads away from the solution.
-        let held = own + from.contacts.tangent();
+        let held = own + from.known.tangent;
         let mut slope = if own + from.slope > 0.0 { own + from.slope } else { held };
         let mut advance = (-residual(0.0, from.force) / slope).max(0.0);
         let mut last: Option<(f64, f64)> = None;

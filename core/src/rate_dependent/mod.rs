@@ -36,6 +36,11 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Fraction of detached contacts.
     fn free(&self) -> f64;
 
+    /// Whether nothing but their age changes at rest, so that the force of contacts that have hardly moved is known.
+    fn is_constant_at_rest(&self) -> bool {
+        false
+    }
+
     /// The velocity at which they slide steadily; `None` for contacts that do not, or of which it is not known.
     fn steady_velocity(&self) -> Option<f64> {
         None

@@ -53,6 +53,10 @@ impl RateDependentContacts for Scaled {
         self.contacts.free()
     }
 
+    fn is_constant_at_rest(&self) -> bool {
+        self.contacts.is_constant_at_rest()
+    }
+
     fn steady_velocity(&self) -> Option<f64> {
         self.contacts.steady_velocity().map(|velocity| self.scale * velocity)
     }

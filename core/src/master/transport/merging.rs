@@ -6,6 +6,8 @@
 //! 0.24/σ² for a Gaussian, and with both signs in the life of a contact, so that changes of successive cohorts cancel.
 //! The sum of ab/(a + b) Δ² of all that has been merged, the *spread* of a cohort, is limited.
 
+use std::sync::Arc;
+
 use super::Transport;
 use super::step_control::scale;
 use crate::contacts::Contacts;
@@ -22,6 +24,7 @@ impl Transport {
     /// Merges cohorts that formed at the same seed one after the other, as far as the tolerance allows.
     pub(super) fn merge_cohorts(&mut self) {
         let Self { cohorts, seeds, model, spent, spread, .. } = self;
+        let cohorts = Arc::make_mut(cohorts);
         // The last cohort of each seed that stays.
         let mut last: Vec<Option<usize>> = vec![None; seeds.len()];
         let mut kept = 0;

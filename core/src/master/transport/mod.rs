@@ -77,7 +77,8 @@ pub struct Transport {
     delay: f64,
     time: f64,
     position: f64,
-    cohorts: Vec<Cohort>,
+    /// Shared with copies until either takes a step.
+    cohorts: Arc<Vec<Cohort>>,
     broken: Broken,
     dropped: f64,
     /// Energies since the start, in units of the total stiffness.
@@ -167,7 +168,7 @@ impl Transport {
         };
         let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
-        transport.cohorts = transport.formed(&first, monitor)?;
+        transport.cohorts = Arc::new(transport.formed(&first, monitor)?);
         if initial.start == Start::Relaxed {
             transport.broken.add_simultaneous(0.0, 1.0 - held);
             let watch = Watch::new(monitor);
@@ -206,7 +207,7 @@ impl Transport {
             delay: contacts.rules.delay,
             time: 0.0,
             position: 0.0,
-            cohorts: Vec::new(),
+            cohorts: Arc::default(),
             broken: Broken::new(contacts.rules.delay),
             dropped: 0.0,
             spent: EnergyChange::default(),
@@ -412,7 +413,7 @@ impl Transport {
         self.rate = trial.fraction.slope(path.duration, before);
         self.broken.keep(self.time, path.duration, trial.fraction, trial.born);
         self.spent = self.spent.plus(1.0, trial.spent);
-        self.cohorts = trial.cohorts;
+        self.cohorts = Arc::new(trial.cohorts);
         self.time += path.duration;
         self.position += path.advance(0.0, 1.0);
         self.drop_negligible();
@@ -429,7 +430,7 @@ impl Transport {
         *dropped = 0.0;
         // What is removed counts as broken, so that probability and energy are conserved however
         // many cohorts are removed.
-        cohorts.retain(|cohort| {
+        Arc::make_mut(cohorts).retain(|cohort| {
             let kept = cohort.left > least && cohort.attached() > NOTHING;
             if !kept {
                 *dropped += cohort.attached();
@@ -452,11 +453,12 @@ impl Transport {
     /// masses re-form.
     fn process_events(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let mut simultaneous = 0.0;
-        let cohorts: &mut [Cohort] = if self.model.has_atoms() { &mut self.cohorts } else { &mut [] };
-        for cohort in cohorts {
-            let (broken, lost) = cohort.break_at_atom(&self.model);
-            simultaneous += broken;
-            self.spent.lost += lost;
+        if self.model.has_atoms() {
+            for cohort in Arc::make_mut(&mut self.cohorts) {
+                let (broken, lost) = cohort.break_at_atom(&self.model);
+                simultaneous += broken;
+                self.spent.lost += lost;
+            }
         }
         if simultaneous > 0.0 {
             self.broken.add_simultaneous(self.time, simultaneous);
@@ -479,7 +481,7 @@ impl Transport {
             for seed in self.seeds.iter() {
                 let born = Cohort::born(&self.model, seed, point_mass.mass * seed.weight, watch);
                 self.spent.lost -= born.energy();
-                self.cohorts.push(born);
+                Arc::make_mut(&mut self.cohorts).push(born);
             }
         }
     }
@@ -508,6 +510,10 @@ impl RateDependentContacts for Transport {
 
     fn free(&self) -> f64 {
         Self::free(self)
+    }
+
+    fn is_constant_at_rest(&self) -> bool {
+        self.delay == 0.0 && self.model.is_constant_at_rest()
     }
 
     fn steady_velocity(&self) -> Option<f64> {

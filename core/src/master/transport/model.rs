@@ -96,6 +96,14 @@ impl CohortModel {
         }
     }
 
+    /// Whether nothing breaks at rest and stiffnesses stay.
+    pub(super) fn is_constant_at_rest(&self) -> bool {
+        match self {
+            Self::Ranked(ranks) => ranks.is_plain() && ranks.only_strengthen(),
+            Self::Diffusing(_) => false,
+        }
+    }
+
     /// Whether contacts may break simultaneously.
     pub(super) fn has_atoms(&self) -> bool {
         match self {

@@ -31,6 +31,8 @@ pub(super) struct RankedThresholds {
     law: SharedLaw,
     /// S, tabulated where the law is smooth.
     table: Option<SurvivalTable>,
+    /// Stretch up to which no contact breaks; below 0 if it is not known.
+    certain: f64,
     evolution: ThresholdEvolution,
     /// Mean fresh threshold.
     mean: f64,
@@ -121,10 +123,16 @@ impl RankedThresholds {
         });
         let atoms = law.atoms();
         // Only contacts that break at their thresholds alone ask for S of each cohort in each step.
-        let table = (felt.is_none() && atoms.is_empty()).then(|| SurvivalTable::of(law.as_ref(), tolerance));
+        let table = (felt.is_none() && atoms.is_empty())
+            .then(|| SurvivalTable::of(law.as_ref(), tolerance))
+            .flatten();
+        // Thresholds that only rise are above fresh ones.
+        let certain =
+            table.as_ref().filter(|_| evolution.only_strengthens()).map_or(-1.0, SurvivalTable::low);
         Self {
             law,
-            table: table.flatten(),
+            certain,
+            table,
             ranks: atoms.iter().map(|atom| evolution.rank(atom.position)).collect(),
             octaves: evolution.octaves(),
             evolution,
@@ -137,11 +145,16 @@ impl RankedThresholds {
 
     /// Whether c alone describes the surviving contacts: without temperature, point masses, extrema of thresholds within a
     /// step, and stiffnesses that depend on the threshold.
-    fn is_plain(&self) -> bool {
+    pub(super) fn is_plain(&self) -> bool {
         self.thermal.is_none()
             && self.atoms.is_empty()
             && self.octaves.is_empty()
             && matches!(self.stiffness, Stiffness::Equal(_))
+    }
+
+    /// Whether no threshold falls with age.
+    pub(super) fn only_strengthen(&self) -> bool {
+        self.evolution.only_strengthens()
     }
 
     /// Whether there are point masses of the thresholds.
@@ -163,6 +176,9 @@ impl RankedThresholds {
         }
         let passage =
             StepPassage { evolution: &self.evolution, stretch: place.stretch, age: place.age, path, ends };
+        if (place.stretch + path.advance(ends.0, ends.1)).abs() <= self.certain {
+            return Some(None);
+        }
         let (stretch, aged) = passage.at(ends.1);
         let met = aged.newborn(stretch);
         if met <= left.met {

@@ -5,7 +5,7 @@ use crate::law::Law;
 /// S(x) by cubic Hermite interpolation between equally spaced positions.
 #[derive(Debug)]
 pub(super) struct SurvivalTable {
-    /// First position; below it S is 1 to rounding.
+    /// First position; below it S is taken as 1.
     low: f64,
     /// Cells per length.
     scale: f64,
@@ -29,7 +29,8 @@ const NEGLIGIBLE: f64 = 1e-16;
 impl SurvivalTable {
     /// The table of a law; `None` if it would need too many cells.
     pub(super) fn of(law: &dyn Law, tolerance: f64) -> Option<Self> {
-        let (low, high) = (law.quantile(NEGLIGIBLE).max(0.0), law.upper_quantile(NEGLIGIBLE));
+        let low = law.quantile(ERROR * tolerance).max(0.0);
+        let high = law.upper_quantile(NEGLIGIBLE);
         if !(high.is_finite() && high > low) {
             return None;
         }
@@ -60,6 +61,11 @@ impl SurvivalTable {
             let x = middle(k);
             (self.value(x) - law.survival(x)).abs() <= error
         })
+    }
+
+    /// The stretch up to which S is 1.
+    pub(super) fn low(&self) -> f64 {
+        self.low
     }
 
     /// S(x), which never leaves [0, 1].

@@ -28,8 +28,11 @@ pub(super) struct Trial {
 /// Amount of work of a thread between two checks whether the monitor has stopped.
 const LEAST: usize = 4096;
 
+/// What has broken of a cohort, and its energies.
+type Passed = (BrokenFraction, EnergyChange);
+
 /// Sums over these cohorts.
-fn total(passed: &[(BrokenFraction, EnergyChange)]) -> (BrokenFraction, EnergyChange) {
+fn total(passed: &[Passed]) -> Passed {
     let nothing = (BrokenFraction::default(), EnergyChange::default());
     passed.iter().fold(nothing, |sum, (fraction, spent)| (sum.0.plus(*fraction), sum.1.plus(1.0, *spent)))
 }
@@ -76,22 +79,25 @@ impl StepAttempt<'_> {
         };
         // Existing cohorts first, then those formed at the two Gauss nodes, seed by seed.
         let count = old + GAUSS.len() * seeds;
-        let piece = |context: &mut StepContext<'_, '_>,
-                     number: usize|
-         -> Vec<(Cohort, (BrokenFraction, EnergyChange))> {
-            let from = number * chunk;
-            (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
-        };
         let watch = Watch::new(monitor);
-        let pieces = if count <= chunk {
-            // Few cohorts do not repay the start of a shared loop.
-            vec![piece(&mut StepContext::new(&watch), 0)]
-        } else {
-            watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?
+        let (mut cohorts, mut passed) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut keep = |(cohort, changes)| {
+            cohorts.push(cohort);
+            passed.push(changes);
         };
+        if count <= chunk {
+            // Few cohorts do not repay the start of a shared loop.
+            let context = &mut StepContext::new(&watch);
+            (0..count).for_each(|i| keep(step(context, i)));
+        } else {
+            let piece = |context: &mut StepContext<'_, '_>, number: usize| -> Vec<(Cohort, Passed)> {
+                let from = number * chunk;
+                (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
+            };
+            let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
+            pieces.into_iter().flatten().for_each(keep);
+        }
         watch.check()?;
-        let (mut cohorts, passed): (Vec<Cohort>, Vec<(BrokenFraction, EnergyChange)>) =
-            pieces.into_iter().flatten().unzip();
         let dropped = BrokenFraction { middle: 0.5 * self.dropped, end: self.dropped };
         let (before, spent) = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
