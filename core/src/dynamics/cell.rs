@@ -111,7 +111,7 @@ impl SlidingCell {
         if self.lag.during > 0.0 {
             return None;
         }
-        let advance = self.position - from.position - self.lag.by;
+        let advance = self.position - from.position;
         Some(ContactMove { path: from.lag.path(advance, duration).collect(), force: self.known.force })
     }
 
@@ -151,20 +151,7 @@ impl SlidingCell {
         velocity: f64,
         accuracy: f64,
     ) -> Self {
-        self.lagging(contacts, [advance, advance], [force, force], velocity, accuracy)
-    }
-
-    /// The cell after the first of two advances, with contacts after the second one; `forces` are those of both.
-    pub fn lagging(
-        &self,
-        contacts: Box<dyn RateDependentContacts>,
-        [advance, followed]: [f64; 2],
-        [force, contact_force]: [f64; 2],
-        velocity: f64,
-        accuracy: f64,
-    ) -> Self {
-        let known = KnownContacts::of(contacts.as_ref(), contact_force);
-        let lag = ContactLag { by: advance - followed, during: 0.0 };
+        let (known, lag) = (KnownContacts::of(contacts.as_ref(), force), ContactLag::default());
         // A quotient of differences below the accuracy would be noise.
         let (slope, trend) = if advance > accuracy {
             let slope = (force - self.force) / advance;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// The motion of a cell that its contacts have not followed yet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactLag {
-    /// The displacement; below 0 where contacts are ahead.
+    /// The displacement, 0 or above.
     pub by: f64,
     /// The time that it took.
     pub during: f64,
@@ -28,8 +28,7 @@ impl ContactLag {
     /// The path of contacts that follow a further advance of their cell: displacements ≥ 0 and times.
     pub fn path(self, advance: f64, duration: f64) -> impl Iterator<Item = (f64, f64)> {
         // A lag that took a time is followed first: contacts formed in a slip must not have the ages of the rest before it.
-        let before = if self.during > 0.0 { self.by.max(0.0) } else { 0.0 };
-        let waited = (self.during > 0.0).then_some((before, self.during));
-        waited.into_iter().chain([((self.by - before + advance).max(0.0), duration)])
+        let waited = (self.during > 0.0).then_some((self.by, self.during));
+        waited.into_iter().chain([(advance, duration)])
     }
 }

@@ -29,6 +29,8 @@ pub use slip_velocity::{SLIP_VELOCITY, crossing};
 pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
 
+use rayon::prelude::*;
+
 use self::tr_bdf2::TrBdf2Step;
 use crate::Result;
 use crate::monitor::{Monitor, Watch};
@@ -136,9 +138,20 @@ impl SliderMotion {
             self.energies.background += self.equation.background * moved;
             self.energies.work += self.equation.background * drive.velocity * duration;
             self.cells = step.end;
-            self.cells.iter_mut().for_each(SlidingCell::settle);
+            self.settle();
             self.arrest(drive.after(duration));
             return Ok(duration);
+        }
+    }
+
+    /// Simplifies the contacts of all cells, of many on all threads.
+    fn settle(&mut self) {
+        /// Cells of a thread, which repay its start.
+        const SHARE: usize = 16;
+        if self.cells.len() <= SHARE {
+            self.cells.iter_mut().for_each(SlidingCell::settle);
+        } else {
+            self.cells.par_iter_mut().with_min_len(SHARE).for_each(SlidingCell::settle);
         }
     }
 

@@ -20,7 +20,8 @@ impl StageSolver for OneCell {
         let own = stage.stiffness(0);
         // If friction decreases faster than the other forces increase, a secant leads away from the solution.
         let held = own + from.known.tangent;
-        let mut slope = if own + from.slope > 0.0 { own + from.slope } else { held };
+        let ahead = own + from.slope_ahead(stage.duration);
+        let mut slope = if ahead > 0.0 { ahead } else { held };
         let mut advance = (-residual(0.0, from.force) / slope).max(0.0);
         let mut last: Option<(f64, f64)> = None;
         for _ in 0..ROUNDS {

@@ -19,9 +19,9 @@ const HOLD: f64 = 1e9;
 /// Solves the stages of cells that a coupling joins.
 pub(super) struct CoupledCells<'a>(pub &'a mut dyn Coupling);
 
-/// Largest correction, in units of the accuracy of a stage, that is taken from the slope without moving the contacts again: the
-/// error that remains is that of the slope, a fraction of it.
-const LINEAR: f64 = 4.0;
+/// Largest lag of contacts behind their cell, in units of the accuracy of a stage: the force is then wrong by less than by the
+/// corrections that are left out.
+const LAG: f64 = 0.25;
 
 /// Where a cell may be at the end of a stage.
 #[derive(Debug)]
@@ -30,16 +30,8 @@ struct Guess {
     force: f64,
     /// dF/dX between the last two guesses.
     slope: f64,
-    /// The contacts after an advance of the cell near the guess, if they have been moved.
-    moved: Option<MovedContacts>,
-}
-
-/// Contacts at the end of a stage, after an advance of their cell.
-#[derive(Debug)]
-struct MovedContacts {
-    contacts: Box<dyn RateDependentContacts>,
-    advance: f64,
-    force: f64,
+    /// The contacts after the advance, if they have been moved.
+    moved: Option<Box<dyn RateDependentContacts>>,
 }
 
 /// Correction of the guesses.
@@ -54,48 +46,36 @@ impl Guess {
         Self { advance: 0.0, force: from.force, slope: from.slope_ahead(duration), moved: None }
     }
 
-    /// Takes the force after an advance from what is known of it, where that is accurate enough; whether it is.
-    fn shift(&mut self, from: &SlidingCell, advance: f64, accuracy: f64) -> bool {
-        if from.lag.by + advance <= accuracy {
-            // Contacts stay where they were at the beginning of the stage.
+    /// Leaves the contacts where they were at the beginning of the stage, if the cell hardly moves; whether it does.
+    fn lag(&mut self, from: &SlidingCell, advance: f64, most: f64) -> bool {
+        let lags = from.known.may_lag && from.lag.by + advance <= most;
+        if lags {
             let (force, slope) = (from.force_at(advance), from.known.tangent);
             *self = Self { advance, force, slope, moved: None };
-            return true;
         }
-        let Some(moved) = &self.moved else { return false };
-        let further = advance - moved.advance;
-        if further.abs() <= accuracy {
-            (self.advance, self.force) = (advance, moved.force + self.slope * further);
-            return true;
-        }
-        false
+        lags
     }
 
     /// Takes the force from contacts that have been moved.
     fn take(&mut self, contacts: Box<dyn RateDependentContacts>, advance: f64) {
         let force = contacts.force();
-        if let Some(before) = &self.moved {
+        if self.moved.is_some() {
             // Contacts move from the beginning of the stage each time: what they do depends on the
             // whole path, not on the last guess.
-            self.slope = (force - before.force) / (advance - before.advance);
+            self.slope = (force - self.force) / (advance - self.advance);
         }
-        (self.advance, self.force) = (advance, force);
-        self.moved = Some(MovedContacts { contacts, advance, force });
+        (self.advance, self.force, self.moved) = (advance, force, Some(contacts));
     }
 
-    /// The cell at the end of the stage, corrected by a displacement.
-    fn end(self, stage: &ImplicitStage<'_>, j: usize, by: f64, stands: bool) -> SlidingCell {
-        let from = &stage.from[j];
-        let by = if from.known.may_lag { by } else { 0.0 };
-        let advance = self.advance + by;
+    /// The cell at the end of the stage.
+    fn end(self, stage: &ImplicitStage<'_>, j: usize, stands: bool) -> SlidingCell {
+        let (from, advance, force) = (&stage.from[j], self.advance, self.force);
         let free = stage.rates[j].velocity(advance);
         let velocity = if stands { free.min(0.0) } else { free };
-        let Some(moved) = self.moved else {
-            return from.leaving_contacts(advance, stage.duration, velocity);
-        };
-        let force = moved.force + self.slope * (advance - moved.advance);
-        let (advances, forces) = ([advance, moved.advance], [force, moved.force]);
-        from.lagging(moved.contacts, advances, forces, velocity, stage.accuracy)
+        match self.moved {
+            Some(contacts) => from.advanced(contacts, advance, force, velocity, stage.accuracy),
+            None => from.leaving_contacts(advance, stage.duration, velocity),
+        }
     }
 }
 
@@ -111,9 +91,8 @@ impl StageSolver for CoupledCells<'_> {
             let Correction { by, stands } = self.correct(stage, &guesses);
             // A secant method: contacts give their force after an advance, but no derivative of it
             // over a whole stage.
-            let limit = |j: usize| if stage.from[j].known.may_lag { LINEAR } else { 1.0 } * stage.accuracy;
-            if by.iter().enumerate().all(|(j, by)| by.abs() <= limit(j)) {
-                let end = |(j, guess): (usize, Guess)| guess.end(stage, j, by[j], stands[j]);
+            if by.iter().all(|by| by.abs() <= stage.accuracy) {
+                let end = |(j, guess): (usize, Guess)| guess.end(stage, j, stands[j]);
                 return Ok(Some(guesses.into_iter().enumerate().map(end).collect()));
             }
             advance(stage, &mut guesses, &by, watch)?;
@@ -177,13 +156,11 @@ fn advance(stage: &ImplicitStage<'_>, guesses: &mut [Guess], by: &[f64], watch: 
     let mut going = Vec::new();
     for (j, guess) in guesses.iter_mut().enumerate() {
         let from = &stage.from[j];
-        let known = if from.known.may_lag {
-            guess.shift(from, guess.advance + by[j], stage.accuracy)
-        } else {
-            guess.moved.is_some() && by[j].abs() <= stage.accuracy
-        };
+        let advance = guess.advance + by[j];
+        let known = guess.moved.is_some() && by[j].abs() <= stage.accuracy
+            || guess.lag(from, advance, LAG * stage.accuracy);
         if !known {
-            going.push((j, guess.advance + by[j]));
+            going.push((j, advance));
         }
     }
     let ahead = |(): &mut (), number: usize| {
