@@ -144,7 +144,8 @@ impl SliderMotion {
             let mut contacts = cell.contacts.copy();
             contacts.step(0.0, duration, monitor)?;
             let force = contacts.force();
-            let mut rested = SlidingCell { force, ..cell.advanced(contacts, 0.0, force, cell.velocity, 0.0) };
+            let mut rested =
+                SlidingCell { back: cell.back, ..cell.advanced(contacts, 0.0, force, cell.velocity, 0.0) };
             let position = drive.after(duration);
             rested.back = equation.unloaded(&rested, position);
             if !self.control.is_too_short(duration, left) {
