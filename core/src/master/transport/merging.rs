@@ -46,3 +46,42 @@ impl Transport {
         cohorts.truncate(kept);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contacts::{Ageing, Initial, Rules, Start};
+    use crate::law::{Gaussian, Point};
+
+    #[test]
+    fn merged_cohorts_have_the_same_force() {
+        let relaxed = Arc::new(Point::new(0.0).unwrap());
+        let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
+        let rules = Rules { ageing, ..Rules::default() };
+        let law = Arc::new(Gaussian::new(1.0, 0.1).unwrap());
+        let contacts = Contacts { rules, ..Contacts::new(law, relaxed.clone()) };
+        let start = Initial { law: relaxed, start: Start::Conditional };
+        let tolerance = 1e-3;
+        let mut whole = Transport::new_with(contacts.clone(), &start, tolerance, &mut ()).unwrap();
+        whole.rough = None;
+        let mut merged = whole.clone();
+        // Steps far shorter than contacts need; every fifth is ten times as slow.
+        for number in 0..2000 {
+            let during = if number % 5 == 0 { 1.0 } else { 0.1 };
+            whole.step(2e-3, during, &mut ()).unwrap();
+            merged.step(2e-3, during, &mut ()).unwrap();
+            let before = merged.force();
+            merged.merge_cohorts();
+            assert!((merged.force() - before).abs() < 1e-13);
+            // The unit of force is N_c⟨k⟩ times the mean threshold, 1.
+            let off = merged.force() - whole.force();
+            assert!(off.abs() < tolerance, "{tolerance} {number}: {off:e}");
+        }
+        let [few, many] = [&merged, &whole].map(|transport| transport.cohorts.len());
+        assert!(4 * few < many, "{tolerance}: {few} of {many}");
+        // Both lose the same energy but for the differences of stretch that merging removes: spreads over the square of
+        // the width, a tenth of the tolerance each, times the square of the width and ½, in each of some hundred cohorts.
+        let lost = merged.energies().lost - whole.energies().lost;
+        assert!(lost.abs() < tolerance, "{lost:e}");
+    }
+}
