@@ -4,13 +4,18 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial, Start};
+use asperity::contacts::{Ageing, Contacts, Initial, Rules, Start};
 use asperity::elastic::cells::Cells;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters};
+use asperity::elastic::rate_dependent::Scaled;
+use asperity::elastic::{
+    CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters, RateDependentInterface,
+    RateDependentInterfaceParameters,
+};
 use asperity::law::{Gaussian, Point};
-use asperity::master::{MasterEquation, MasterPopulation};
+use asperity::master::{MasterEquation, MasterPopulation, Transport};
 use asperity::random::{Purpose, Stream};
+use asperity::rate_dependent::RateDependentContacts;
 use asperity::shape::{Edges, Shape};
 use cpu_time::{ProcessTime, ThreadTime};
 
@@ -26,6 +31,49 @@ fn main() {
         row("half-space", half_space(shape, Edges::Periodic, 1.0, 1.0).unwrap());
     }
     row("half-space", half_space(Shape::Square([1024; 2]), Edges::Periodic, 1.0, 1.0).unwrap());
+    println!(
+        "\n{:<30} {:>8} {:>8} {:>12} {:>12} {:>20}",
+        "chain of ageing contacts", "cells", "events", "cell slips", "CPU, s", "slips per CPU second"
+    );
+    // That of the scenario front-ageing, and chains pulled everywhere whose cells differ.
+    in_time("pulled at one end", 20, 7, CellLoading::Edge, (2.0, 25.0), 0.0);
+    in_time("pulled everywhere", 100, 10, CellLoading::Uniform, (0.5, 5.0), 0.1);
+    in_time("small events", 1000, 100, CellLoading::Uniform, (0.5, 1.0), 0.2);
+}
+
+/// Throughput of a chain in time at a tolerance of 1e-3, with the springs of the connection and between cells, and scales of
+/// cells with this standard deviation.
+fn in_time(name: &str, number: usize, most: usize, loading: CellLoading, springs: (f64, f64), std: f64) {
+    let (tolerance, velocity, far) = (1e-3, 1e-3, 1e3);
+    let relaxed = Arc::new(Point::new(0.0).unwrap());
+    let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
+    let rules = Rules { ageing, ..Rules::default() };
+    let law = Arc::new(Gaussian::new(1.0, 0.1).unwrap());
+    let contacts = Contacts { rules, ..Contacts::new(law, relaxed.clone()) };
+    let start = Initial { law: relaxed, start: Start::Conditional };
+    let alike = Transport::new_with(contacts, &start, tolerance, &mut ()).unwrap();
+    let mut stream = Stream::new(1, Purpose::Cells, 0);
+    let cell = |_| -> Box<dyn RateDependentContacts> {
+        // A uniform distribution of this standard deviation.
+        let scale = 1.0 + std * 12.0_f64.sqrt() * (stream.uniform() - 0.5);
+        Box::new(Scaled::new(Box::new(alike.clone()), scale).unwrap())
+    };
+    let cells = (0..number).map(cell).collect();
+    let setting = RateDependentInterfaceParameters {
+        loading,
+        ..RateDependentInterfaceParameters::new(springs.0, 1.0, tolerance)
+    };
+    let coupling = neighbours(Shape::Chain(number), Edges::Open, springs.1).unwrap();
+    let mut interface = RateDependentInterface::new(cells, coupling, setting).unwrap();
+    let (begun, mut events, mut slips) = (ProcessTime::now(), 0, 0);
+    while events < most {
+        let ended = interface.next(far, velocity).unwrap();
+        events += ended.len();
+        slips += ended.iter().map(|(event, _)| event.cells).sum::<usize>();
+    }
+    let seconds = begun.elapsed().as_secs_f64();
+    let rate = slips as f64 / seconds;
+    println!("{name:<30} {number:>8} {events:>8} {slips:>12} {seconds:>12.2} {rate:>20.0}");
 }
 
 fn population() -> MasterPopulation {

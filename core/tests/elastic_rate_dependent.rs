@@ -159,6 +159,10 @@ impl RateDependentContacts for Together {
         self.0.iter_mut().try_for_each(|contacts| contacts.step(by, during, monitor))
     }
 
+    fn settle(&mut self) {
+        self.0.iter_mut().for_each(|contacts| contacts.settle());
+    }
+
     fn copy(&self) -> Box<dyn RateDependentContacts> {
         Box::new(Self(self.0.iter().map(|contacts| contacts.copy()).collect()))
     }

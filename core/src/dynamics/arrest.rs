@@ -27,7 +27,7 @@ impl EquationOfMotion {
 
     /// Stiffness K + F' of spring and contacts.
     pub fn resistance(&self, cell: &SlidingCell) -> f64 {
-        self.connection + cell.contacts.tangent()
+        self.connection + cell.known.tangent
     }
 
     /// Displacement X − X_2 ≤ 0 of a cell at rest on its unloading line; 0 if it is not unloaded.
@@ -144,7 +144,8 @@ impl SliderMotion {
             let mut contacts = cell.contacts.copy();
             contacts.step(0.0, duration, monitor)?;
             let force = contacts.force();
-            let mut rested = SlidingCell { contacts, force, ..*cell };
+            let mut rested =
+                SlidingCell { back: cell.back, ..cell.advanced(contacts, 0.0, force, cell.velocity, 0.0) };
             let position = drive.after(duration);
             rested.back = equation.unloaded(&rested, position);
             if !self.control.is_too_short(duration, left) {
@@ -163,13 +164,14 @@ impl SliderMotion {
                 }
             }
             if let Some([estimator]) = self.estimators.as_deref_mut() {
-                self.error = self.error.max(estimator.step(0.0, duration, force, monitor)?);
+                self.error = self.error.max(estimator.step(&[(0.0, duration)], force, monitor)?);
             }
             let (work, background, breaks) = equation.at_rest([cell, &rested], drive, duration);
             self.energies.work += work;
             self.energies.background += background;
             self.energies.breaks += breaks;
             self.cells[0] = rested;
+            self.cells[0].settle();
             return Ok(duration);
         }
     }

@@ -18,18 +18,22 @@
 mod arrest;
 mod cell;
 mod equation;
+mod lag;
 mod one_cell;
 mod slip_velocity;
 mod step_control;
 mod tr_bdf2;
 
 pub use arrest::Arrest;
-pub use cell::SlidingCell;
+pub use cell::{SlidingCell, SlopeTrend};
 pub use equation::{DriveMotion, EquationOfMotion};
+pub use lag::ContactLag;
 pub use one_cell::OneCell;
 pub use slip_velocity::{SLIP_VELOCITY, crossing};
 pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
+
+use rayon::prelude::*;
 
 use self::tr_bdf2::TrBdf2Step;
 use crate::monitor::{Monitor, Watch};
@@ -152,6 +156,7 @@ impl SliderMotion {
             self.energies.background += self.equation.background * moved;
             self.energies.work += self.equation.background * drive.velocity * duration;
             self.cells = step.end;
+            self.settle();
             self.arrest(drive.after(duration));
             return Ok(duration);
         }
@@ -166,23 +171,41 @@ impl SliderMotion {
         self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))
     }
 
+    /// Simplifies the contacts of all cells, of many on all threads.
+    fn settle(&mut self) {
+        /// Cells of a thread, which repay its start.
+        const SHARE: usize = 16;
+        if self.cells.len() <= SHARE {
+            self.cells.iter_mut().for_each(SlidingCell::settle);
+        } else {
+            self.cells.par_iter_mut().with_min_len(SHARE).for_each(SlidingCell::settle);
+        }
+    }
+
     /// Moves copies of the error estimators in the same step, so that nothing has moved if the monitor stops it.
     fn estimate(&mut self, step: &TrBdf2Step, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let (cells, time) = (&self.cells, GAMMA * duration);
         let Some(estimators) = &mut self.estimators else { return Ok(()) };
         let watch = &Watch::new(monitor);
         let follow = |(): &mut (), j: usize| {
-            let (mut estimator, mut watch) = (estimators[j].copy(), watch);
-            let ((middle, force), end) = (step.middle[j], &step.end[j]);
-            let first = estimator.step(middle - cells[j].position, time, force, &mut watch)?;
-            let second = estimator.step(end.position - middle, duration - time, end.force, &mut watch)?;
-            Ok((estimator, first.max(second)))
+            let [middle, end] = [&step.middle[j], &step.end[j]];
+            let moves = [middle.moved_since(&cells[j], time), end.moved_since(middle, duration - time)];
+            if moves.iter().all(Option::is_none) {
+                return Ok(None);
+            }
+            let (mut estimator, mut watch, mut apart) = (estimators[j].copy(), watch, 0.0_f64);
+            for moved in moves.into_iter().flatten() {
+                apart = apart.max(estimator.step(&moved.path, moved.force, &mut watch)?);
+            }
+            Ok(Some((estimator, apart)))
         };
-        let followed = watch.share(cells.len(), || (), follow)?;
-        let (followed, apart): (Vec<_>, Vec<f64>) =
-            followed.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
-        *estimators = followed;
-        self.error = apart.into_iter().fold(self.error, f64::max);
+        let followed = watch.share(cells.len(), || (), follow)?.into_iter().collect::<Result<Vec<_>>>()?;
+        for (estimator, followed) in estimators.iter_mut().zip(followed) {
+            if let Some((followed, apart)) = followed {
+                *estimator = followed;
+                self.error = self.error.max(apart);
+            }
+        }
         Ok(())
     }
 }

@@ -22,8 +22,9 @@ impl StageSolver for OneCell {
             |advance: f64, force: f64| stage.drag(0, advance) + force + connection * advance - pull;
         let own = stage.stiffness(0);
         // If friction decreases faster than the other forces increase, a secant leads away from the solution.
-        let held = own + from.contacts.tangent();
-        let mut slope = if own + from.slope > 0.0 { own + from.slope } else { held };
+        let held = own + from.known.tangent;
+        let ahead = own + from.slope_ahead(stage.duration);
+        let mut slope = if ahead > 0.0 { ahead } else { held };
         let mut advance = (-residual(0.0, from.force) / slope).max(0.0);
         // Without drag nothing keeps a soft spring from the next balance but one, so that the search begins where the velocity
         // leads, goes no faster than the tangent allows, and not much farther than contacts are stretched.

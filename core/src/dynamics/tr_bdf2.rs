@@ -9,8 +9,8 @@ use crate::numerics::tr_bdf2::{GAMMA, StageRates, WEIGHTS, error};
 /// A trial step.
 pub struct TrBdf2Step {
     pub end: Vec<SlidingCell>,
-    /// Positions and forces of cells between the stages.
-    pub middle: Vec<(f64, f64)>,
+    /// The cells between the stages.
+    pub middle: Vec<SlidingCell>,
     /// Largest estimated error of the position of a cell.
     pub error: f64,
     /// Work of the drive.
@@ -104,7 +104,6 @@ impl SliderMotion {
             end.iter_mut().for_each(|cell| cell.velocity = cell.velocity.max(0.0));
         }
         let (work, viscous) = work_and_drag(equation, [from, &middle, &end], drive, duration);
-        let middle = middle.iter().map(|cell| (cell.position, cell.force)).collect();
         Ok(Some(TrBdf2Step { end, middle, error, work, viscous }))
     }
 }

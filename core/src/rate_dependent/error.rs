@@ -21,15 +21,20 @@ impl ErrorEstimator {
         contacts.rough().map(|rough| Self { rough, halved: contacts.copy() })
     }
 
-    /// Repeats a step of the contacts, which led to `force`. Returns an estimated upper limit of the error of that force.
+    /// Repeats steps of the contacts, displacements in times, which led to `force`. Returns an estimated upper limit of the
+    /// error of that force.
     ///
     /// # Errors
     /// Those of [`RateDependentContacts::step`].
-    pub fn step(&mut self, by: f64, during: f64, force: f64, monitor: &mut dyn Monitor) -> Result<f64> {
-        self.rough.step(by, during, monitor)?;
-        for _ in 0..2 {
-            self.halved.step(0.5 * by, 0.5 * during, monitor)?;
+    pub fn step(&mut self, path: &[(f64, f64)], force: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+        for &(by, during) in path {
+            self.rough.step(by, during, monitor)?;
+            for _ in 0..2 {
+                self.halved.step(0.5 * by, 0.5 * during, monitor)?;
+            }
         }
+        self.rough.settle();
+        self.halved.settle();
         Ok((self.rough.force() - force).abs() + HALVED * (self.halved.force() - force).abs())
     }
 

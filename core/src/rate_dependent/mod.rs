@@ -36,6 +36,11 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Fraction of detached contacts.
     fn free(&self) -> f64;
 
+    /// Whether nothing but their age changes at rest, so that the force of contacts that have hardly moved is known.
+    fn is_constant_at_rest(&self) -> bool {
+        false
+    }
+
     /// The velocity at which they slide steadily; `None` for contacts that do not, or of which it is not known.
     fn steady_velocity(&self) -> Option<f64> {
         None
@@ -49,6 +54,10 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// Accuracy not reached; a stop by the monitor, after which the contacts are invalid.
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()>;
+
+    /// Simplifies the present state as far as the tolerance allows, between accepted steps of a slider. Position, time and
+    /// breaks stay; the force stays but for rounding.
+    fn settle(&mut self) {}
 
     /// A copy in the present state with a larger tolerance, for an estimate of the error of the force. `None` for contacts
     /// that are followed one by one.

@@ -130,6 +130,16 @@ impl ThresholdEvolution {
         matches!(self.kind, Kind::Constant)
     }
 
+    /// Whether it is known that no threshold falls with age.
+    pub(crate) fn only_strengthens(&self) -> bool {
+        match self.kind {
+            Kind::Constant => true,
+            Kind::Logarithmic { growth, .. } => growth >= 0.0,
+            // Narrowing distributions weaken their strongest contacts.
+            Kind::Gaussian { .. } | Kind::Ranked(_) => false,
+        }
+    }
+
     /// Ages, each twice the one before, between which a threshold has at most one extremum, from where the
     /// fresh distribution has hardly changed up to τ. Empty for closed forms, which are monotonic.
     pub(crate) fn octaves(&self) -> Vec<f64> {

@@ -19,13 +19,19 @@ const HOLD: f64 = 1e9;
 /// Solves the stages of cells that a coupling joins.
 pub(super) struct CoupledCells<'a>(pub &'a mut dyn Coupling);
 
+/// Largest lag of contacts behind their cell, in units of the accuracy of a stage: the force is then wrong by less than by the
+/// corrections that are left out.
+const LAG: f64 = 0.25;
+
 /// Where a cell may be at the end of a stage.
-#[derive(Clone, Copy)]
+#[derive(Debug)]
 struct Guess {
     advance: f64,
     force: f64,
     /// dF/dX between the last two guesses.
     slope: f64,
+    /// The contacts after the advance, if they have been moved.
+    moved: Option<Box<dyn RateDependentContacts>>,
 }
 
 /// Correction of the guesses.
@@ -36,32 +42,60 @@ struct Correction {
 }
 
 impl Guess {
-    fn none(from: &SlidingCell) -> Self {
-        Self { advance: 0.0, force: from.force, slope: from.slope }
+    fn none(from: &SlidingCell, duration: f64) -> Self {
+        Self { advance: 0.0, force: from.force, slope: from.slope_ahead(duration), moved: None }
+    }
+
+    /// Leaves the contacts where they were at the beginning of the stage, if the cell hardly moves; whether it does.
+    fn lag(&mut self, from: &SlidingCell, advance: f64, most: f64) -> bool {
+        let lags = from.known.may_lag && from.lag.by + advance <= most;
+        if lags {
+            let (force, slope) = (from.force_at(advance), from.known.tangent);
+            *self = Self { advance, force, slope, moved: None };
+        }
+        lags
+    }
+
+    /// Takes the force from contacts that have been moved.
+    fn take(&mut self, contacts: Box<dyn RateDependentContacts>, advance: f64) {
+        let force = contacts.force();
+        if self.moved.is_some() {
+            // Contacts move from the beginning of the stage each time: what they do depends on the
+            // whole path, not on the last guess.
+            self.slope = (force - self.force) / (advance - self.advance);
+        }
+        (self.advance, self.force, self.moved) = (advance, force, Some(contacts));
+    }
+
+    /// The cell at the end of the stage.
+    fn end(self, stage: &ImplicitStage<'_>, j: usize, stands: bool) -> SlidingCell {
+        let (from, advance, force) = (&stage.from[j], self.advance, self.force);
+        let free = stage.rates[j].velocity(advance);
+        let velocity = if stands { free.min(0.0) } else { free };
+        match self.moved {
+            Some(contacts) => from.advanced(contacts, advance, force, velocity, stage.accuracy),
+            None => from.leaving_contacts(advance, stage.duration, velocity),
+        }
     }
 }
 
 impl StageSolver for CoupledCells<'_> {
     /// The advances at whose end η Ẋ = pulls − F. Cells that would go back stand.
     fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>> {
-        let mut guesses: Vec<Guess> = stage.from.iter().map(Guess::none).collect();
+        let mut guesses: Vec<Guess> =
+            stage.from.iter().map(|from| Guess::none(from, stage.duration)).collect();
         let Correction { by, .. } = self.correct(stage, &guesses);
-        let mut contacts = first(stage, &mut guesses, &by, watch)?;
+        advance(stage, &mut guesses, &by, watch)?;
         for _ in 0..ROUNDS {
             watch.check()?;
             let Correction { by, stands } = self.correct(stage, &guesses);
             // A secant method: contacts give their force after an advance, but no derivative of it
             // over a whole stage.
             if by.iter().all(|by| by.abs() <= stage.accuracy) {
-                let end = |(j, contacts): (usize, Box<dyn RateDependentContacts>)| {
-                    let Guess { advance, force, .. } = guesses[j];
-                    let free = stage.rates[j].velocity(advance);
-                    let velocity = if stands[j] { free.min(0.0) } else { free };
-                    stage.from[j].advanced(contacts, advance, force, velocity, stage.accuracy)
-                };
-                return Ok(Some(contacts.into_iter().enumerate().map(end).collect()));
+                let end = |(j, guess): (usize, Guess)| guess.end(stage, j, stands[j]);
+                return Ok(Some(guesses.into_iter().enumerate().map(end).collect()));
             }
-            again(stage, &mut guesses, &mut contacts, &by, watch)?;
+            advance(stage, &mut guesses, &by, watch)?;
         }
         Ok(None)
     }
@@ -92,7 +126,7 @@ impl CoupledCells<'_> {
         let (number, excess) = (guesses.len(), self.excess(stage, guesses));
         let stand = |(guess, excess): (&Guess, &f64)| guess.advance == 0.0 && *excess <= 0.0;
         let stands: Vec<bool> = guesses.iter().zip(&excess).map(stand).collect();
-        let held = |j: usize| stage.stiffness(j) + stage.from[j].contacts.tangent();
+        let held = |j: usize| stage.stiffness(j) + stage.from[j].known.tangent;
         // Active-set method for the condition that cells move forward only: a cell at rest that is pushed
         // back is fixed by a very stiff spring, so that the system keeps its size and its symmetry.
         let spring = |j: usize| {
@@ -117,41 +151,25 @@ impl CoupledCells<'_> {
     }
 }
 
-/// The contacts of all cells after the first guess of advances.
-fn first(
-    stage: &ImplicitStage<'_>,
-    guesses: &mut [Guess],
-    by: &[f64],
-    watch: &Watch<'_>,
-) -> Result<Vec<Box<dyn RateDependentContacts>>> {
-    let ahead = |(): &mut (), j: usize| stage.from[j].contacts_ahead(by[j], stage.duration, watch);
-    let contacts: Vec<_> = watch.share(by.len(), || (), ahead)?.into_iter().collect::<Result<_>>()?;
-    for ((guess, &advance), contacts) in guesses.iter_mut().zip(by).zip(&contacts) {
-        (guess.advance, guess.force) = (advance, contacts.force());
+/// Corrects all guesses, and moves contacts anew, from the beginning of the stage, in cells whose force is not known otherwise.
+fn advance(stage: &ImplicitStage<'_>, guesses: &mut [Guess], by: &[f64], watch: &Watch<'_>) -> Result<()> {
+    let mut going = Vec::new();
+    for (j, guess) in guesses.iter_mut().enumerate() {
+        let from = &stage.from[j];
+        let advance = guess.advance + by[j];
+        let known = guess.moved.is_some() && by[j].abs() <= stage.accuracy
+            || guess.lag(from, advance, LAG * stage.accuracy);
+        if !known {
+            going.push((j, advance));
+        }
     }
-    Ok(contacts)
-}
-
-/// Moves contacts anew, from the beginning of the stage, in cells whose correction exceeds its accuracy.
-fn again(
-    stage: &ImplicitStage<'_>,
-    guesses: &mut [Guess],
-    contacts: &mut [Box<dyn RateDependentContacts>],
-    by: &[f64],
-    watch: &Watch<'_>,
-) -> Result<()> {
-    let going: Vec<usize> = (0..by.len()).filter(|&j| by[j].abs() > stage.accuracy).collect();
     let ahead = |(): &mut (), number: usize| {
-        let j = going[number];
-        stage.from[j].contacts_ahead(guesses[j].advance + by[j], stage.duration, watch)
+        let (j, advance) = going[number];
+        stage.from[j].contacts_ahead(advance, stage.duration, watch)
     };
     let ahead = watch.share(going.len(), || (), ahead)?;
-    for (&j, ahead) in going.iter().zip(ahead) {
-        contacts[j] = ahead?;
-        let (advance, force) = (guesses[j].advance + by[j], contacts[j].force());
-        // Contacts move from the beginning of the stage each time: what they do depends on the
-        // whole path, not on the last guess.
-        guesses[j] = Guess { advance, force, slope: (force - guesses[j].force) / by[j] };
+    for (&(j, advance), contacts) in going.iter().zip(ahead) {
+        guesses[j].take(contacts?, advance);
     }
     Ok(())
 }

@@ -219,7 +219,7 @@ impl RateDependentInterface {
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.motion.cells.iter().map(|cell| cell.contacts.energies().broken).sum::<f64>() / self.len() as f64
+        self.motion.cells.iter().map(|cell| cell.energies().broken).sum::<f64>() / self.len() as f64
     }
 
     /// Estimates the error from now on ([`RateDependentInterface::error`]). Steps take about three times as long, since contacts
@@ -347,7 +347,7 @@ impl RateDependentInterface {
     /// A snapshot of the cells.
     fn seen(&self) -> MotionSnapshot {
         let seen = |(cell, &viscous): (&SlidingCell, &f64)| {
-            let ContactEnergies { lost, broken, .. } = cell.contacts.energies();
+            let ContactEnergies { lost, broken, .. } = cell.energies();
             let &SlidingCell { position, velocity, force, .. } = cell;
             Seen { position, velocity, force, lost, broken, viscous }
         };
@@ -368,7 +368,7 @@ impl RateDependentInterface {
         let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
         let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
         let add = |sum: ContactEnergies, cell: &SlidingCell| {
-            let energies = cell.contacts.energies();
+            let energies = cell.energies();
             ContactEnergies {
                 elastic: sum.elastic + energies.elastic,
                 lost: sum.lost + energies.lost,

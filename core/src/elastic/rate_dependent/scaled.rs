@@ -53,6 +53,10 @@ impl RateDependentContacts for Scaled {
         self.contacts.free()
     }
 
+    fn is_constant_at_rest(&self) -> bool {
+        self.contacts.is_constant_at_rest()
+    }
+
     fn steady_velocity(&self) -> Option<f64> {
         self.contacts.steady_velocity().map(|velocity| self.scale * velocity)
     }
@@ -64,6 +68,10 @@ impl RateDependentContacts for Scaled {
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         // Only lengths are scaled: rates of ageing and delays are the same in all cells.
         self.contacts.step(by / self.scale, during, monitor)
+    }
+
+    fn settle(&mut self) {
+        self.contacts.settle();
     }
 
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::RateDependentInterface;
 use super::slips::Slips;
+use crate::dynamics::{ContactLag, SlopeTrend};
 use crate::rate_dependent::{self, ErrorEstimator};
 use crate::{Error, Result};
 
@@ -25,8 +26,11 @@ pub struct RateDependentInterfaceState {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct CellState {
     position: f64,
+    force: f64,
     velocity: f64,
     slope: f64,
+    trend: SlopeTrend,
+    lag: ContactLag,
     viscous: f64,
     contacts: rate_dependent::ContactsState,
 }
@@ -37,8 +41,11 @@ impl RateDependentInterface {
         let cells =
             self.motion.cells.iter().zip(&self.motion.energies.viscous).map(|(cell, &viscous)| CellState {
                 position: cell.position,
+                force: cell.force,
                 velocity: cell.velocity,
                 slope: cell.slope,
+                trend: cell.trend,
+                lag: cell.lag,
                 viscous,
                 contacts: cell.contacts.state(),
             });
@@ -67,9 +74,12 @@ impl RateDependentInterface {
         }
         let motion = &mut self.motion;
         for ((cell, lost), kept) in motion.cells.iter_mut().zip(&mut motion.energies.viscous).zip(cells) {
-            cell.contacts.restore(&kept.contacts)?;
-            cell.force = cell.contacts.force();
-            (cell.position, cell.velocity, cell.slope) = (kept.position, kept.velocity, kept.slope);
+            let mut contacts = cell.contacts.copy();
+            contacts.restore(&kept.contacts)?;
+            cell.contacts = contacts.into();
+            cell.update_known();
+            (cell.position, cell.force, cell.lag) = (kept.position, kept.force, kept.lag);
+            (cell.velocity, cell.slope, cell.trend) = (kept.velocity, kept.slope, kept.trend);
             *lost = kept.viscous;
         }
         for (estimator, kept) in motion.estimators.iter_mut().flatten().zip(estimators.iter().flatten()) {

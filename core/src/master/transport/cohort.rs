@@ -22,6 +22,8 @@ pub(super) struct Cohort {
     /// Their fraction of the cohort, and their stiffness per formed contact, in units of ⟨k⟩ or κ.
     pub(super) left: f64,
     stiffness: f64,
+    /// Attached fraction times the variance of breaking stretches that merging with others has replaced by its mean.
+    spread: f64,
 }
 
 /// Energies, in units of the total stiffness.
@@ -102,9 +104,39 @@ impl Cohort {
         let &Seed { stretch, below, above, number, .. } = seed;
         let place = Place { stretch, below, above, age: 0.0 };
         let state = model.newborn(seed, watch);
-        let mut cohort = Self { mass, place, seed: number, state, left: 1.0, stiffness: 0.0 };
+        let mut cohort = Self { mass, place, seed: number, state, left: 1.0, stiffness: 0.0, spread: 0.0 };
         cohort.update(model);
         cohort
+    }
+
+    /// Its seed, if its contacts have re-formed.
+    pub(super) fn seed(&self) -> Option<u32> {
+        self.seed
+    }
+
+    /// Merges with contacts that formed at the same seed a little later, unless that would replace a `spread` above the limit:
+    /// the attached fraction and the force remain, stretch, age and threshold reached become their means. Returns the
+    /// elastic energy of the differences of stretch, which is lost; `None` if they remain apart.
+    pub(super) fn absorb(&mut self, other: &Self, model: &CohortModel, limit: f64) -> Option<f64> {
+        let [own, more] = [self.attached(), other.attached()];
+        let (all, energy) = (own + more, self.energy() + other.energy());
+        let (place, then) = (self.place, other.place);
+        let part = more / all;
+        let between = |a: f64, b: f64| a + part * (b - a);
+        let age = between(place.age, then.age);
+        let (distance, state, left) = model.merged((&self.state, place), (&other.state, then), part)?;
+        let spread = self.spread + other.spread + own * part * distance * distance;
+        // A comparison that is false for NaN, of cohorts without contacts.
+        if !(spread <= limit && left > 0.0) {
+            return None;
+        }
+        let stretch = between(place.stretch, then.stretch);
+        let low = (place.stretch - place.below).min(then.stretch - then.below);
+        let high = (place.stretch + place.above).max(then.stretch + then.above);
+        self.place = Place { stretch, below: stretch - low, above: high - stretch, age };
+        (self.mass, self.left, self.stiffness, self.spread) = (all / left, left, left, spread);
+        self.state = state;
+        Some(energy - self.energy())
     }
 
     /// Whether the model can have made it.
@@ -153,11 +185,19 @@ impl Cohort {
         context: &mut StepContext<'_, '_>,
     ) -> (f64, f64) {
         let before = self.left;
-        let aged = model.advance(&mut self.state, self.place, path, part, context);
+        let plain = model.advance_plain(&mut self.state, self.place, path, part);
+        let aged = match plain {
+            Some(_) => 0.0,
+            None => model.advance(&mut self.state, self.place, path, part, context),
+        };
         let (from, to) = part.ends();
         self.place.stretch += path.advance(from, to);
         self.place.age += path.time(part);
-        self.update(model);
+        match plain {
+            Some(Some(left)) => self.remain(left, left),
+            Some(None) => {}
+            None => self.update(model),
+        }
         (self.mass * (before - self.left), self.mass * aged)
     }
 
@@ -185,6 +225,10 @@ impl Cohort {
     /// Updates the surviving fraction, which never grows.
     fn update(&mut self, model: &CohortModel) {
         let (left, stiffness) = model.measure(&self.state, self.place.age);
+        self.remain(left, stiffness);
+    }
+
+    fn remain(&mut self, left: f64, stiffness: f64) {
         self.left = left.clamp(0.0, self.left);
         self.stiffness = stiffness;
     }

@@ -75,6 +75,11 @@ impl Asked {
         Self { times: times.collect(), found: Vec::new() }
     }
 
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
     /// Adds those inside a step that begins at `elapsed`.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ mod diffusing;
 mod fitted;
 mod formed;
 mod grid;
+mod merging;
 mod model;
 
 mod panels;
@@ -30,6 +31,7 @@ mod stability;
 mod state;
 mod steady;
 mod step_control;
+mod survival_table;
 mod thermal;
 mod trial;
 
@@ -74,10 +76,13 @@ pub struct Transport {
     /// N_c⟨k⟩ times the mean threshold.
     unit: f64,
     tolerance: f64,
+    /// Largest spread of a cohort ([`merging`]).
+    spread: f64,
     delay: f64,
     time: f64,
     position: f64,
-    cohorts: Vec<Cohort>,
+    /// Shared with copies until either takes a step.
+    cohorts: Arc<Vec<Cohort>>,
     broken: Broken,
     dropped: f64,
     /// Energies since the start, in units of the total stiffness.
@@ -169,7 +174,7 @@ impl Transport {
         };
         let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
-        transport.cohorts = transport.formed(&first, monitor)?;
+        transport.cohorts = Arc::new(transport.formed(&first, monitor)?);
         if initial.start == Start::Relaxed {
             transport.broken.add_simultaneous(0.0, 1.0 - held);
             let watch = Watch::new(monitor);
@@ -204,10 +209,11 @@ impl Transport {
             stiffness: contacts.count * stiffness,
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
             tolerance,
+            spread: merging::largest_spread(contacts, tolerance),
             delay: contacts.rules.delay,
             time: 0.0,
             position: 0.0,
-            cohorts: Vec::new(),
+            cohorts: Arc::default(),
             broken: Broken::new(contacts.rules.delay),
             dropped: 0.0,
             spent: EnergyChange::default(),
@@ -443,14 +449,16 @@ impl Transport {
             return Ok(false);
         }
         let continued = self.before.take().filter(|_| before.is_some());
-        let error = self.tolerance * self.unit / self.stiffness;
-        let mut dense = DenseOutput::new(&stage, (&self.cohorts, &trial), path, continued, error);
-        self.before = Some(dense.readings());
-        asked.read(elapsed, path.duration, &mut dense, monitor)?;
+        if !asked.is_empty() {
+            let error = self.tolerance * self.unit / self.stiffness;
+            let mut dense = DenseOutput::new(&stage, (&self.cohorts, &trial), path, continued, error);
+            self.before = Some(dense.readings());
+            asked.read(elapsed, path.duration, &mut dense, monitor)?;
+        }
         self.rate = trial.fraction.slope(path.duration, before);
         self.broken.keep(self.time, path.duration, trial.fraction, trial.formed.mass());
         self.spent = self.spent.plus(1.0, trial.spent);
-        self.cohorts = trial.cohorts;
+        self.cohorts = Arc::new(trial.cohorts);
         self.time += path.duration;
         self.position += path.advance(0.0, 1.0);
         self.drop_negligible();
@@ -465,7 +473,7 @@ impl Transport {
         *dropped = 0.0;
         // What is removed counts as broken, so that probability and energy are conserved however
         // many cohorts are removed.
-        cohorts.retain(|cohort| {
+        Arc::make_mut(cohorts).retain(|cohort| {
             let kept = cohort.left > least && cohort.attached() > least;
             if !kept {
                 *dropped += cohort.attached();
@@ -477,8 +485,9 @@ impl Transport {
 
     /// Time until the next simultaneous event, up to `limit`.
     fn until_event(&self, velocity: f64, limit: f64) -> f64 {
+        let cohorts: &[Cohort] = if self.model.has_atoms() { &self.cohorts } else { &[] };
         let time_to_atom =
-            self.cohorts.iter().filter_map(|cohort| cohort.time_to_atom(&self.model, velocity, limit));
+            cohorts.iter().filter_map(|cohort| cohort.time_to_atom(&self.model, velocity, limit));
         let births = self.broken.next_point_mass().into_iter().chain(self.kinks.iter().copied());
         time_to_atom.chain(births.map(|time| time - self.time)).fold(limit, f64::min)
     }
@@ -487,10 +496,12 @@ impl Transport {
     /// masses re-form.
     fn process_events(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let mut simultaneous = 0.0;
-        for cohort in &mut self.cohorts {
-            let (broken, lost) = cohort.break_at_atom(&self.model);
-            simultaneous += broken;
-            self.spent.lost += lost;
+        if self.model.has_atoms() {
+            for cohort in Arc::make_mut(&mut self.cohorts) {
+                let (broken, lost) = cohort.break_at_atom(&self.model);
+                simultaneous += broken;
+                self.spent.lost += lost;
+            }
         }
         if simultaneous > 0.0 {
             self.broken.add_simultaneous(self.time, simultaneous);
@@ -513,7 +524,7 @@ impl Transport {
             for seed in self.seeds.iter() {
                 let born = Cohort::born(&self.model, seed, point_mass.mass * seed.weight, watch);
                 self.spent.lost -= born.energy();
-                self.cohorts.push(born);
+                Arc::make_mut(&mut self.cohorts).push(born);
             }
         }
     }
@@ -544,6 +555,10 @@ impl RateDependentContacts for Transport {
         Self::free(self)
     }
 
+    fn is_constant_at_rest(&self) -> bool {
+        self.delay == 0.0 && self.model.is_constant_at_rest()
+    }
+
     fn steady_velocity(&self) -> Option<f64> {
         self.steady
     }
@@ -554,6 +569,10 @@ impl RateDependentContacts for Transport {
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         Self::step(self, by, during, monitor)
+    }
+
+    fn settle(&mut self) {
+        self.merge_cohorts();
     }
 
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {

@@ -63,6 +63,55 @@ impl CohortModel {
         }
     }
 
+    /// Advances contacts for which the surviving fraction is all that changes; as [`RankedThresholds::advance_plain`].
+    pub(super) fn advance_plain(
+        &self,
+        state: &mut CohortThresholds,
+        place: Place,
+        path: &Path,
+        part: StepPart,
+    ) -> Option<Option<f64>> {
+        match (self, state) {
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => {
+                ranks.advance_plain(place, left, path, part.ends())
+            }
+            _ => None,
+        }
+    }
+
+    /// The thresholds of two cohorts as one, `part` of whose contacts are of the second: how far apart the stretches are at
+    /// which they break, the state, and the surviving fraction. `None` where thresholds have more than one parameter.
+    pub(super) fn merged(
+        &self,
+        first: (&CohortThresholds, Place),
+        second: (&CohortThresholds, Place),
+        part: f64,
+    ) -> Option<(f64, CohortThresholds, f64)> {
+        match (self, first.0, second.0) {
+            (Self::Ranked(ranks), CohortThresholds::Ranked(one), CohortThresholds::Ranked(two)) => {
+                let (distance, state, left) = ranks.merged((one, first.1), (two, second.1), part)?;
+                Some((distance, CohortThresholds::Ranked(state), left))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether nothing breaks at rest and stiffnesses stay.
+    pub(super) fn is_constant_at_rest(&self) -> bool {
+        match self {
+            Self::Ranked(ranks) => ranks.is_plain() && ranks.only_strengthen(),
+            Self::Diffusing(_) => false,
+        }
+    }
+
+    /// Whether contacts may break simultaneously.
+    pub(super) fn has_atoms(&self) -> bool {
+        match self {
+            Self::Ranked(ranks) => ranks.has_atoms(),
+            Self::Diffusing(_) => false,
+        }
+    }
+
     /// The surviving fraction, and its stiffness per formed contact.
     pub(super) fn measure(&self, state: &CohortThresholds, age: f64) -> (f64, f64) {
         match (self, state) {

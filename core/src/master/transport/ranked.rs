@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::grid::{GridPanel, LabelGrid, SurvivorsAbove};
 use super::path::{Path, Place};
 use super::seeds::Seed;
+use super::survival_table::SurvivalTable;
 use super::thermal::{StepPassage, StepRule, ThermalBreaking};
 use crate::contacts::{
     Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge,
@@ -28,7 +29,13 @@ use crate::numerics::wide::wide;
 #[derive(Debug)]
 pub(super) struct RankedThresholds {
     law: SharedLaw,
+    /// S, tabulated where the law is smooth.
+    table: Option<SurvivalTable>,
+    /// Stretch up to which no contact breaks; below 0 if it is not known.
+    certain: f64,
     evolution: ThresholdEvolution,
+    /// Mean fresh threshold.
+    mean: f64,
     stiffness: Stiffness,
     /// Thermal breaking, if it matters.
     thermal: Option<(ThermalBreaking, LabelGrid)>,
@@ -115,15 +122,95 @@ impl RankedThresholds {
             (thermal, LabelGrid::new(contacts, &t, evolution.clone(), tolerance))
         });
         let atoms = law.atoms();
+        // Only contacts that break at their thresholds alone ask for S of each cohort in each step.
+        let table = (felt.is_none() && atoms.is_empty())
+            .then(|| SurvivalTable::of(law.as_ref(), tolerance))
+            .flatten();
+        // Thresholds that only rise are above fresh ones.
+        let certain =
+            table.as_ref().filter(|_| evolution.only_strengthens()).map_or(-1.0, SurvivalTable::low);
         Self {
             law,
+            certain,
+            table,
             ranks: atoms.iter().map(|atom| evolution.rank(atom.position)).collect(),
             octaves: evolution.octaves(),
             evolution,
+            mean: contacts.thresholds.mean(),
             stiffness: contacts.stiffness,
             thermal,
             atoms,
         }
+    }
+
+    /// Whether c alone describes the surviving contacts: without temperature, point masses, extrema of thresholds within a
+    /// step, and stiffnesses that depend on the threshold.
+    pub(super) fn is_plain(&self) -> bool {
+        self.thermal.is_none()
+            && self.atoms.is_empty()
+            && self.octaves.is_empty()
+            && matches!(self.stiffness, Stiffness::Equal(_))
+    }
+
+    /// Whether no threshold falls with age.
+    pub(super) fn only_strengthen(&self) -> bool {
+        self.evolution.only_strengthens()
+    }
+
+    /// Whether there are point masses of the thresholds.
+    pub(super) fn has_atoms(&self) -> bool {
+        !self.atoms.is_empty()
+    }
+
+    /// Advances contacts that c alone describes. Returns the surviving fraction, `None` where it is what it was before; the
+    /// outer `None` means that other contacts need [`RankedThresholds::advance`].
+    pub(super) fn advance_plain(
+        &self,
+        place: Place,
+        left: &mut SurvivingRanks,
+        path: &Path,
+        ends: (f64, f64),
+    ) -> Option<Option<f64>> {
+        if !self.is_plain() {
+            return None;
+        }
+        let passage =
+            StepPassage { evolution: &self.evolution, stretch: place.stretch, age: place.age, path, ends };
+        if (place.stretch + path.advance(ends.0, ends.1)).abs() <= self.certain {
+            return Some(None);
+        }
+        let (stretch, aged) = passage.at(ends.1);
+        let met = aged.newborn(stretch);
+        if met <= left.met {
+            return Some(None);
+        }
+        left.met = met;
+        Some(Some(self.survival(met).max(0.0) / left.newborn))
+    }
+
+    /// Two groups of contacts that c alone describes as one, `part` of which are of the second group: the distance between the
+    /// stretches at which they break, the state, and the surviving fraction. `None` for other contacts.
+    pub(super) fn merged(
+        &self,
+        (first, at): (&SurvivingRanks, Place),
+        (second, then): (&SurvivingRanks, Place),
+        part: f64,
+    ) -> Option<(f64, SurvivingRanks, f64)> {
+        if !self.is_plain() {
+            return None;
+        }
+        // Contacts break where the stretch meets the present threshold: at stretches as far apart as the stretches now, and as
+        // thresholds are by age. What has broken already shows in c.
+        let aged = [at.age, then.age].map(|age| self.evolution.threshold(self.mean, age));
+        let distance = (at.stretch - then.stretch).abs() + (aged[0] - aged[1]).abs();
+        let met = first.met + part * (second.met - first.met);
+        let state = SurvivingRanks { met, atoms: Vec::new(), band: None, newborn: first.newborn };
+        Some((distance.max((first.met - second.met).abs()), state, self.survival(met) / first.newborn))
+    }
+
+    /// S(h_0).
+    fn survival(&self, newborn: f64) -> f64 {
+        self.table.as_ref().map_or_else(|| self.law.survival(newborn), |table| table.value(newborn))
     }
 
     /// Approximate amount of work of a step of a cohort.
@@ -198,6 +285,9 @@ impl RankedThresholds {
     fn met_between(&self, passage: &StepPassage<'_>) -> f64 {
         /// Relative accuracy of the time: the threshold is a maximum there.
         const PRECISE: f64 = 1e-6;
+        if self.octaves.is_empty() {
+            return f64::NEG_INFINITY;
+        }
         let &StepPassage { age, path, ends: (from, to), .. } = passage;
         let older = age + path.duration * (to - from);
         let between = self.octaves.iter().copied().filter(|&octave| octave > age && octave < older);
@@ -334,7 +424,7 @@ impl RankedThresholds {
         let atoms: f64 = self.atoms.iter().filter(beyond).map(|atom| atom.weight).sum();
         let whole = match (&self.thermal, &left.band) {
             (Some((_, grid)), Some(band)) if !band.is_empty() => grid.kept(band.end() - 1).survival,
-            _ => self.law.survival(top),
+            _ => self.survival(top),
         };
         (whole - atoms).max(0.0)
     }

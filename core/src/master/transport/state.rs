@@ -1,5 +1,7 @@
 //! Snapshots of contacts followed through time.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::Transport;
@@ -27,7 +29,8 @@ impl Transport {
     /// The present state.
     pub(super) fn snapshot(&self) -> ContactsState {
         let &Self { time, position, dropped, spent, rate, .. } = self;
-        let Self { cohorts, broken, pace, kinks, .. } = self.clone();
+        let Self { broken, pace, kinks, .. } = self.clone();
+        let cohorts = self.cohorts.to_vec();
         ContactsState::of(&TransportSnapshot {
             time,
             position,
@@ -50,7 +53,7 @@ impl Transport {
         }
         (self.time, self.position, self.dropped, self.spent, self.rate) =
             (time, position, dropped, spent, rate);
-        (self.cohorts, self.kinks) = (cohorts, kinks);
+        (self.cohorts, self.kinks) = (Arc::new(cohorts), kinks);
         (self.broken, self.pace) = (broken.of(self.delay), pace.of(&self.pace));
         (self.rough, self.steady, self.before) = (None, None, None);
         Ok(())

@@ -53,6 +53,7 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let mut transport = Self::empty(contacts, strength, tolerance, monitor)?;
+        let mut cohorts = Vec::new();
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
         let mut ageing_cohorts = transport.formed(&transport.seeds, monitor)?;
@@ -85,7 +86,7 @@ impl Transport {
                     cohort.place.below += path.advance(ends[0], at);
                     cohort.place.above += path.advance(at, ends[1]);
                     cohort.mass *= 0.5 * duration;
-                    transport.cohorts.push(cohort);
+                    cohorts.push(cohort);
                 }
             }
             watch.check()?;
@@ -94,8 +95,9 @@ impl Transport {
                 duration = (2.0 * duration).min(transport.pace.longest(velocity));
             }
         }
-        let rate = 1.0 / (held(&transport.cohorts) + contacts.rules.delay);
-        transport.cohorts.iter_mut().for_each(|cohort| cohort.mass *= rate);
+        let rate = 1.0 / (held(&cohorts) + contacts.rules.delay);
+        cohorts.iter_mut().for_each(|cohort| cohort.mass *= rate);
+        transport.cohorts = Arc::new(cohorts);
         transport.broken = Broken::steadily(contacts.rules.delay, rate);
         (transport.rate, transport.steady) = (rate, Some(velocity));
         Ok(transport)

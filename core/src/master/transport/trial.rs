@@ -75,14 +75,25 @@ impl StepAttempt<'_> {
         };
         // Existing cohorts first, then those formed at the two Gauss nodes, seed by seed.
         let count = old + GAUSS.len() * seeds;
-        let piece = |context: &mut StepContext<'_, '_>, number: usize| -> Vec<(Cohort, CohortStep)> {
-            let from = number * chunk;
-            (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
-        };
         let watch = Watch::new(monitor);
-        let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
+        let (mut cohorts, mut passed) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut keep = |(cohort, changes)| {
+            cohorts.push(cohort);
+            passed.push(changes);
+        };
+        if count <= chunk {
+            // Few cohorts do not repay the start of a shared loop.
+            let context = &mut StepContext::new(&watch);
+            (0..count).for_each(|i| keep(step(context, i)));
+        } else {
+            let piece = |context: &mut StepContext<'_, '_>, number: usize| -> Vec<(Cohort, CohortStep)> {
+                let from = number * chunk;
+                (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
+            };
+            let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
+            pieces.into_iter().flatten().for_each(keep);
+        }
         watch.check()?;
-        let (mut cohorts, passed): (Vec<Cohort>, Vec<CohortStep>) = pieces.into_iter().flatten().unzip();
         let dropped = BrokenFraction { middle: 0.5 * self.dropped, end: self.dropped };
         let before = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
