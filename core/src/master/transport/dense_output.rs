@@ -55,8 +55,8 @@ pub(super) struct DenseOutput<'a> {
     before: Option<StepReadings>,
     /// Start, middle and end first.
     nodes: Vec<Node>,
-    /// Allowed error of interpolated forces.
-    error: f64,
+    /// Allowed errors of interpolated forces and fractions of breaks.
+    errors: [f64; 2],
 }
 
 /// Points that halve the angles between extrema of Chebyshev polynomials on [0, 1]: with 0, ½ and 1, those of
@@ -112,16 +112,16 @@ impl Asked {
 }
 
 impl<'a> DenseOutput<'a> {
-    /// Readings inside a step of these cohorts, with forces interpolated to `error`, in units of the total
-    /// stiffness.
+    /// Readings inside a step of these cohorts, with forces, in units of the total stiffness, and fractions of
+    /// breaks interpolated to `errors`.
     pub(super) fn new(
         attempt: &'a StepAttempt<'a>,
         (cohorts, trial): (&'a [Cohort], &'a Trial),
         path: &'a Path,
         before: Option<StepReadings>,
-        error: f64,
+        errors: [f64; 2],
     ) -> Self {
-        let mut output = Self { attempt, cohorts, trial, path, before, nodes: Vec::new(), error };
+        let mut output = Self { attempt, cohorts, trial, path, before, nodes: Vec::new(), errors };
         let [start, end] = [cohorts, &trial.cohorts].map(|cohorts| CohortForce::of(cohorts).force);
         let fraction = trial.fraction;
         let middle = trial.formed.force(0.5, output.born(0.5, fraction.middle)) + trial.middle_force;
@@ -210,7 +210,7 @@ impl<'a> DenseOutput<'a> {
         let without = nodes.clone();
         nodes.push(earlier[0]);
         let changes = |s: f64| (value(&nodes, s, 0) - value(&without, s, 0)).abs();
-        let accurate = at.iter().all(|&s| changes(s) <= LAST * self.error);
+        let accurate = at.iter().all(|&s| changes(s) <= LAST * self.errors[0]);
         accurate.then(|| at.iter().map(|&s| self.reading(&nodes, s)).collect())
     }
 
@@ -219,9 +219,9 @@ impl<'a> DenseOutput<'a> {
     fn is_resolved(&self) -> bool {
         let mut nodes = self.nodes.clone();
         nodes.sort_by(|a, b| a.s.total_cmp(&b.s));
-        (0..2).all(|of| {
+        self.errors.iter().enumerate().all(|(of, &error)| {
             let values: Vec<f64> = nodes.iter().map(|node| node.values[of]).collect();
-            left_out(&values) <= self.error
+            left_out(&values) <= error
         })
     }
 

@@ -13,7 +13,7 @@ use super::step_control::scale;
 use crate::contacts::Contacts;
 
 /// Largest spread of a cohort, in units of the tolerance times the square of the length on which lives vary.
-const SPREAD: f64 = 0.1;
+const SPREAD: f64 = 0.02;
 
 /// Largest spread of a cohort, fraction × length².
 pub(super) fn largest_spread(contacts: &Contacts, tolerance: f64) -> f64 {
@@ -80,7 +80,7 @@ mod tests {
         let [few, many] = [&merged, &whole].map(|transport| transport.cohorts.len());
         assert!(4 * few < many, "{tolerance}: {few} of {many}");
         // Both lose the same energy but for the differences of stretch that merging removes: spreads over the square of
-        // the width, a tenth of the tolerance each, times the square of the width and ½, in each of some hundred cohorts.
+        // the width, a fiftieth of the tolerance each, times the square of the width and ½, in each of some hundred cohorts.
         let lost = merged.energies().lost - whole.energies().lost;
         assert!(lost.abs() < tolerance, "{lost:e}");
     }

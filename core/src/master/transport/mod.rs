@@ -450,8 +450,8 @@ impl Transport {
         }
         let continued = self.before.take().filter(|_| before.is_some());
         if !asked.is_empty() {
-            let error = self.tolerance * self.unit / self.stiffness;
-            let mut dense = DenseOutput::new(&stage, (&self.cohorts, &trial), path, continued, error);
+            let errors = [self.tolerance * self.unit / self.stiffness, self.tolerance];
+            let mut dense = DenseOutput::new(&stage, (&self.cohorts, &trial), path, continued, errors);
             self.before = Some(dense.readings());
             asked.read(elapsed, path.duration, &mut dense, monitor)?;
         }

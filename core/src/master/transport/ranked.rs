@@ -189,14 +189,15 @@ impl RankedThresholds {
     }
 
     /// Two groups of contacts that c alone describes as one, `part` of which are of the second group: the distance between the
-    /// stretches at which they break, the state, and the surviving fraction. `None` for other contacts.
+    /// stretches at which they break, the state, and the surviving fraction. `None` for other contacts, and for thresholds whose
+    /// density has jumps: where cohorts cross them, the error is of first order in the distance.
     pub(super) fn merged(
         &self,
         (first, at): (&SurvivingRanks, Place),
         (second, then): (&SurvivingRanks, Place),
         part: f64,
     ) -> Option<(f64, SurvivingRanks, f64)> {
-        if !self.is_plain() {
+        if !self.is_plain() || self.table.is_none() {
             return None;
         }
         // Contacts break where the stretch meets the present threshold: at stretches as far apart as the stretches now, and as

@@ -127,6 +127,9 @@ impl ThermalBreaking {
         const MOST: f64 = 1e-6;
         /// Error of A that the steps of a shared rule may add, in tolerances over the blur.
         const SHARE: f64 = 0.3;
+        /// Part of it that one node in place of several may add: this error has one sign in all steps, and a slider behind a
+        /// soft spring amplifies it.
+        const ONE_NODE: f64 = 0.03;
         // Only contacts inside the blur see errors.
         let allowed = (tolerance / blur).min(ROUGH);
         let separable = temperature.barrier == Barrier::Elastic
@@ -137,7 +140,7 @@ impl ThermalBreaking {
             stiffness: contacts.stiffness,
             separable,
             most_change: RULES.map(|rule| most_change(rule, SHARE * allowed)),
-            most_missed: SHARE * allowed,
+            most_missed: ONE_NODE * SHARE * allowed,
             most_bend: (allowed / MISSED).sqrt(),
             nothing: (FAINT * tolerance / blur).clamp(LEAST, MOST),
         }
