@@ -164,8 +164,10 @@ fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak,
         // The error of the vertex falls at least with the square of the spacing: the difference
         // from twice the spacing bounds it.
         let coarse = peak(&every_other(&trace.position), &every_other(&trace.force));
+        // Beside a cusp both may agree by accident; the vertex then lies high above the highest point.
+        let above = found.force - trace.force[highest(&trace.force)];
         let off = (found.force - coarse.force).abs();
-        if off <= trace.error || round == ROUNDS {
+        if off.max(above) <= trace.error || round == ROUNDS {
             let peak = Peak { position: found.position - held.position(), ..found };
             return Ok((peak, trace.error + off));
         }
