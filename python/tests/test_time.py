@@ -42,7 +42,8 @@ def test_both_solvers_follow_the_same_way() -> None:
     assert trace["time"].shape == (34 + 2 + 20,)
     assert trace["position"][-1] == pytest.approx(4.3, abs=1e-12)
     assert set(trace["velocity"]) == {1.0, 0.0, 0.5}
-    assert trace["free"] == pytest.approx(0.0, abs=1e-12)
+    # cohorts of less than 1e-4 tolerances are dropped, and count as detached until the next step
+    assert trace["free"] == pytest.approx(0.0, abs=1e-8)
     ensemble = asp.Ensemble(GROWING, size=20_000).follow(steps)
     # 6 standard errors, by chance once in a million; and two contacts: nothing scatters before a first break
     assert np.all(np.abs(ensemble["force"] - trace["force"]) < 6 * ensemble["force_error"] + 1e-4)
@@ -142,7 +143,8 @@ def test_a_block_is_moved_in_time() -> None:
     assert run.events["dissipated_breaks"].sum() < run.energy.breaks
     assert run.energy.strengthening == run.energy.kinetic == 0.0
     assert run["time"][0] == 0.0
-    assert run["free"] == pytest.approx(0.0, abs=1e-12)
+    # of dropped cohorts, as above
+    assert run["free"] == pytest.approx(0.0, abs=1e-8)
     # drives at slips scatter by some N^(-2/3), 0.016
     sample = asp.Block(asp.Ensemble(AGEING, size=500), 0.3, asp.Damped(0.1)).drive(4.8, velocity=0.01)
     assert sample.events[0].drive == pytest.approx(run.events[0].drive, abs=4 * 0.016)
@@ -185,9 +187,9 @@ def test_the_spring_of_a_machine_is_in_balance_without_damping() -> None:
     sliding = asp.Transport(AGEING, start="steady", velocity=0.1)
     steps = [asp.Step(0.1, distance=0.1, points=2), asp.Step(1.0, distance=2.0, points=21)]
     run = asp.Block(sliding, 2.0).follow(steps)
-    # A hundredth of the tolerance 1e-6 of a step, times K + F'.
-    assert abs(run["spring_force"] - run["force"]).max() < 1e-7
-    assert abs(2.0 * (run["drive"] - run["position"]) - run["force"]).max() < 1e-7
+    # The balance of a stage and the merging of cohorts after it, each a few hundredths of the tolerance 1e-4.
+    assert abs(run["spring_force"] - run["force"]).max() < 5e-6
+    assert abs(2.0 * (run["drive"] - run["position"]) - run["force"]).max() < 5e-6
     # The velocity of the load point, which the slider reaches.
     assert run["velocity"][-1] == pytest.approx(1.0, abs=0.2)
 
