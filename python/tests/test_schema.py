@@ -4,6 +4,7 @@ import json
 import subprocess
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 from test_results import COMMAND
@@ -14,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
-def validator():
+def validator() -> Any:
     """The schema that the command prints."""
     printed = subprocess.run([*COMMAND, "schema"], cwd=ROOT, check=True, capture_output=True).stdout
     schema = json.loads(printed)
@@ -22,7 +23,7 @@ def validator():
     return jsonschema.Draft202012Validator(schema)
 
 
-def scenarios(folder: Path) -> dict:
+def scenarios(folder: Path) -> dict[str, dict[str, Any]]:
     """The scenarios of a folder that are TOML."""
     found = {}
     for path in sorted(folder.glob("*.toml")):
@@ -33,21 +34,21 @@ def scenarios(folder: Path) -> dict:
     return found
 
 
-def test_the_schema_of_the_command_takes_all_that_come_with_it(validator) -> None:
+def test_the_schema_of_the_command_takes_all_that_come_with_it(validator: Any) -> None:
     shipped = scenarios(ROOT / "scenarios")
     assert len(shipped) > 30
     for name, scenario in shipped.items():
         assert not [error.message for error in validator.iter_errors(scenario)], name
 
 
-def test_the_schema_of_the_command_refuses_most_wrong_scenarios(validator) -> None:
+def test_the_schema_of_the_command_refuses_most_wrong_scenarios(validator: Any) -> None:
     """The others are wrong by the content of a file, by order or sums of numbers, or by a limit of memory."""
     wrong = scenarios(ROOT / "scenarios" / "invalid")
     refused = [name for name, scenario in wrong.items() if not validator.is_valid(scenario)]
     assert len(refused) >= 115, sorted(set(wrong) - set(refused))
 
 
-def test_a_wrong_number_has_one_message_in_the_schema_of_the_command(validator) -> None:
+def test_a_wrong_number_has_one_message_in_the_schema_of_the_command(validator: Any) -> None:
     scenario = {"contacts": {"thresholds": {"gaussian": {"mean": 1.0, "std": -0.1}}}, "pull": {"velocity": 0}}
     paths = {error.json_path for error in validator.iter_errors(scenario)}
     assert paths == {"$.contacts.thresholds", "$.pull.velocity"}
