@@ -71,10 +71,7 @@ pub fn converted(svg: &str, format: Format, style: &Style) -> Result<Vec<u8>, St
     }
     let options = usvg::Options { fontdb: fonts(), font_family: FAMILY.into(), ..usvg::Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
-    match format {
-        Format::Pdf => pdf(&tree),
-        Format::Svg | Format::Png => png(&tree, style.resolution / PER_INCH),
-    }
+    if format == Format::Pdf { pdf(&tree) } else { png(&tree, style.resolution / PER_INCH) }
 }
 
 fn png(tree: &Tree, scale: f64) -> Result<Vec<u8>, String> {

@@ -25,7 +25,7 @@ pub(super) struct Reading {
 
 /// Times of a motion at one velocity at which readings are asked for, and the readings so far.
 #[derive(Debug, Default)]
-pub(super) struct Asked {
+pub(super) struct RequestedReadings {
     times: Vec<f64>,
     found: Vec<Reading>,
 }
@@ -69,7 +69,7 @@ const CHEBYSHEV: [&[f64]; 2] = [
 /// Points closer than this are one.
 const SAME: f64 = 1e-6;
 
-impl Asked {
+impl RequestedReadings {
     /// Readings at ascending times.
     pub(super) fn new(times: impl Iterator<Item = f64>) -> Self {
         Self { times: times.collect(), found: Vec::new() }

@@ -47,7 +47,7 @@ use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterva
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
-use dense_output::{Asked, DenseOutput, Reading, StepReadings};
+use dense_output::{DenseOutput, Reading, RequestedReadings, StepReadings};
 use diffusing::Diffusing;
 use model::CohortModel;
 use path::Path;
@@ -354,7 +354,7 @@ impl Transport {
                 // The distance is more accurate than a short time late in a long history.
                 let velocity = (history.position(stop) - history.position(now)) / (stop - now);
                 let (inside, later) = rest.split_at(rest.partition_point(|&time| time < stop));
-                let mut asked = Asked::new(inside.iter().map(|time| time - now));
+                let mut asked = RequestedReadings::new(inside.iter().map(|time| time - now));
                 self.advance_steadily(velocity, stop - now, &mut asked, &part, monitor)?;
                 for (&time, reading) in inside.iter().zip(asked.found()) {
                     let at = (begun + time, origin + history.position(time));
@@ -390,7 +390,7 @@ impl Transport {
             rough.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
         }
         self.mark_kink();
-        self.advance_steadily(by / during, during, &mut Asked::default(), &|_| 0.0, monitor)
+        self.advance_steadily(by / during, during, &mut RequestedReadings::default(), &|_| 0.0, monitor)
     }
 
     /// Marks a possible kink of the breaking rate, here and where the contacts that break now re-form.
@@ -401,13 +401,13 @@ impl Transport {
         }
     }
 
-    /// Moves at constant velocity for a time, and reads what is asked for on the way; `part` returns the fraction of the whole work that is done at a
-    /// time.
+    /// Moves at constant velocity for a time, and reads what is asked for on the way; `part` returns the fraction
+    /// of the whole work that is done at a time.
     fn advance_steadily(
         &mut self,
         velocity: f64,
         during: f64,
-        asked: &mut Asked,
+        asked: &mut RequestedReadings,
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
@@ -436,7 +436,7 @@ impl Transport {
     fn advance(
         &mut self,
         path: &Path,
-        (elapsed, asked): (f64, &mut Asked),
+        (elapsed, asked): (f64, &mut RequestedReadings),
         monitor: &mut dyn Monitor,
     ) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
