@@ -72,7 +72,8 @@ fn what_takes_too_much_names_what_asks_for_it() {
     let folder = Folder::new();
     let uneven = |i: i32| 0.8 + 0.4 * (f64::from(i * i) * 0.618_034).fract();
     let samples: Vec<_> = (0..400).map(|i| uneven(i).to_string()).collect();
-    let law = format!("contacts.thresholds.tabulated = {{ samples = [{}] }}\n", samples.join(", "));
+    let law =
+        format!("contacts.thresholds.tabulated = {{ exact = true, samples = [{}] }}\n", samples.join(", "));
     folder.write("samples.toml", &format!("{law}pull.distance = 3.0\n"));
     let output = folder.run(&["run", "samples.toml"]);
     let message = flat(&errors(&output));

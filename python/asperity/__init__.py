@@ -98,6 +98,11 @@ from asperity._values import (
     WithError,
 )
 
+# The names that scipy.stats, NumPy and others use.
+Normal = Gaussian
+Uniform = Rectangular
+Delta = Point
+
 __all__ = [
     "Ageing",
     "Areas",
@@ -108,6 +113,7 @@ __all__ = [
     "Course",
     "Damped",
     "Deformable",
+    "Delta",
     "Description",
     "Drift",
     "Energy",
@@ -141,6 +147,7 @@ __all__ = [
     "Misfit",
     "Mixture",
     "Model",
+    "Normal",
     "Point",
     "Posterior",
     "PosteriorNumber",
@@ -169,6 +176,7 @@ __all__ = [
     "Temperature",
     "ThresholdResponse",
     "Transport",
+    "Uniform",
     "VelocityStep",
     "Weibull",
     "WithError",

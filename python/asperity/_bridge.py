@@ -16,6 +16,7 @@ from asperity._core import (
     Mixture,
     Point,
     Rectangular,
+    Series,
     Tabulated,
     Weibull,
     _resolve,
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
+    from scipy.stats import gaussian_kde
     from scipy.stats.distributions import rv_frozen
 
 EPSILON = sys.float_info.epsilon
@@ -40,6 +42,12 @@ UNEVEN = 0.55
 # below FAINT.
 NEAR = 1e-6
 FAINT = 1e-8
+
+# The kernels of a kernel density estimate vanish at this many bandwidths. A Series of this many terms
+# represents them to rounding in cells of one bandwidth, of which there may be MOST_CELLS.
+REACH = 9.0
+TERMS = 16
+MOST_CELLS = 20_000
 
 # Largest number of values of a discrete distribution.
 MOST = 1000
@@ -57,8 +65,8 @@ class Peak(NamedTuple):
     mean: float
 
 
-def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
-    """The distribution that `x` describes: itself, a frozen distribution of scipy.stats, or samples.
+def law(x: "Law | rv_frozen | gaussian_kde | NDArray[np.float64] | Sequence[float]") -> Law:
+    """The distribution that `x` describes: itself, a distribution of scipy.stats, or samples.
 
     The distributions norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm
     of scipy.stats become the distribution of asperity with the same density, if there is one (truncated
@@ -66,7 +74,8 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
     pdf; so does any object with the methods pdf, cdf and support, such as stats.Mixture and
     stats.rv_histogram. If the pdf is infinite at an x above 0, the part within 1e-6 x of that point
     becomes a Point with the same mass and mean, in a Mixture with the Series. A discrete distribution
-    becomes a Mixture of Points. A list of samples becomes Tabulated(samples=x).
+    becomes a Mixture of Points. A gaussian_kde becomes a Series, truncated at 0. A list of samples becomes
+    Tabulated(samples=x).
 
     Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
     for a pdf that cannot be resolved, TypeError for anything else, such as a distribution that is not frozen.
@@ -78,6 +87,8 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
     stats: Any = sys.modules.get("scipy.stats")
     if stats is not None and isinstance(x, stats.distributions.rv_frozen):
         return from_scipy(x)
+    if stats is not None and isinstance(x, stats.gaussian_kde):
+        return kernels(x)
     expected = "a distribution of asperity, a frozen distribution of scipy.stats, or samples"
     if stats is not None and isinstance(x, (stats.rv_continuous, stats.rv_discrete)):
         if isinstance(x, stats.rv_histogram):
@@ -121,6 +132,27 @@ def series(distribution: Any, name: str) -> Law:
             f"law: expected a pdf and a cdf that agree, got {name}, where they are {apart:.3g} apart"
         )
     return found
+
+
+def kernels(estimate: "gaussian_kde") -> Series:
+    """The Series of a kernel density estimate, in cells as wide as its kernels at most, from 0 on."""
+    if estimate.d != 1:
+        raise ValueError(f"law: expected a gaussian_kde of one variable, got one of {estimate.d}")
+    width = float(np.sqrt(estimate.covariance[0, 0]))
+    centres = np.unique(estimate.dataset[0])
+    low, high = max(float(centres[0]) - REACH * width, 0.0), float(centres[-1]) + REACH * width
+    if not low < high:
+        raise ValueError("law: expected a gaussian_kde with values above 0")
+    count = int(np.ceil((high - low) / width))
+    if count > MOST_CELLS:
+        raise ValueError(f"law: expected a gaussian_kde of at most {MOST_CELLS} bandwidths, got {count}")
+    edges = np.linspace(low, high, count + 1)
+    nodes, weights = np.polynomial.legendre.leggauss(TERMS)
+    points = 0.5 * (edges[:-1] + edges[1:])[:, None] + 0.5 * np.diff(edges)[:, None] * nodes
+    density = estimate(points.ravel()).reshape(points.shape)
+    order = np.arange(TERMS)
+    projection = weights * np.polynomial.legendre.legvander(nodes, TERMS - 1).T * (order[:, None] + 0.5)
+    return Series(edges, list(density @ projection.T))
 
 
 def poles(distribution: Any, edges: list[float]) -> list[Peak]:

@@ -298,6 +298,14 @@ pub fn row<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyA
 /// A seed: an integer, or a number drawn from a generator of NumPy.
 pub struct Seed(pub u64);
 
+impl Seed {
+    /// A seed that differs from call to call, from the entropy of the operating system.
+    pub fn of_the_system(py: Python<'_>) -> PyResult<Self> {
+        static GENERATOR: Import = Import::new("numpy.random", "default_rng");
+        GENERATOR.get(py)?.call0()?.call_method1("integers", (1_u64 << 63,))?.extract().map(Self)
+    }
+}
+
 impl<'py> FromPyObject<'_, 'py> for Seed {
     type Error = PyErr;
 

@@ -1,5 +1,7 @@
 //! Probability distributions, with the method names of scipy.stats.
 
+use std::convert::Infallible;
+
 use asperity::Error;
 use asperity::law::{self, SharedLaw, parametric_distributions};
 use asperity::random::{Purpose, Stream};
@@ -7,9 +9,9 @@ use asperity::scenario::{self, Component, Tabulated as Table};
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::IntoPyObjectExt as _;
-use pyo3::exceptions::PyMemoryError;
+use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{PyDict, PyTuple, PyType};
 
 use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
 use crate::description::{Description, Plain};
@@ -70,6 +72,21 @@ impl Law {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
     }
 
+    /// ln p(x), accurate also where p underflows; -inf where p is 0.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
+    fn logpdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| law::ln_density(self.built.as_ref(), x))
+    }
+
+    /// ln P(ξ ≤ x); -inf where P is 0.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
+    fn logcdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| {
+            let below = self.built.cumulative(x);
+            if below < 0.5 { below.ln() } else { (-self.built.survival(x)).ln_1p() }
+        })
+    }
+
     /// The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
     /// (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
@@ -93,9 +110,23 @@ impl Law {
     /// Independent random numbers: a float for size None, otherwise an array of shape (size,) or size.
     ///
     /// The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
-    /// from which one such number is drawn.
-    #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, *, seed) -> "float; _Array")]
-    fn rvs<'py>(&self, py: Python<'py>, size: Option<Size>, seed: Seed) -> PyResult<Bound<'py, PyAny>> {
+    /// from which one such number is drawn. random_state is another name for it; without either, the numbers are
+    /// different in each call.
+    #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, random_state: "_Seed | None" = None, *, seed: "_Seed | None" = None) -> "float; _Array")]
+    fn rvs<'py>(
+        &self,
+        py: Python<'py>,
+        size: Option<Size>,
+        random_state: Option<Seed>,
+        seed: Option<Seed>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let seed = match (seed, random_state) {
+            (Some(_), Some(_)) => {
+                return Err(PyTypeError::new_err("expected seed or random_state, got both"));
+            }
+            (Some(seed), None) | (None, Some(seed)) => seed,
+            (None, None) => Seed::of_the_system(py)?,
+        };
         let shape = size.map(|size| size.0);
         let count = shape.iter().flatten().try_fold(1_usize, |count, &length| count.checked_mul(length));
         let mut draws = Vec::new();
@@ -124,6 +155,106 @@ impl Law {
     /// The standard deviation after truncation at 0, a length.
     fn std(&self) -> f64 {
         self.built.std()
+    }
+
+    /// The variance after truncation at 0, in units of length².
+    fn var(&self) -> f64 {
+        self.built.std().powi(2)
+    }
+
+    /// The median, the smallest x with P(ξ ≤ x) ≥ 1/2.
+    fn median(&self) -> f64 {
+        self.built.quantile(0.5)
+    }
+
+    /// The interval between the quantiles (1 - confidence)/2 and (1 + confidence)/2.
+    fn interval(&self, confidence: f64) -> PyResult<(f64, f64)> {
+        if !(0.0..=1.0).contains(&confidence) {
+            return Err(error::invalid("confidence", "a number from 0 to 1", confidence));
+        }
+        let outside = 0.5 * (1.0 - confidence);
+        Ok((self.built.quantile(outside), self.built.upper_quantile(outside)))
+    }
+
+    /// The mean "m", variance "v", skewness "s" and excess kurtosis "k" named by moments, in this order: a float for one,
+    /// a tuple for several. Skewness and kurtosis of a point mass are nan.
+    #[pyo3(signature = (moments = "mv") -> "float | tuple[float, ...]")]
+    fn stats<'py>(&self, py: Python<'py>, moments: &str) -> PyResult<Bound<'py, PyAny>> {
+        if moments.is_empty() || moments.chars().any(|name| !"mvsk".contains(name)) {
+            return Err(error::invalid("moments", "some of the letters of \"mvsk\"", moments));
+        }
+        let (mean, std) = (self.mean(), self.std());
+        let standardised = |order| {
+            let power = |x: f64| Ok::<_, Infallible>(((x - mean) / std).powi(order));
+            let Ok(moment) = law::expectation(self.built.as_ref(), [0.0, f64::INFINITY], power);
+            moment
+        };
+        let asked = "mvsk".chars().filter(|name| moments.contains(*name));
+        let found: Vec<f64> = asked
+            .map(|name| match name {
+                'm' => mean,
+                'v' => std * std,
+                's' => standardised(3),
+                _ => standardised(4) - 3.0,
+            })
+            .collect();
+        if found.len() == 1 {
+            found[0].into_bound_py_any(py)
+        } else {
+            Ok(PyTuple::new(py, found)?.into_any())
+        }
+    }
+
+    /// The differential entropy -∫p ln p, in nats; -inf for a distribution with point masses.
+    fn entropy(&self) -> f64 {
+        law::entropy(self.built.as_ref())
+    }
+
+    /// The expectation of func(ξ), of ξ itself for None, over lb ≤ ξ ≤ ub, divided by P(lb ≤ ξ ≤ ub) if conditional.
+    ///
+    /// func is called with one float at a time, at the nodes of an adaptive Gauss quadrature; the relative error is 1e-13
+    /// where it is smooth. At a jump of func, divide the range by lb and ub.
+    #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = false))]
+    fn expect(
+        &self,
+        func: Option<&Bound<'_, PyAny>>,
+        lb: Option<f64>,
+        ub: Option<f64>,
+        conditional: bool,
+    ) -> PyResult<f64> {
+        let range = [lb.unwrap_or(0.0), ub.unwrap_or(f64::INFINITY)];
+        if !(range[0] <= range[1]) {
+            return Err(error::invalid("ub", format!("a number not below lb, {}", range[0]), range[1]));
+        }
+        let value = |x: f64| match func {
+            Some(func) => {
+                func.py().check_signals()?;
+                func.call1((x,))?.extract::<f64>()
+            }
+            None => Ok(x),
+        };
+        let whole = law::expectation(self.built.as_ref(), range, value)?;
+        let Ok(mass) = law::expectation(self.built.as_ref(), range, |_| Ok::<_, Infallible>(1.0));
+        Ok(if conditional { whole / mass } else { whole })
+    }
+
+    /// The distribution of this class under which the samples are most likely.
+    ///
+    /// samples: values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and Weibull
+    /// have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters instead, among them
+    /// loc and scale.
+    #[classmethod]
+    #[pyo3(signature = (samples: "ArrayLike") -> "Self")]
+    fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = cls.py();
+        let samples = convert::list("samples", samples)?;
+        let found = most_likely(cls, &samples).ok_or_else(|| {
+            let name = cls.name().map_or_else(|_| String::new(), |name| name.to_string());
+            PyTypeError::new_err(format!(
+                "fit: expected a class with parameters, such as Gaussian, got {name}"
+            ))
+        })?;
+        Plain::Law(found.map_err(error::core)?).object(py)
     }
 
     /// The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ.
@@ -216,6 +347,19 @@ macro_rules! parametric_classes {
             }
         }
 
+        /// The member of the class under which samples are most likely; `None` for classes without parameters.
+        fn most_likely(class: &Bound<'_, PyType>, samples: &[f64]) -> Option<asperity::Result<scenario::Law>> {
+            let py = class.py();
+            $(if class.is(&py.get_type::<$name>()) {
+                return Some(law::maximum_likelihood($key, samples).map(|values| {
+                    let mut values = values.into_iter();
+                    $(let $parameter = values.next().expect("a value for each parameter");)+
+                    scenario::Law::$name { $($parameter),+ }
+                }));
+            })+
+            None
+        }
+
         /// Sets a parameter of a description, by its name in the distribution that is built from it.
         pub fn set_parameter(law: &mut scenario::Law, name: &str, to: f64) {
             match law {
@@ -239,9 +383,11 @@ macro_rules! parametric_classes {
                     $(into.set_item(stringify!($parameter), $parameter)?;)+
                     Ok(())
                 })+
-                scenario::Law::Tabulated(Table { stretch, density, samples, .. }) => {
+                scenario::Law::Tabulated(Table { stretch, density, samples, bandwidth, exact, .. }) => {
                     let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
-                    columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))
+                    columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))?;
+                    given(into, "bandwidth", *bandwidth)?;
+                    given(into, "exact", exact.then_some(true))
                 }
                 scenario::Law::Series { boundaries, coefficients, cut } => {
                     into.set_item("boundaries", boundaries)?;
@@ -276,14 +422,19 @@ fn set_of_component(components: &mut [Component], name: &str, to: f64) {
 }
 
 classes! {
-    /// A measured distribution: a density given at increasing stretches, or samples.
+    /// A measured distribution: a density given at increasing stretches, or a sample.
     ///
     /// stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
-    /// samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
+    /// samples: a list of equally likely values, of any length; the distribution is their kernel density estimate,
+    /// with their mean and standard deviation.
+    /// bandwidth: of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
+    /// exact: quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density
+    /// estimate. Each sample is then a jump of the density, and more than twenty take the master equation minutes.
     /// Give either stretch and density, or samples.
-    Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None) {
-        stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>
-    } => table(stretch, density, samples)?;
+    Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None, bandwidth: "_Number | None" = None, exact: "bool" = false) {
+        stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>,
+        bandwidth: Option<f64>, exact: bool
+    } => table(stretch, density, samples, bandwidth, exact)?;
     /// A density that is a polynomial in each of several cells, given as Legendre series and normalised.
     ///
     /// boundaries: the boundaries of the cells, in increasing order from 0 or above.
@@ -317,6 +468,8 @@ fn table(
     stretch: Option<Bound<'_, PyAny>>,
     density: Option<Bound<'_, PyAny>>,
     samples: Option<Bound<'_, PyAny>>,
+    bandwidth: Option<f64>,
+    exact: bool,
 ) -> PyResult<scenario::Law> {
     let column = |key, values: Option<Bound<'_, PyAny>>| values.map(|v| convert::list(key, &v)).transpose();
     Ok(scenario::Law::Tabulated(Table {
@@ -324,6 +477,8 @@ fn table(
         samples: column("tabulated.samples", samples)?,
         stretch: column("tabulated.stretch", stretch)?,
         density: column("tabulated.density", density)?,
+        bandwidth,
+        exact,
     }))
 }
 

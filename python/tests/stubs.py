@@ -35,6 +35,7 @@ from typing import Any, Literal, Self, SupportsFloat, SupportsIndex, TypeAlias, 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import gaussian_kde
 from scipy.stats.distributions import rv_frozen
 from xarray import Dataset
 
@@ -44,7 +45,7 @@ from asperity._values import {values}
 _T = TypeVar("_T")
 _Array: TypeAlias = NDArray[np.float64]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
-_AnyLaw: TypeAlias = Law | rv_frozen | NDArray[Any] | Sequence[float]
+_AnyLaw: TypeAlias = Law | rv_frozen | gaussian_kde | NDArray[Any] | Sequence[float]
 _Seed: TypeAlias = SupportsIndex | np.random.Generator
 _Progress: TypeAlias = Callable[[float], object] | bool | None
 """
@@ -190,7 +191,7 @@ def exporting(text: str) -> str:
     text = re.sub(
         r"from asperity\._core import \(.*?\)", f"from asperity._core import ({block})", text, flags=re.DOTALL
     )
-    exported = ", ".join(f'"{name}"' for name in imported(text))
+    exported = ", ".join(f'"{name}"' for name in imported(text) | aliases(text))
     return formatted(re.sub(r"__all__ = \[.*?\]", f"__all__ = [{exported}]", text, flags=re.DOTALL), EXPORTS)
 
 
@@ -200,6 +201,12 @@ def imported(text: str) -> set[str]:
     return {
         alias.name for node in nodes if (node.module or "").startswith("asperity") for alias in node.names
     }
+
+
+def aliases(text: str) -> set[str]:
+    """Second names of what a module imports: `Normal = Gaussian`."""
+    targets = [node.targets[0] for node in ast.parse(text).body if isinstance(node, ast.Assign)]
+    return {target.id for target in targets if isinstance(target, ast.Name)} - {"__all__"}
 
 
 def documented(tree: ast.Module) -> str:

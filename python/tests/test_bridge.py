@@ -164,6 +164,21 @@ def test_laws_and_samples() -> None:
     assert asp.law(samples) == asp.law(np.array(samples)) == asp.Tabulated(samples=samples)
 
 
+@pytest.mark.parametrize("weights", [None, np.linspace(1.0, 2.0, 200)])
+def test_a_kernel_density_estimate_of_scipy(weights: Any) -> None:
+    estimate = stats.gaussian_kde(asp.Gamma(1.0, 0.2).rvs(200, seed=1), weights=weights)
+    law = asp.law(estimate)
+    x = np.linspace(0.01, 3.0, 200)
+    # Truncation of the series, relative to the highest density, 2.
+    np.testing.assert_allclose(law.pdf(x), estimate(x), rtol=0, atol=1e-12)
+    assert law.atoms.position.size == 0
+    near = stats.gaussian_kde([0.1, 0.5, 0.9])
+    kept = 1.0 - near.integrate_box_1d(-np.inf, 0.0)
+    np.testing.assert_allclose(asp.law(near).pdf(x), near(x) / kept, rtol=1e-8)
+    with pytest.raises(ValueError, match="one variable, got one of 2"):
+        asp.law(stats.gaussian_kde(np.random.default_rng(1).random((2, 9))))
+
+
 def test_arguments_that_are_laws_may_be_what_law_takes() -> None:
     contacts = asp.Contacts(thresholds=stats.norm(1.0, 0.05), reforming=[0.1, 0.2])
     assert contacts == asp.Contacts(asp.Gaussian(1.0, 0.05), asp.Tabulated(samples=[0.1, 0.2]))

@@ -13,7 +13,7 @@ import pytest
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "fig2.toml"
 GAUSSIAN = asp.Contacts(asp.Gaussian(1.0, 0.05))
 EVEN = asp.Contacts(asp.Exponential(1.0))
-SAMPLES = asp.Tabulated(samples=asp.Gaussian(1.0, 0.05).rvs(40, seed=1))
+SAMPLES = asp.Tabulated(samples=asp.Gaussian(1.0, 0.05).rvs(40, seed=1), exact=True)
 AGEING = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.Smoluchowski(asp.Gaussian(1.0, 0.05), 0.0025))
 RANKS = asp.Contacts(asp.Gamma(1.0, 2.0), ageing=asp.FrozenRank(asp.Gamma(1.5, 0.3), 1.0))
 ROUGH = asp.Contacts(asp.Gaussian(1.0, 0.1))

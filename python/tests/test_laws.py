@@ -35,7 +35,7 @@ every_pair = pytest.mark.parametrize(("law", "reference"), PAIRS.values(), ids=P
 @every_pair
 def test_functions_are_those_of_scipy(law: asp.Law, reference: Any) -> None:
     x = reference.ppf(LEVELS)
-    for name in ("pdf", "cdf", "sf", "logsf"):
+    for name in ("pdf", "cdf", "sf", "logsf", "logpdf", "logcdf"):
         ours, theirs = getattr(law, name)(x), getattr(reference, name)(x)
         np.testing.assert_allclose(ours, theirs, rtol=CLOSE, err_msg=name)
     np.testing.assert_allclose(law.hazard(x), reference.pdf(x) / reference.sf(x), rtol=CLOSE)
@@ -47,6 +47,19 @@ def test_quantiles_and_moments_are_those_of_scipy(law: asp.Law, reference: Any) 
     np.testing.assert_allclose(law.isf(LEVELS), reference.isf(LEVELS), rtol=CLOSE)
     np.testing.assert_allclose([law.mean(), law.std()], [reference.mean(), reference.std()], rtol=CLOSE)
     np.testing.assert_allclose(law.moment(3), reference.moment(3), rtol=CLOSE)
+    # Twice the error of the quadrature.
+    np.testing.assert_allclose(law.stats("mvsk"), reference.stats("mvsk"), rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(law.stats("v"), reference.stats("v"), rtol=CLOSE)
+    np.testing.assert_allclose(law.entropy(), reference.entropy(), rtol=1e-10)
+    np.testing.assert_allclose([law.median(), law.var()], [reference.median(), reference.var()], rtol=CLOSE)
+    np.testing.assert_allclose(law.interval(0.9), reference.interval(0.9), rtol=CLOSE)
+    low, high = reference.interval(0.7)
+    ours, theirs = (
+        one.expect(lambda x: x * x, lb=low, ub=high, conditional=True) for one in (law, reference)
+    )
+    # scipy integrates to 1.5e-8.
+    assert ours == pytest.approx(theirs, rel=1e-7)
+    assert law.expect() == pytest.approx(law.mean(), rel=CLOSE)
     low, high = reference.support()
     assert law.support() == pytest.approx((max(low, 0.0), high), rel=CLOSE)
 
@@ -111,7 +124,7 @@ def test_the_lower_tail_keeps_its_digits() -> None:
 SAMPLERS: dict[str, tuple[asp.Law, Any]] = {name: (law, ref.cdf) for name, (law, ref) in PAIRS.items()} | {
     "cut": (asp.Gaussian(0.2, 0.5), stats.truncnorm(-0.4, np.inf, 0.2, 0.5).cdf),
     "table": (asp.Tabulated(stretch=[0.0, 1.0], density=[0.0, 2.0]), lambda x: np.clip(x, 0.0, 1.0) ** 2),
-    "samples": (asp.Tabulated(samples=[3.0, 1.0, 2.0]), stats.uniform(1.0, 2.0).cdf),
+    "samples": (asp.Tabulated(samples=[3.0, 1.0, 2.0], exact=True), stats.uniform(1.0, 2.0).cdf),
     "mixture": (
         asp.Mixture([(0.25, asp.Rectangular(0.0, 1.0)), (0.75, asp.Exponential(2.0))]),
         lambda x: 0.25 * stats.uniform.cdf(x) + 0.75 * stats.expon.cdf(x, scale=2.0),
@@ -134,6 +147,81 @@ def test_draws_are_those_of_their_seed() -> None:
     assert not np.array_equal(law.rvs(1000, seed=4), draws)
     seed = int(np.random.default_rng(5).integers(2**63))
     np.testing.assert_array_equal(law.rvs(9, seed=np.random.default_rng(5)), law.rvs(9, seed=seed))
+
+
+def test_draws_have_the_arguments_of_scipy() -> None:
+    law = asp.Gaussian(1.0, 0.05)
+    np.testing.assert_array_equal(law.rvs(9, 3), law.rvs(size=9, seed=3))
+    np.testing.assert_array_equal(law.rvs(9, random_state=3), law.rvs(9, seed=3))
+    # Two draws of the system's entropy agree by chance once in 10^19.
+    assert law.rvs() != law.rvs()
+    with pytest.raises(TypeError, match="seed or random_state, got both"):
+        law.rvs(9, random_state=3, seed=3)  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        asp.Gaussian(1.0, 0.1),
+        asp.Gamma(1.0, 0.5),
+        asp.Lognormal(1.0, 0.3),
+        asp.Weibull(3.0, 1.0),
+        asp.Exponential(2.0),
+    ],
+    ids=lambda law: type(law).__name__,
+)
+def test_fits_recover_the_parameters(law: asp.Law) -> None:
+    found = type(law).fit(law.rvs(100_000, seed=2))
+    assert type(found) is type(law)
+    # Errors are of order n^(-1/2) = 0.003 of the widths.
+    assert list(found.parameters.values()) == pytest.approx(list(law.parameters.values()), rel=0.02)
+
+
+def test_a_gamma_fit_is_that_of_scipy() -> None:
+    sample = asp.Gamma(1.0, 0.5).rvs(1000, seed=2)
+    shape, _, scale = stats.gamma.fit(sample, floc=0.0)
+    # scipy solves the same equation to 1e-8 or so.
+    assert list(asp.Gamma.fit(sample).parameters.values()) == pytest.approx(
+        [shape * scale, np.sqrt(shape) * scale], rel=1e-6
+    )
+
+
+def test_what_cannot_be_fitted_is_refused() -> None:
+    with pytest.raises(TypeError, match="a class with parameters, such as Gaussian, got Mixture"):
+        asp.Mixture.fit([1.0, 2.0])
+    with pytest.raises(ValueError, match="samples: expected at least one"):
+        asp.Gamma.fit([])
+    with pytest.raises(ValueError, match="samples"):
+        asp.Gamma.fit([1.0, -1.0])
+    with pytest.raises(ValueError, match="values that differ"):
+        asp.Gaussian.fit([1.0, 1.0])
+
+
+def test_other_names_of_distributions() -> None:
+    assert (asp.Normal, asp.Uniform, asp.Delta) == (asp.Gaussian, asp.Rectangular, asp.Point)
+
+
+def test_expectations_pass_on_errors_and_refuse_bad_ranges() -> None:
+    law = asp.Gaussian(1.0, 0.1)
+    with pytest.raises(ZeroDivisionError):
+        law.expect(lambda x: 1 / 0)
+    with pytest.raises(ValueError, match="ub: expected a number not below lb"):
+        law.expect(lb=2.0, ub=1.0)
+    with pytest.raises(ValueError, match="confidence"):
+        law.interval(1.5)
+    with pytest.raises(ValueError, match="moments"):
+        law.stats("x")
+    assert asp.Point(1.0).entropy() == -np.inf
+
+
+@pytest.mark.parametrize("count", [2, 10, 500, 20_000])
+def test_samples_of_any_size_are_smooth_distributions(count: int) -> None:
+    # Narrow enough that no kernel reaches 0.
+    sample = asp.Gamma(1.0, 0.05).rvs(count, seed=1)
+    law = asp.Tabulated(samples=sample)
+    assert (law.mean(), law.std()) == pytest.approx((sample.mean(), sample.std()), rel=1e-11)
+    pull = asp.MasterEquation(asp.Contacts(law)).pull(6.0)
+    assert pull.kinetic_friction == pytest.approx(law.moment(2) / law.mean() / 2, rel=1e-10)
 
 
 @pytest.mark.parametrize("x", [1.0, 1, np.float64(1.0), np.float32(1.0), np.int64(1), np.array(1.0)])

@@ -242,6 +242,8 @@ fn pulls_have_no_scale() {
         "point = { at = 1_m }",
         "tabulated = { stretch = [ 0.5_m, 1_m, 1.5_m ], density = [ 0_i, 2_i, 0_i ] }",
         "tabulated = { samples = [ 0.8_m, 1_m, 1.3_m, 1.4_m ] }",
+        "tabulated = { samples = [ 0.8_m, 1_m, 1.3_m, 1.4_m ], bandwidth = 0.1_m }",
+        "tabulated = { samples = [ 0.8_m, 1_m, 1.3_m, 1.4_m ], exact = true }",
         "mixture = [ { weight = 0.5, law.gaussian = { mean = 1_m, std = 0.1_m } }, { weight = 0.5, law.point.at = 2_m } ]",
         "renormalised = { law.gaussian = { mean = 1_m, std = 0.3_m }, coupling = 0.2 }",
     ];

@@ -40,7 +40,10 @@ fn list(values: &[f64]) -> Value {
 fn tabulated(mean: f64, half_width: f64, random: &mut SplitMix) -> Value {
     let places = [-1.0, -0.5, 0.0, 0.25, 1.0].map(|at| mean + at * half_width);
     let table = if random.chance(0.5) {
-        Table::from_iter([("samples".into(), list(&places))])
+        Table::from_iter([
+            ("samples".into(), list(&places)),
+            ("exact".into(), Value::Boolean(random.chance(0.5))),
+        ])
     } else {
         let density = [0.0, 1.0, 3.0, 0.0, 1.0];
         Table::from_iter([("stretch".into(), list(&places)), ("density".into(), list(&density))])

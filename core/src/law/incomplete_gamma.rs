@@ -124,7 +124,7 @@ pub(super) fn upper_by_shape(shape: &GammaShape, x: f64, excess: f64) -> f64 {
 }
 
 /// ln a − ψ(a): the asymptotic expansion (DLMF 5.11.2) after steps of the recurrence up to large arguments.
-fn ln_minus_digamma(a: f64) -> f64 {
+pub(super) fn ln_minus_digamma(a: f64) -> f64 {
     const ENOUGH: f64 = 12.0;
     if a < ENOUGH {
         let (steps, mut sum) = ((ENOUGH - a).ceil(), 0.0);

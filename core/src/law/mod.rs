@@ -11,12 +11,15 @@
 mod critical_coupling;
 mod derivative;
 mod drive_map;
+mod expectation;
 mod exponential;
 mod gamma;
 mod gaussian;
 mod incomplete_gamma;
+mod kernel_density;
 mod log_kernels;
 mod lognormal;
+mod maximum_likelihood;
 mod mixture;
 mod normal;
 mod panels;
@@ -36,11 +39,14 @@ mod ziggurat;
 
 pub use critical_coupling::critical_coupling;
 pub(crate) use derivative::EIGHTH_ORDER;
+pub use expectation::{entropy, expectation, ln_density};
 pub use exponential::Exponential;
 pub use gamma::Gamma;
 pub use gaussian::Gaussian;
+pub use kernel_density::kernel_density;
 pub use log_kernels::LogKernels;
 pub use lognormal::Lognormal;
+pub use maximum_likelihood::maximum_likelihood;
 pub use mixture::Mixture;
 #[doc(hidden)]
 pub use parametric::parametric_distributions;

@@ -139,8 +139,11 @@ impl Series {
         self.cut
     }
 
-    /// Checks the sign of the density and normalises it.
-    fn scaled(mut density: Piecewise, cut: f64) -> Result<Self> {
+    /// The distribution of a density of any total mass, after a check of its sign.
+    ///
+    /// # Errors
+    /// A density below 0, or no mass at all.
+    pub(super) fn scaled(mut density: Piecewise, cut: f64) -> Result<Self> {
         check_sign(&density)?;
         let total = density.integral();
         if !(total.is_finite() && total > 0.0) {

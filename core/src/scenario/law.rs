@@ -141,10 +141,17 @@ pub struct Tabulated {
     /// CSV with columns `stretch,density`, or with one column of samples; its path is relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// A sample, instead of a file.
+    /// A sample, instead of a file; its kernel density estimate, unless `exact`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub samples: Option<Vec<f64>>,
+    /// Bandwidth of the kernel density estimate of a sample; default: Silverman's rule.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length", "exclusiveMinimum" = 0))]
+    pub bandwidth: Option<f64>,
+    /// Whether the quantiles of a sample are linear between its values, instead of a kernel density estimate.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub exact: bool,
     /// Stretches at which the density is given, in increasing order, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stretch: Option<Vec<f64>>,
@@ -192,8 +199,10 @@ impl Tabulated {
             ("stretch and density", self.stretch.is_some() || self.density.is_some()),
         ];
         exactly_one("", "one of file, samples, or stretch and density", &given)?;
+        self.check_smoothing()?;
         match (&self.samples, &self.stretch, &self.density) {
-            (Some(samples), ..) => shared(law::Tabulated::from_samples(samples)),
+            (Some(samples), ..) if self.exact => shared(law::Tabulated::from_samples(samples)),
+            (Some(samples), ..) => law::kernel_density(samples, self.bandwidth),
             (None, Some(stretch), Some(density)) if stretch.len() == density.len() => {
                 let rows: Vec<_> = stretch.iter().copied().zip(density.iter().copied()).collect();
                 shared(law::Tabulated::from_density(&rows))
@@ -203,6 +212,17 @@ impl Tabulated {
                 let [stretch, density] = [stretch, density].map(|column| column.as_ref().map_or(0, Vec::len));
                 Err(Error::invalid("density", format!("{stretch} densities, one for each stretch"), density))
             }
+        }
+    }
+
+    /// `bandwidth` and `exact` say how a sample becomes a distribution; a density needs neither.
+    fn check_smoothing(&self) -> Result<()> {
+        let sampled = self.samples.is_some();
+        match self.bandwidth {
+            Some(given) if !sampled => Err(Error::invalid("bandwidth", "none for a density", given)),
+            Some(given) if self.exact => Err(Error::invalid("bandwidth", "none beside exact", given)),
+            _ if self.exact && !sampled => Err(Error::invalid("exact", "none for a density", "true")),
+            _ => Ok(()),
         }
     }
 }
