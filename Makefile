@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy keys variables
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs keys variables
 
 export PYTHON ?= python3
 venv := .venv
@@ -161,6 +161,10 @@ $(venv)-peers/ready: core/benches/peers/requirements.txt
 # The page docs/validation, anew. A test recomputes of it what is quick.
 validation:
 	cargo run --release --locked --package asperity-cli --example validation
+
+# What the commands on the pages print, anew.
+outputs:
+	ASPERITY_UPDATE=1 cargo test --release --locked --package asperity-cli --test documents blocks_do_what_they_show
 
 # The tables of keys of docs/scenarios and the page docs/variables, anew, from the declarations in the code.
 keys variables:

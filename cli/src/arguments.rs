@@ -25,6 +25,14 @@ pub enum Command {
     Run(Run),
     /// Read a scenario and say whether it is valid, without computing it
     Check(Scenario),
+    /// Draw the pictures of a folder of results anew, from its result.nc
+    Plot {
+        /// The folder, as written by asperity run
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        #[command(flatten)]
+        pictures: Pictures,
+    },
     /// Print the JSON Schema of scenarios: every key, its meaning and its default
     Schema,
     /// Print a scenario that comes with asperity; without a name, list them
@@ -34,12 +42,26 @@ pub enum Command {
     },
     /// Print the licences of the crates that asperity contains
     Notices,
+    /// Print a manual page, for a file asperity.1, or asperity-run.1, in a folder man1 of the MANPATH
+    Man {
+        /// The command, such as run; without one, the page of asperity itself
+        command: Option<String>,
+    },
     /// Print a completion script for a shell
+    #[command(after_help = COMPLETIONS)]
     Completions {
         /// The shell
         shell: Shell,
     },
 }
+
+/// Where the completion scripts of the shells belong.
+const COMPLETIONS: &str = "Save the script where the shell looks for it:
+  bash        ~/.local/share/bash-completion/completions/asperity
+  zsh         _asperity in a folder of $fpath
+  fish        ~/.config/fish/completions/asperity.fish
+  elvish      at the end of ~/.config/elvish/rc.elv
+  powershell  at the end of $PROFILE";
 
 #[derive(Debug, Args)]
 pub struct Scenario {
@@ -70,12 +92,25 @@ pub struct Run {
     /// Continue from the last checkpoint of a stopped run; without one, start at the beginning
     #[arg(long)]
     pub resume: bool,
-    /// File formats of the pictures, separated by commas
-    #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "svg,png")]
-    pub figures: Vec<Format>,
+    #[command(flatten)]
+    pub pictures: Pictures,
     /// Draw no pictures
     #[arg(long, conflicts_with = "figures")]
     pub no_figures: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How pictures are drawn.
+#[derive(Debug, Args)]
+pub struct Pictures {
+    /// File formats of the pictures, separated by commas
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "svg,png")]
+    pub figures: Vec<Format>,
     /// Width of a picture in mm, such as 86 for a column [default: 175]
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub figure_width: Option<f64>,
@@ -85,12 +120,18 @@ pub struct Run {
     /// Leave out the title above pictures
     #[arg(long)]
     pub no_title: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    pub quiet: bool,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
+}
+
+impl Pictures {
+    /// How pictures are written.
+    pub fn style(&self) -> Style {
+        Style {
+            formats: self.figures.clone(),
+            width: self.figure_width,
+            resolution: self.figure_dpi,
+            title: !self.no_title,
+        }
+    }
 }
 
 /// A finite number above 0.
@@ -104,11 +145,8 @@ fn positive(text: &str) -> Result<f64, String> {
 impl Run {
     /// How pictures are written.
     pub fn style(&self) -> Style {
-        Style {
-            formats: if self.no_figures { Vec::new() } else { self.figures.clone() },
-            width: self.figure_width,
-            resolution: self.figure_dpi,
-        }
+        let style = self.pictures.style();
+        if self.no_figures { Style { formats: Vec::new(), ..style } } else { style }
     }
 
     /// Where the results go.

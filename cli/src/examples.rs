@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use asperity_runner::input;
+
 /// A shipped file: its name and its text.
 type Shipped = (&'static str, &'static str);
 
@@ -60,6 +62,12 @@ pub fn find(name: &str) -> Option<&'static str> {
     SHIPPED.iter().find(|(file, _)| *file == name || file.strip_suffix(".toml") == Some(name)).map(|s| s.1)
 }
 
+/// The name of the example that is most similar to `name`, if one is similar at all.
+pub fn nearest(name: &str) -> Option<&'static str> {
+    let names = SHIPPED.iter().map(|(file, _)| file.strip_suffix(".toml").unwrap_or(file));
+    input::nearest(name, names)
+}
+
 /// Names and titles of the examples.
 pub fn list() -> String {
     let mut list = String::new();
@@ -92,6 +100,7 @@ mod tests {
     fn scenarios_are_found_by_bare_name_and_listed_with_their_titles() {
         assert!(find("fig2").unwrap().contains("[pull]"));
         assert!(find("fig9").is_none());
+        assert_eq!((nearest("stick-slip-reste"), nearest("x")), (Some("stick-slip-reset"), None));
         assert!(list().lines().any(|line| line.starts_with("fig2 ") && line.contains("Braun")));
     }
 }

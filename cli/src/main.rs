@@ -13,13 +13,13 @@ mod threads;
 
 use std::fmt;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use asperity_runner::{checkpoint, input};
+use asperity_runner::{checkpoint, input, output};
 use clap::{CommandFactory as _, Parser as _};
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Command, Pictures};
 use interrupt::Reason;
 
 /// The reason why a command failed; each has its exit code.
@@ -74,22 +74,51 @@ fn execute(command: Command) -> Result<(), Failure> {
             run::warn(&input::read(&scenario.path, &scenario.overrides)?.scenario);
             print(&format!("{}: valid\n", scenario.path.display()))
         }
+        Command::Plot { folder, pictures } => plot(&folder, &pictures),
         Command::Schema => print(&format!("{}\n", input::schema())),
         Command::Example { name: None } => print(&examples::list()),
         Command::Example { name: Some(name) } => match examples::find(&name) {
             Some(text) => print(text),
-            None => Err(Failure::Input(format!(
-                "error: there is no example {name}; the examples are\n{}",
-                examples::list()
-            ))),
+            None => Err(Failure::Input(match examples::nearest(&name) {
+                Some(nearest) => format!(
+                    "error: there is no example {name}; did you mean {nearest}? (asperity example lists all)\n"
+                ),
+                None => format!("error: there is no example {name}; the examples are\n{}", examples::list()),
+            })),
         },
         Command::Notices => print(include_str!("../../THIRD-PARTY.txt")),
+        Command::Man { command } => manual(command.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "asperity", &mut script);
             print(&String::from_utf8_lossy(&script))
         }
     }
+}
+
+/// Draws the pictures of a folder of results anew.
+fn plot(folder: &Path, pictures: &Pictures) -> Result<(), Failure> {
+    let mut outcome = output::read(folder).map_err(Failure::run)?;
+    let drawn = figure::draw(&mut outcome, &pictures.style()).map_err(Failure::run)?;
+    run::report(&output::attach(folder, &drawn).map_err(Failure::run)?);
+    let names: Vec<String> = drawn.into_iter().map(|picture| picture.name).collect();
+    let names = run::drawn(&names).unwrap_or_else(|| "none for these results".into());
+    print(&format!("{:<22} {names}\n", "pictures"))
+}
+
+/// Prints the manual page of a command.
+fn manual(command: Option<&str>) -> Result<(), Failure> {
+    let mut program = Arguments::command();
+    program.build();
+    let described = match command {
+        None => &program,
+        Some(name) => program.find_subcommand(name).ok_or_else(|| {
+            Failure::Input(format!("error: there is no command {name}; asperity --help lists all\n"))
+        })?,
+    };
+    let mut page = Vec::new();
+    clap_mangen::Man::new(described.clone()).render(&mut page).map_err(Failure::run)?;
+    print(&String::from_utf8_lossy(&page))
 }
 
 /// Writes to the standard output. A reader that closes it is no error.

@@ -6,7 +6,7 @@ use std::path::Path;
 use asperity::scenario::Scenario;
 use asperity::task::summary::Summary;
 use asperity_runner::checkpoint::Checkpoints;
-use asperity_runner::output::{Attachment, Outcome};
+use asperity_runner::output::{Outcome, Renamed, Written};
 use asperity_runner::{input, output, run_with};
 
 use super::arguments::Run;
@@ -29,14 +29,14 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures = figures(&mut outcome, arguments).map_err(Failure::run)?;
+    let figures = figure::draw(&mut outcome, &arguments.style()).map_err(Failure::run)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
-    let renamed = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
+    let written = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
     if !arguments.quiet {
-        renamed.iter().for_each(|file| say(&moved(file)));
+        report(&written.renamed);
     }
     checkpoints.map_or(Ok(()), Checkpoints::remove)?;
-    print_summary(&outcome.summary, &directory, arguments)?;
+    print_summary(&outcome.summary, &directory, &written, arguments)?;
     match outcome.summary.numbers.fit() {
         Some(fit) if !fit.converged => Err(Failure::run(format!(
             "the fit has not converged; its last values and its misfit are in {}",
@@ -46,20 +46,13 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     }
 }
 
-/// The pictures, with their title or without it.
-fn figures(outcome: &mut Outcome, arguments: &Run) -> Result<Vec<Attachment>, String> {
-    let style = arguments.style();
-    if !arguments.no_title {
-        return figure::draw(outcome, &style);
-    }
-    let title = std::mem::take(&mut outcome.summary.title);
-    let figures = figure::draw(outcome, &style);
-    outcome.summary.title = title;
-    figures
-}
-
 /// Prints the summary in the requested form.
-fn print_summary(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Failure> {
+fn print_summary(
+    summary: &Summary,
+    directory: &Path,
+    written: &Written,
+    arguments: &Run,
+) -> Result<(), Failure> {
     if arguments.json {
         let json = serde_json::to_string_pretty(summary).expect("a summary is plain data");
         return print(&format!("{json}\n"));
@@ -67,7 +60,31 @@ fn print_summary(summary: &Summary, directory: &Path, arguments: &Run) -> Result
     if arguments.quiet {
         return Ok(());
     }
-    print(&format!("{}{:<22} {}\n", summary::readable(summary), "results", directory.display()))
+    print(&format!("{}{}", summary::readable(summary), files(directory, written)))
+}
+
+/// The folder and what is in it, pictures without their formats.
+fn files(directory: &Path, written: &Written) -> String {
+    let mut text = format!("{:<22} {}\n", "results", directory.display());
+    text += &format!("  {:<20} {}\n", "data", written.results.join(", "));
+    if let Some(pictures) = drawn(&written.attached) {
+        text += &format!("  {:<20} {pictures}\n", "pictures");
+    }
+    text
+}
+
+/// The names of pictures, each once, and their formats; `None` without pictures.
+pub fn drawn(pictures: &[String]) -> Option<String> {
+    let (mut names, mut formats): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    for (name, format) in pictures.iter().filter_map(|picture| picture.rsplit_once('.')) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        if !formats.contains(&format) {
+            formats.push(format);
+        }
+    }
+    (!names.is_empty()).then(|| format!("{} ({})", names.join(", "), formats.join(", ")))
 }
 
 /// Prints the warnings.
@@ -77,10 +94,12 @@ pub fn warn(scenario: &Scenario) {
     }
 }
 
-/// Reports a file of the user that was renamed because a result has its name.
-fn moved(file: &output::Renamed) -> String {
-    let [from, to] = [&file.from, &file.to].map(|path| path.display());
-    format!("warning: {from} was not written by asperity, or was changed; it is kept as {to}")
+/// Reports files of the user that were renamed because results have their names.
+pub fn report(renamed: &[Renamed]) {
+    for file in renamed {
+        let [from, to] = [&file.from, &file.to].map(|path| path.display());
+        say(&format!("warning: {from} was not written by asperity, or was changed; it is kept as {to}"));
+    }
 }
 
 /// Writes to the standard error. If that fails, there is no reader to inform.

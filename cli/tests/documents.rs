@@ -83,16 +83,27 @@ fn folder() -> Folder {
     folder
 }
 
+/// What a page shows, and what the command printed instead.
+struct Difference {
+    /// Where the block begins, and the command.
+    place: String,
+    shown: String,
+    printed: String,
+}
+
+/// With `ASPERITY_UPDATE=1` pages are changed to what the commands print (`make outputs`).
 #[test]
 fn blocks_do_what_they_show() {
     let mut ran = BTreeMap::new();
+    let mut all = Vec::new();
     for (path, text) in documents() {
+        let mut different = Vec::new();
         let folder = folder();
         for Block { place, language, text } in blocks(&path, &text) {
             match language.as_str() {
                 "toml" => makes_sense(&folder, &place, &text),
-                "console" => prints(&folder, &place, &text, true),
-                "console fails" => prints(&folder, &place, &text, false),
+                "console" => different.extend(prints(&folder, &place, &text, true)),
+                "console fails" => different.extend(prints(&folder, &place, &text, false)),
                 "sh" => text.lines().for_each(|line| is_a_target(&place, line)),
                 "rust" => assert!(document("core/src/lib.rs").contains(&path), "{place}: not run"),
                 "python" | "output" | "pycon" | "text" | "math" => {}
@@ -101,7 +112,18 @@ fn blocks_do_what_they_show() {
             }
             *ran.entry(language).or_insert(0) += 1;
         }
+        if std::env::var_os("ASPERITY_UPDATE").is_some() {
+            let updated = different.drain(..).fold(text, |text, d| text.replacen(&d.shown, &d.printed, 1));
+            std::fs::write(root().join(&path), updated).unwrap();
+        }
+        all.extend(different);
     }
+    let told = |d: &Difference| format!("{}\nshown:\n{}\nprinted:\n{}\n", d.place, d.shown, d.printed);
+    assert!(
+        all.is_empty(),
+        "{}`make outputs` shows what is printed",
+        all.iter().map(told).collect::<String>()
+    );
     for language in ["toml", "console", "console fails", "sh", "rust"] {
         assert!(ran.contains_key(language), "no {language} block at all: {ran:?}");
     }
@@ -115,9 +137,10 @@ fn makes_sense(folder: &Folder, place: &str, text: &str) {
     assert!(output.status.success(), "{place}: {}", support::errors(&output));
 }
 
-/// Runs the commands of a block and compares what they print with what is shown behind each, if anything is.
-fn prints(folder: &Folder, place: &str, text: &str, succeeds: bool) {
+/// Runs the commands of a block. Returns where they print something else than what is shown behind each, if anything is.
+fn prints(folder: &Folder, place: &str, text: &str, succeeds: bool) -> Vec<Difference> {
     assert!(text.starts_with("$ "), "{place}: no command");
+    let mut different = Vec::new();
     for part in format!("\n{text}").split("\n$ ").skip(1) {
         let (command, shown) = part.split_once('\n').unwrap_or((part, ""));
         let output = shell(folder, command);
@@ -125,9 +148,13 @@ fn prints(folder: &Folder, place: &str, text: &str, succeeds: bool) {
         assert_eq!(output.status.success(), succeeds, "{place}: {command}\n{errors}");
         if !shown.trim().is_empty() {
             let printed = if succeeds { printed } else { errors };
-            assert_eq!(trimmed(&printed), trimmed(shown), "{place}: {command}");
+            let (shown, printed) = (trimmed(shown), trimmed(&printed));
+            if shown != printed {
+                different.push(Difference { place: format!("{place}: {command}"), shown, printed });
+            }
         }
     }
+    different
 }
 
 /// Runs a line in bash, with this build as `asperity` and for `cargo run --release --`.
@@ -215,6 +242,22 @@ fn the_tables_of_keys_are_those_of_the_schema() {
 #[test]
 fn the_page_of_variables_is_that_of_the_declarations() {
     assert_eq!(document("docs/variables.md"), variables::page(), "`make variables` writes it anew");
+}
+
+#[test]
+fn the_glossary_names_what_there_is() {
+    let places =
+        ["docs/scenarios.md", "docs/variables.md", "python/asperity/_core.pyi"].map(document).concat();
+    let shipped = names(&scenarios());
+    let glossary = document("docs/glossary.md");
+    let code: Vec<&str> =
+        glossary.lines().skip(3).flat_map(|line| line.split('`').skip(1).step_by(2)).collect();
+    assert!(code.len() > 40, "only {code:?}");
+    for name in code {
+        let word = name.split(" = ").next().unwrap().trim_matches(['[', ']']).rsplit('.').next().unwrap();
+        let known = places.contains(word) || shipped.contains(&format!("{word}.toml"));
+        assert!(known, "docs/glossary.md: there is no {name}");
+    }
 }
 
 #[test]

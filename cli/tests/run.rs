@@ -35,6 +35,59 @@ fn folder() -> Folder {
     folder
 }
 
+#[test]
+fn plot_draws_the_pictures_of_a_run_anew() {
+    let folder = folder();
+    folder.succeed(&["run", "quick.toml", "--figures", "svg,png"]);
+    let results = folder.path().join("out/quick");
+    let before = contents(&results);
+    // The same pictures from result.nc, and more of them.
+    assert_eq!(
+        folder.succeed(&["plot", "out/quick"]),
+        "pictures               force, evolution, distribution (svg, png)\n"
+    );
+    assert_eq!(contents(&results), before);
+    folder.succeed(&["plot", "out/quick", "--figures", "pdf", "--no-title", "--figure-width", "86"]);
+    let pdf = std::fs::read(results.join("force.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF"));
+    // A picture that was changed is kept; what plot wrote belongs to the results, and the next run removes it.
+    std::fs::write(results.join("force.svg"), "changed").unwrap();
+    let output = folder.run(&["plot", "out/quick"]);
+    assert!(errors(&output).contains("force.svg was not written by asperity, or was changed; it is kept"));
+    assert_eq!(std::fs::read_to_string(results.join("force.svg.kept")).unwrap(), "changed");
+    folder.succeed(&["run", "quick.toml", "--figures", "svg,png"]);
+    let mut after = contents(&results);
+    after.retain(|(name, _)| name != "force.svg.kept");
+    assert_eq!(after, before);
+}
+
+#[test]
+fn plot_refuses_what_is_no_folder_of_results() {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    for place in ["nowhere", "empty"] {
+        let output = folder.run(&["plot", place]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(errors(&output).contains(&format!("{place}/scenario.toml: cannot read")));
+    }
+    folder.succeed(&["run", "quick.toml", "--no-figures"]);
+    std::fs::write(folder.path().join("out/quick/result.nc"), "no NetCDF").unwrap();
+    let output = folder.run(&["plot", "out/quick"]);
+    assert!(errors(&output).contains("result.nc"), "{}", errors(&output));
+    assert!(!folder.path().join("out/quick/force.svg").exists());
+}
+
+#[test]
+fn manual_pages_and_suggestions() {
+    let folder = Folder::new();
+    assert!(folder.succeed(&["man"]).contains(".TH asperity 1"));
+    let page = folder.succeed(&["man", "run"]);
+    assert!(page.contains("asperity\\-run") && page.contains("figure\\-width"), "{page}");
+    assert!(errors(&folder.run(&["man", "rum"])).contains("there is no command rum"));
+    assert!(errors(&folder.run(&["example", "fig22"])).contains("did you mean fig2?"));
+    assert!(folder.succeed(&["completions", "--help"]).contains("~/.config/fish/completions"));
+}
+
 /// Every file of a folder with its bytes.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     names(folder).into_iter().map(|name| (name.clone(), std::fs::read(folder.join(&name)).unwrap())).collect()
@@ -57,6 +110,8 @@ fn a_run_writes_to_out_and_prints_a_summary() {
         "static 0.398218, kinetic 0.2525",
         "1000 contacts, seed 7",
         "out/quick",
+        "  data                 scenario.toml, summary.json, force.csv, atoms.csv, result.nc",
+        "  pictures             force, evolution, distribution (svg, png)",
     ] {
         assert!(summary.contains(part), "{part} not in\n{summary}");
     }

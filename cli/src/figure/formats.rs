@@ -44,6 +44,8 @@ pub struct Style {
     pub width: Option<f64>,
     /// Dots per inch.
     pub resolution: f64,
+    /// Whether the title of the scenario stands above pictures.
+    pub title: bool,
 }
 
 /// The picture as SVG, with symbols typeset and a viewBox, so that it can be scaled.

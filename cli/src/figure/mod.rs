@@ -36,7 +36,17 @@ pub use formats::{Format, Style};
 ///
 /// # Errors
 /// A picture that cannot be converted, with its name.
-pub fn draw(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String> {
+pub fn draw(outcome: &mut Outcome, style: &Style) -> Result<Vec<Attachment>, String> {
+    if style.title {
+        return pictures(outcome, style);
+    }
+    let title = std::mem::take(&mut outcome.summary.title);
+    let found = pictures(outcome, style);
+    outcome.summary.title = title;
+    found
+}
+
+fn pictures(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String> {
     if style.formats.is_empty() {
         return Ok(Vec::new());
     }

@@ -64,11 +64,11 @@ fn outcome() -> Outcome {
 }
 
 fn style() -> Style {
-    Style { formats: vec![Format::Svg, Format::Png], width: None, resolution: 300.0 }
+    Style { formats: vec![Format::Svg, Format::Png], width: None, resolution: 300.0, title: true }
 }
 
 fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
-    super::draw(outcome, &style())
+    super::draw(&mut outcome.clone(), &style())
 }
 
 /// A picture as SVG.
@@ -99,7 +99,7 @@ fn frames(svg: &str) -> Vec<[f64; 4]> {
 #[test]
 fn every_picture_comes_in_every_format() {
     let formats = vec![Format::Svg, Format::Png, Format::Pdf];
-    let pictures = super::draw(&outcome(), &Style { formats, ..style() }).unwrap();
+    let pictures = super::draw(&mut outcome(), &Style { formats, ..style() }).unwrap();
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).collect();
     let expected = ["force", "evolution", "distribution"]
         .map(|n| ["svg", "png", "pdf"].map(|ending| format!("{n}.{ending}")));
@@ -108,14 +108,14 @@ fn every_picture_comes_in_every_format() {
         let mut of_format = pictures.iter().filter(|p| p.name.ends_with(ending));
         assert!(of_format.all(|p| p.bytes.starts_with(start)), "{ending}");
     }
-    assert!(super::draw(&outcome(), &Style { formats: Vec::new(), ..style() }).unwrap().is_empty());
+    assert!(super::draw(&mut outcome(), &Style { formats: Vec::new(), ..style() }).unwrap().is_empty());
 }
 
 /// A column of 86 mm at 600 dots per inch has 2031.5 dots, and its height follows.
 #[test]
 fn a_picture_has_the_width_and_the_resolution_that_are_asked_for() {
     let wanted = Style { width: Some(86.0), resolution: 600.0, ..style() };
-    let pictures = super::draw(&outcome(), &wanted).unwrap();
+    let pictures = super::draw(&mut outcome(), &wanted).unwrap();
     let text = raw(&pictures, "force.svg");
     assert!(text.contains("width=\"86mm\"") && text.contains("viewBox=\"0 0 660 480\""), "{}", &text[..200]);
     let png = &pictures.iter().find(|p| p.name == "force.png").unwrap().bytes;

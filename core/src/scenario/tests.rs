@@ -179,6 +179,9 @@ fn a_ramp_is_where_it_should_be_at_the_end_of_each_piece() {
 fn warnings_say_what_will_surprise() {
     let mut scenario = scenario(Law::Gaussian { mean: 1.0, std: 0.1 });
     assert_eq!(scenario.warnings(), [""; 0]);
+    let pull = scenario.pull.take().unwrap();
+    scenario.pull = Some(Pull { velocity: Some(2.0), ..pull });
+    assert!(scenario.warnings()[0].starts_with("pull.velocity: nothing in [contacts] depends on time"));
     scenario.pull = None;
     scenario.hold_curve = Some(HoldCurve { from: 1.0, to: 10.0, points: 3, velocity: 1.0 });
     assert!(scenario.warnings()[0].starts_with("hold_curve: nothing in [contacts] depends on time"));

@@ -38,20 +38,20 @@ impl Fault {
     pub fn among_names(expected: &str, found: &str) -> Self {
         let names = expected.strip_prefix("one of ").map(|names| names.split(", "));
         let name = found.strip_prefix('"').and_then(|found| found.strip_suffix('"'));
-        let nearest = name.zip(names).and_then(|(name, names)| nearest(name, names));
+        let nearest = name.zip(names).and_then(|(name, names)| nearest(name, names)).map(Box::from);
         Self { nearest, ..Self::new(expected, found) }
     }
 
     fn wrong_name(name: &str, known: &[&'static str]) -> Self {
-        let nearest = nearest(name, known.iter().copied());
+        let nearest = nearest(name, known.iter().copied()).map(Box::from);
         Self { nearest, on_key: true, ..Self::new(&one_of(known), &format!("\"{}\"", short(name))) }
     }
 }
 
 /// The known name that is most similar to `name`, if it is similar at all.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = known.max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
-    nearest.filter(|known| likeness(name, known) > 0.5).map(Box::from)
+    nearest.filter(|known| likeness(name, known) > 0.5)
 }
 
 fn likeness(a: &str, b: &str) -> f64 {

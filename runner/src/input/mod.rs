@@ -14,6 +14,7 @@ use asperity::scenario::Scenario;
 use serde::Deserialize as _;
 use serde::de::DeserializeOwned;
 
+pub use deserialise::nearest;
 pub use diagnostic::{Diagnostic, Mark, Source};
 pub use schema::schema;
 

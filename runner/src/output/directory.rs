@@ -47,6 +47,36 @@ pub(super) fn replace<'a>(
     if occupied { clear(&staging.swap_with(&dir)?, &dir) } else { staging.become_(&dir).map(|()| Vec::new()) }
 }
 
+/// Makes `files` (names and contents) files of the folder of results `dir`. Returns the files of others that were renamed.
+pub(super) fn add<'a>(dir: &Path, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Result<Vec<Renamed>> {
+    let (folder, true) = destination(dir)? else {
+        return Err(Error::Foreign { path: dir.to_owned(), what: "not a folder of results" });
+    };
+    let mut listed = listing(&folder).unwrap_or_default();
+    let staging = Staging::beside(&folder)?;
+    let (mut names, mut renamed) = (Vec::new(), Vec::new());
+    let before = listed.clone();
+    for (name, bytes) in files {
+        staging.store(name, bytes)?;
+        listed.add(name, bytes);
+        names.push(name);
+    }
+    staging.store(MARKER, listed.to_text().as_bytes())?;
+    for name in names {
+        let to = folder.join(name);
+        if to.symlink_metadata().is_ok() && !before.is_of_ours(&to) {
+            let kept = free_name(&folder, name, to.clone());
+            fs::rename(&to, &kept).map_err(Error::system(&to, "rename"))?;
+            renamed.push(Renamed { from: to.clone(), to: kept });
+        }
+        fs::rename(staging.path.join(name), &to).map_err(Error::system(&to, "put in place"))?;
+    }
+    // A file that is not listed yet is one of others to the next run, which keeps it.
+    let marker = folder.join(MARKER);
+    fs::rename(staging.path.join(MARKER), &marker).map_err(Error::system(&marker, "put in place"))?;
+    Ok(renamed)
+}
+
 /// The folder itself, with links resolved, and whether it is already one of ours.
 fn destination(dir: &Path) -> Result<(PathBuf, bool)> {
     let foreign = |what| Err(Error::Foreign { path: dir.to_owned(), what });

@@ -12,7 +12,7 @@ const SECOND: &str =
     "Other files in this folder, and files that were changed, are kept: a run replaces these alone.";
 
 /// Files by name, with their sizes and CRC-32.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Listing(BTreeMap<String, (u64, u32)>);
 
 impl Listing {

@@ -40,6 +40,17 @@ pub struct Attachment {
     pub bytes: Vec<u8>,
 }
 
+/// What was written into a folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The names of the files with results.
+    pub results: Vec<String>,
+    /// The names of the other files, such as pictures.
+    pub attached: Vec<String>,
+    /// Files of others that were renamed.
+    pub renamed: Vec<Renamed>,
+}
+
 /// Writes `outcome` and `attachments` as the folder `dir`.
 ///
 /// The files are written to a hidden folder next to `dir`, which then takes its place. After any error
@@ -49,7 +60,7 @@ pub struct Attachment {
 ///
 /// # Errors
 /// `dir` was not made by asperity or cannot be written; the results are too large for one file.
-pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Result<Vec<Renamed>> {
+pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Result<Written> {
     let mut files = vec![
         ("scenario.toml".to_owned(), outcome.scenario.clone().into_bytes()),
         ("summary.json".to_owned(), json(&outcome.summary)),
@@ -60,7 +71,18 @@ pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Resul
     files.extend(posterior::encode(outcome)?.map(|bytes| ("posterior.nc".to_owned(), bytes)));
     let borrowed = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
     let attached = attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice()));
-    directory::replace(dir, borrowed.chain(attached))
+    let renamed = directory::replace(dir, borrowed.chain(attached))?;
+    let attached = attachments.iter().map(|attachment| attachment.name.clone()).collect();
+    Ok(Written { results: files.into_iter().map(|(name, _)| name).collect(), attached, renamed })
+}
+
+/// Writes `attachments` into the folder of results `dir`, in place of those with the same names; all other files stay. A
+/// file that asperity did not write, or that was changed since, is renamed.
+///
+/// # Errors
+/// `dir` was not made by asperity or cannot be written.
+pub fn attach(dir: &Path, attachments: &[Attachment]) -> Result<Vec<Renamed>> {
+    directory::add(dir, attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice())))
 }
 
 fn json(summary: &Summary) -> Vec<u8> {
