@@ -223,7 +223,7 @@ impl Law {
         conditional: bool,
     ) -> PyResult<f64> {
         let range = [lb.unwrap_or(0.0), ub.unwrap_or(f64::INFINITY)];
-        if !(range[0] <= range[1]) {
+        if range[0] > range[1] || range.iter().any(|end| end.is_nan()) {
             return Err(error::invalid("ub", format!("a number not below lb, {}", range[0]), range[1]));
         }
         let value = |x: f64| match func {

@@ -42,7 +42,7 @@ pub fn expectation<E>(
         let halves = [gauss(law, [from, middle], &mut f)?, gauss(law, [middle, to], &mut f)?];
         let both = halves[0].plus(halves[1]);
         sum = sum.plus(both).minus(whole);
-        let far = !((both.value - whole.value).abs() <= TOLERANCE * sum.size);
+        let far = (both.value - whole.value).abs() > TOLERANCE * sum.size;
         if far && depth < MOST_HALVINGS {
             panels.push(([from, middle], halves[0], depth + 1));
             panels.push(([middle, to], halves[1], depth + 1));
