@@ -72,6 +72,7 @@ from asperity._core import (
     velocity_curve,
 )
 from asperity._events import Event, Events
+from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
 from asperity._values import (
     Atoms,
     Correlation,
@@ -137,6 +138,7 @@ __all__ = [
     "Interface",
     "InterfaceEnergy",
     "Label",
+    "LaboratoryRecord",
     "Lattice",
     "Law",
     "Logarithmic",
@@ -147,6 +149,7 @@ __all__ = [
     "Misfit",
     "Mixture",
     "Model",
+    "Motion",
     "Normal",
     "Point",
     "Posterior",
@@ -188,6 +191,7 @@ __all__ = [
     "law",
     "open_result",
     "read_healing",
+    "read_laboratory",
     "read_velocity_step",
     "run",
     "velocity_curve",

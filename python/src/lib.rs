@@ -11,6 +11,7 @@ mod error;
 mod exact;
 mod fit;
 mod fit_steady;
+mod history;
 mod interface;
 mod law;
 mod measured;
@@ -56,6 +57,8 @@ mod _core {
     use crate::fit::{Estimates, fit};
     #[pymodule_export]
     use crate::fit_steady::{SteadyEstimates, fit_steady};
+    #[pymodule_export]
+    use crate::history::pieces;
     #[pymodule_export]
     use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]

@@ -1,5 +1,9 @@
 //! The motion of a slider in time: pieces of constant velocity.
 
+mod measured;
+
+pub use measured::{MeasuredPiece, measured_pieces};
+
 use crate::{Error, Result};
 
 /// Motion at one velocity, or rest.

@@ -1,0 +1,339 @@
+"""Records of friction experiments: columns of a text file, and the motion of the load point in them."""
+
+import csv
+import re
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from asperity._core import VelocityStep, _measured_pieces, read_velocity_step
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+# What the columns of laboratories are called, by what they are; the first that fits is taken.
+NAMES = {
+    "time": re.compile(r"^(time|t)\b", re.IGNORECASE),
+    "displacement": re.compile(r"displ|slip|position|load.?point|^lp", re.IGNORECASE),
+    "normal": re.compile(r"normal", re.IGNORECASE),
+    "force": re.compile(r"friction|shear|force|^(mu|µ|μ)\b|torque", re.IGNORECASE),
+}
+
+# A name with its unit in brackets.
+UNIT = re.compile(r"^(?P<name>.*?)[\s_]*[(\[](?P<unit>[^)\]]*)[)\]]$")
+
+
+class Motion(NamedTuple):
+    """A part of a record in which the load point has one velocity, or rests."""
+
+    kind: Literal["forward", "hold", "backward"]
+    velocity: float
+    """The velocity, displacement over time; near 0 in a hold."""
+    error: float
+    """Its standard error from the scatter about the line, which is taken as independent."""
+    begin: float
+    """The time at which it begins: where its line meets the one before."""
+    start: int
+    """The first reading."""
+    stop: int
+    """The reading after the last."""
+
+
+@dataclass(frozen=True, repr=False)
+class LaboratoryRecord:
+    """A record of a friction experiment: readings in time.
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray
+        All columns of the file by their names without units.
+    units : dict of str to str
+        The units of columns that name one.
+    time, displacement, force : ndarray
+        Time, load-point displacement, and force, stress or friction coefficient, each of shape (n,).
+    normal : ndarray or None
+        Normal load or stress, if the record has it.
+    """
+
+    columns: "Mapping[str, NDArray[np.float64]]"
+    units: "Mapping[str, str]" = field(default_factory=dict)
+    roles: "Mapping[str, str]" = field(default_factory=dict)
+
+    @property
+    def time(self) -> "NDArray[np.float64]":
+        """Time of each reading."""
+        return self._column("time")
+
+    @property
+    def displacement(self) -> "NDArray[np.float64]":
+        """Displacement of the load point."""
+        return self._column("displacement")
+
+    @property
+    def force(self) -> "NDArray[np.float64]":
+        """Force, shear stress or friction coefficient."""
+        return self._column("force")
+
+    @property
+    def normal(self) -> "NDArray[np.float64] | None":
+        """Normal load or stress; None if the record has none."""
+        return self._column("normal") if "normal" in self.roles else None
+
+    def _column(self, role: str) -> "NDArray[np.float64]":
+        return self.columns[self.roles[role]]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        lines = [f"<asperity.LaboratoryRecord: {len(self)} readings>"]
+        for role, name in self.roles.items():
+            values, unit = self.columns[name], self.units.get(name, "")
+            lines.append(f"  {role:<12} {values.min():g} to {values.max():g} {unit}".rstrip() + f"  ({name})")
+        return "\n".join(lines)
+
+    def __getitem__(self, part: "slice | Motion | NDArray[np.bool_]") -> "LaboratoryRecord":
+        """The readings of a slice, of a motion, or where a mask is true."""
+        place = slice(part.start, part.stop) if isinstance(part, Motion) else part
+        return replace(self, columns={name: values[place] for name, values in self.columns.items()})
+
+    def average(self, count: int) -> "LaboratoryRecord":
+        """The means of successive readings, `count` at a time; a rest at the end is left out."""
+        if count < 1:
+            raise ValueError(f"count: expected a number of readings above 0, got {count}")
+        whole = len(self) // count * count
+        means = {
+            name: values[:whole].reshape(-1, count).mean(axis=1) for name, values in self.columns.items()
+        }
+        return replace(self, columns=means)
+
+    def motions(self, *, apart: float = 0.2, least: int = 8, still: float | None = None) -> list[Motion]:
+        """The parts of constant velocity of the load point, in order: steps, holds, and motion backwards.
+
+        Parameters
+        ----------
+        apart : float
+            Neighbouring parts whose velocities differ by less than this fraction of the larger one are one.
+        least : int
+            Least number of readings of a part.
+        still : float, optional
+            The load point rests below this velocity; by default, a thousandth of the highest one.
+
+        Returns
+        -------
+        list of Motion
+            Kind, velocity with its standard error, and the range of readings.
+        """
+        pieces = _measured_pieces(self.time, self.displacement, apart, least)
+        fastest = max(abs(piece[3]) for piece in pieces)
+        limit = 1e-3 * fastest if still is None else still
+        found: list[Motion] = []
+        for start, stop, begin, velocity, error in pieces:
+            kind: Literal["forward", "hold", "backward"]
+            kind = "hold" if abs(velocity) <= limit else "forward" if velocity > 0.0 else "backward"
+            found.append(Motion(kind, velocity, error, begin, start, stop))
+        return found
+
+    def cycles(self, **options: Any) -> list["LaboratoryRecord"]:
+        """The record cut where the load point, after a motion backwards, moves forwards again.
+
+        The options are those of motions().
+        """
+        motions = self.motions(**options)
+        moving = [motion for motion in motions if motion.kind != "hold"]
+        cuts = [
+            after.start
+            for before, after in pairwise(moving)
+            if before.kind == "backward" and after.kind == "forward"
+        ]
+        return [self[start:stop] for start, stop in zip([0, *cuts], [*cuts, len(self)], strict=True)]
+
+    def protocol(self, **options: Any) -> list[dict[str, float]]:
+        """The motion as steps of a scenario, {"hold": …} or {"velocity": …, "duration": …}, for "protocol".
+
+        The options are those of motions(). Raises ValueError for motion backwards, which a protocol has not.
+        """
+        steps = []
+        motions = self.motions(**options)
+        ends = [*(motion.begin for motion in motions[1:]), float(self.time[-1])]
+        for motion, end in zip(motions, ends, strict=True):
+            duration = end - motion.begin
+            if motion.kind == "backward":
+                raise ValueError(
+                    f"record: expected a load point that moves forwards, got {motion.velocity:g} from t = "
+                    f"{motion.begin:g} on"
+                )
+            hold = motion.kind == "hold"
+            steps.append({"hold": duration} if hold else {"velocity": motion.velocity, "duration": duration})
+        return steps
+
+    def velocity_step(
+        self,
+        number: int = 0,
+        *,
+        before: float | None = None,
+        after: float | None = None,
+        motions: list[Motion] | None = None,
+        **options: Any,
+    ) -> VelocityStep:
+        """Reads the rate-and-state parameters of a velocity step.
+
+        Parameters
+        ----------
+        number : int
+            The step, counted from 0 among the changes from one velocity forwards to another.
+        before, after : float, optional
+            Displacements before and after the step that are used; by default, to the neighbouring changes.
+        motions : list of Motion, optional
+            Parts of constant velocity, if not those of motions().
+        **options
+            Those of read_velocity_step, such as average and trend.
+
+        Returns
+        -------
+        VelocityStep
+        """
+        parts = self.motions() if motions is None else motions
+        steps = [pair for pair in pairwise(parts) if all(part.kind == "forward" for part in pair)]
+        if not 0 <= number < len(steps):
+            raise ValueError(
+                f"number: expected one of the {len(steps)} velocity steps, from 0 on, got {number}"
+            )
+        slow, fast = steps[number]
+        part = self[slow.start : fast.stop]
+        # The measured displacement has noise; that of a line through it rises.
+        elapsed = part.time - fast.begin
+        position = np.where(elapsed < 0.0, slow.velocity, fast.velocity) * elapsed
+        # The reading nearest to the step may be on either side of it.
+        near = np.abs(elapsed) > 0.5 * np.median(np.diff(part.time))
+        if before is not None:
+            near &= position >= -before
+        if after is not None:
+            near &= position <= after
+        ratio = fast.velocity / slow.velocity
+        return read_velocity_step(position[near], part.force[near], ratio, **options)
+
+    def plot(self, *, ax: "Axes | None" = None, against: str = "displacement", **style: Any) -> "Axes":
+        """Draws the force against the displacement of the load point, or against "time"."""
+        from matplotlib import pyplot
+
+        axes = pyplot.gca() if ax is None else ax
+        axes.plot(self._column(against), self.force, **style)
+        axes.set_xlabel(self._label(against))
+        axes.set_ylabel(self._label("force"))
+        return axes
+
+    def _label(self, role: str) -> str:
+        name = self.roles[role]
+        unit = self.units.get(name)
+        return f"{name} ({unit})" if unit else name
+
+
+def read_laboratory(
+    path: "str | PathLike[str]",
+    *,
+    time: str | None = None,
+    displacement: str | None = None,
+    force: str | None = None,
+    normal: str | None = None,
+) -> LaboratoryRecord:
+    """Reads a record of a friction experiment from a text file with a heading.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A file whose columns are separated by commas, semicolons, tabs or blanks. The first line that is no
+        comment (#, %) names the columns, with units in brackets: "Displ (µm)", "shear stress [MPa]".
+    time, displacement, force, normal : str, optional
+        Names of the columns, with or without unit; by default the first ones whose names say so: "time",
+        "displ", "slip", "position" or "load point"; "friction", "shear", "force" or "mu"; "normal". A record
+        need not have a normal load.
+
+    Returns
+    -------
+    LaboratoryRecord
+
+    Raises
+    ------
+    ValueError
+        A file without heading or readings, a column that is not there, a value that is no finite number.
+    OSError
+        A file that cannot be read.
+    """
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        lines = [
+            (number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] not in "#%"
+        ]
+    if len(lines) < 2:
+        raise ValueError(f"{fspath(path)}: expected a heading and readings, got {len(lines)} lines")
+    rows = split([line for _, line in lines])
+    heading = [cell.strip() for cell in rows[0]]
+    if all(is_number(cell) for cell in heading):
+        raise ValueError(f"{fspath(path)}: expected a heading that names the columns, got numbers")
+    names, units = zip(*(parted(cell) for cell in heading), strict=True)
+    values = np.empty((len(heading), len(rows) - 1))
+    for i, row in enumerate(rows[1:]):
+        line = lines[i + 1][0]
+        if len(row) != len(heading):
+            raise ValueError(f"{fspath(path)}: line {line}: expected {len(heading)} values, got {len(row)}")
+        for k, cell in enumerate(row):
+            if not is_number(cell):
+                raise ValueError(
+                    f"{fspath(path)}: line {line}: expected a finite number, got {cell.strip()!r}"
+                )
+            values[k, i] = float(cell)
+    asked = {"time": time, "displacement": displacement, "normal": normal, "force": force}
+    roles = {role: found for role, name in asked.items() if (found := column(role, name, names, heading))}
+    missing = [role for role in ("time", "displacement", "force") if role not in roles]
+    if missing:
+        raise ValueError(
+            f"{fspath(path)}: expected a column for {missing[0]} ({missing[0]}=...), got {', '.join(heading)}"
+        )
+    columns = dict(zip(names, values, strict=True))
+    given = {name: unit for name, unit in zip(names, units, strict=True) if unit}
+    order = ("time", "displacement", "force", "normal")
+    ordered: dict[str, str] = {role: roles[role] for role in order if role in roles}
+    return LaboratoryRecord(columns, given, ordered)
+
+
+def split(lines: list[str]) -> list[list[str]]:
+    """The cells of all lines, by the separator that the heading has."""
+    for separator in ("\t", ";", ","):
+        if separator in lines[0]:
+            return list(csv.reader(lines, delimiter=separator))
+    return [line.split() for line in lines]
+
+
+def parted(heading: str) -> tuple[str, str]:
+    """The name of a column and its unit, "" without one."""
+    found = UNIT.match(heading)
+    return (found["name"].strip(), found["unit"].strip()) if found else (heading, "")
+
+
+def column(role: str, asked: str | None, names: tuple[str, ...], heading: list[str]) -> str | None:
+    """The name of the column that has a role: the one asked for, or the first one whose name says so."""
+    if asked is not None:
+        for name, whole in zip(names, heading, strict=True):
+            if asked in (name, whole):
+                return name
+        raise ValueError(f"{role}: expected one of the columns {', '.join(heading)}, got {asked!r}")
+    others = [other for other in NAMES if other != role] if role == "force" else []
+    for name in names:
+        taken = any(NAMES[other].search(name) for other in others)
+        if NAMES[role].search(name) and not taken:
+            return name
+    return None
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is a finite number."""
+    try:
+        return bool(np.isfinite(float(cell)))
+    except ValueError:
+        return False

@@ -1,0 +1,147 @@
+"""Records of experiments: files, motions of the load point, and what is read from them."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+
+TEXT = """# made up
+Time (s),Displ (µm),Shear stress [MPa],Normal stress [MPa]
+0,0,0.5,1
+1,2,0.6,1
+2,4,0.7,1
+"""
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+def test_columns_and_units(tmp_path: Path, separator: str) -> None:
+    text = TEXT if separator != " " else TEXT.replace(" (", "(").replace(" [", "[").replace(" s", "_s")
+    path = tmp_path / "record.txt"
+    path.write_text(text.replace(",", separator), encoding="utf-8")
+    record = asp.read_laboratory(path)
+    np.testing.assert_array_equal(record.displacement, [0.0, 2.0, 4.0])
+    np.testing.assert_array_equal(record.force, [0.5, 0.6, 0.7])
+    assert record.normal is not None
+    np.testing.assert_array_equal(record.normal, 1.0)
+    assert [record.units[record.roles[role]] for role in ("time", "displacement", "force")] == [
+        "s",
+        "µm",
+        "MPa",
+    ]
+    assert "displacement 0 to 4 µm" in repr(record)
+    np.testing.assert_array_equal(record[1:].time, [1.0, 2.0])
+    np.testing.assert_array_equal(record.average(2).force, [0.55])
+
+
+def test_columns_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text("t,a,b\n0,1,2\n1,2,3\n", encoding="utf-8")
+    record = asp.read_laboratory(path, displacement="a", force="b")
+    np.testing.assert_array_equal(record.force, [2.0, 3.0])
+    assert record.normal is None
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("", {}, "expected a heading and readings, got 0 lines"),
+        ("1,2\n3,4\n", {}, "expected a heading that names the columns, got numbers"),
+        ("time,slip\n0,1\n", {}, r"expected a column for force \(force=...\), got time, slip"),
+        ("time,slip,force\n0,1\n", {}, "line 2: expected 3 values, got 2"),
+        ("time,slip,force\n0,1,x\n", {}, "line 2: expected a finite number, got 'x'"),
+        ("time,slip,force\n\n0,1,nan\n", {}, "line 3: expected a finite number, got 'nan'"),
+        (TEXT, {"force": "torque"}, "force: expected one of the columns Time .*, got 'torque'"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path: Path, text: str, options: dict[str, str], message: str) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=message):
+        asp.read_laboratory(path, **options)
+
+
+def record(pieces: list[tuple[float, int]], force: Any = None) -> asp.LaboratoryRecord:
+    """A record of ten readings a second at these velocities, with noise of the displacement."""
+    velocities = np.concatenate([np.full(count, velocity) for velocity, count in pieces])
+    displacement = 100.0 + np.cumsum(0.1 * velocities)
+    noise = 0.05 * np.random.default_rng(1).normal(size=displacement.size)
+    time = 50.0 + 0.1 * np.arange(displacement.size)
+    columns: dict[str, Any] = {
+        "time": time,
+        "displacement": displacement + noise,
+        "force": np.ones_like(time) if force is None else force(displacement - 100.0),
+    }
+    return asp.LaboratoryRecord(columns, roles={name: name for name in columns})
+
+
+def test_motions_cycles_and_protocols() -> None:
+    made = record([(1.0, 400), (0.0, 600), (10.0, 300), (-5.0, 300), (5.0, 300)])
+    motions = made.motions()
+    assert [motion.kind for motion in motions] == ["forward", "hold", "forward", "backward", "forward"]
+    for motion, velocity in zip(motions, [1.0, 0.0, 10.0, -5.0, 5.0], strict=True):
+        assert motion.velocity == pytest.approx(velocity, abs=5.0 * motion.error)
+    # Lines meet where the velocity changes, to the noise over the change of velocity.
+    assert [motion.begin for motion in motions] == pytest.approx([50.0, 89.9, 149.9, 179.9, 209.9], abs=0.03)
+    # Boundaries are known to some readings.
+    assert [len(cycle) for cycle in made.cycles()] == pytest.approx([1600, 300], abs=5)
+    with pytest.raises(ValueError, match=r"moves forwards, got -[45]"):
+        made.protocol()
+    steps = made[:1300].protocol()
+    assert [sorted(step) for step in steps] == [["duration", "velocity"], ["hold"], ["duration", "velocity"]]
+    assert steps[1]["hold"] == pytest.approx(60.0, abs=1.0)
+    asp.run(
+        {
+            "contacts": {
+                "thresholds": {"gaussian": {"mean": 20.0, "std": 2.0}},
+                "ageing": {"logarithmic": {"growth": 0.02, "time": 1.0}},
+            },
+            "protocol": steps,
+        }
+    )
+
+
+def test_a_velocity_step_is_read_from_a_record() -> None:
+    a, b, distance = 0.008, 0.012, 8.0
+
+    def force(x: Any) -> Any:
+        x = x - 80.0
+        follows = 1.0 - np.exp(-np.maximum(x, 0.0) / distance)
+        step = 0.6 + np.log(10.0) * np.where(x < 0.0, 0.0, a - b * follows)
+        return step + 1e-4 * np.random.default_rng(2).normal(size=x.size)
+
+    made = record([(1.0, 800), (10.0, 200)], force)
+    found = made.velocity_step(peak=0.0, noise="white")
+    for one, truth in ((found.a, a), (found.b, b), (found.distance, distance)):
+        # Five times the usual error, besides that of the place of the step, 0.05 of 8.
+        assert one.value == pytest.approx(truth, abs=5.0 * one.error + 0.02 * truth)
+    with pytest.raises(ValueError, match="one of the 1 velocity steps, from 0 on, got 1"):
+        made.velocity_step(1)
+
+
+@pytest.mark.skipif(not os.environ.get("ASPERITY_LAB_DATA"), reason="ASPERITY_LAB_DATA is not set")
+@pytest.mark.parametrize(
+    ("name", "velocities", "average", "weakens"),
+    [
+        ("velstep3_TR2_exp013_sepiolite.txt", (0.2, 2.0), 20, False),
+        ("velstep4_BRAVA_expb819_basalt.txt", (3.0, 10.0), 10, True),
+    ],
+)
+def test_steps_of_a_laboratory(
+    name: str, velocities: tuple[float, float], average: int, weakens: bool
+) -> None:
+    path = Path(os.environ["ASPERITY_LAB_DATA"]) / "velocity-steps-giacomel-2024" / name
+    made = asp.read_laboratory(path)
+    motions = made.motions()
+    assert [motion.kind for motion in motions] == ["forward", "forward"]
+    # Of the nominal velocities, as the README of the data gives them.
+    assert [motion.velocity for motion in motions] == pytest.approx(velocities, rel=0.03)
+    found = made.velocity_step(before=100.0, after=300.0, average=average)
+    # As read from the same data in cli/tests/laboratory.rs: a - b is positive for sepiolite, and D_c is known
+    # for basalt.
+    if weakens:
+        assert 5.0 < found.distance.value < 8.5
+    else:
+        assert found.a_minus_b.value > 4.0 * found.a_minus_b.error
