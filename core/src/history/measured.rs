@@ -41,16 +41,16 @@ pub fn measured_pieces(
     (apart, least): (f64, usize),
 ) -> Result<Vec<MeasuredPiece>> {
     check(time, position, (apart, least))?;
-    let sums = Sums::new(time, position);
+    let sums = RunningSums::new(time, position);
     let threshold = PENALTY * (time.len() as f64).ln() * noise(time, position).powi(2);
     let mut ends = vec![0, time.len()];
-    let mut pending = vec![0..time.len()];
-    while let Some(whole) = pending.pop() {
-        if let Some((place, gain)) = sums.best_division(&whole, least)
+    let mut pending = vec![(0, time.len())];
+    while let Some((start, end)) = pending.pop() {
+        if let Some((place, gain)) = sums.best_division(&(start..end), least)
             && gain > threshold
         {
             ends.push(place);
-            pending.extend([whole.start..place, place..whole.end]);
+            pending.extend([(start, place), (place, end)]);
         }
     }
     ends.sort_unstable();
@@ -113,13 +113,13 @@ fn noise(time: &[f64], position: &[f64]) -> f64 {
 }
 
 /// Running sums of 1, t, x, t², tx, x² about the mean time and position, from which the line through any range follows.
-struct Sums {
+struct RunningSums {
     mean_time: f64,
     sums: Vec<[f64; 6]>,
 }
 
-/// Sums over a range, about its means.
-struct Line {
+/// RunningSums over a range, about its means.
+struct RegressionLine {
     count: f64,
     /// Mean time and position, about those of all readings.
     mean: [f64; 2],
@@ -128,7 +128,7 @@ struct Line {
     xx: f64,
 }
 
-impl Line {
+impl RegressionLine {
     fn velocity(&self) -> f64 {
         self.tx / self.tt
     }
@@ -149,7 +149,7 @@ impl Line {
     }
 }
 
-impl Sums {
+impl RunningSums {
     fn new(time: &[f64], position: &[f64]) -> Self {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let (t, x) = (mean(time), mean(position));
@@ -163,10 +163,10 @@ impl Sums {
         Self { mean_time: t, sums }
     }
 
-    fn line(&self, range: &Range<usize>) -> Line {
+    fn line(&self, range: &Range<usize>) -> RegressionLine {
         let [count, t, x, tt, tx, xx] =
             std::array::from_fn(|k| self.sums[range.end][k] - self.sums[range.start][k]);
-        Line {
+        RegressionLine {
             count,
             mean: [t / count, x / count],
             tt: tt - t * t / count,
@@ -221,14 +221,14 @@ impl Sums {
 
     /// The pieces between these ends.
     fn pieces(&self, ends: &[usize], time: &[f64]) -> Vec<MeasuredPiece> {
-        let lines: Vec<Line> = ends.windows(2).map(|pair| self.line(&(pair[0]..pair[1]))).collect();
+        let lines: Vec<RegressionLine> = ends.windows(2).map(|pair| self.line(&(pair[0]..pair[1]))).collect();
         let begin = |place: usize| match place.checked_sub(1) {
             None => time[0],
             // Lines that meet far from the boundary are those of a motion that is not continuous.
             Some(before) => (lines[before].meets(&lines[place]) + self.mean_time)
                 .clamp(time[ends[before]], time[ends[place + 1] - 1]),
         };
-        let piece = |(place, line): (usize, &Line)| MeasuredPiece {
+        let piece = |(place, line): (usize, &RegressionLine)| MeasuredPiece {
             readings: ends[place]..ends[place + 1],
             begin: begin(place),
             velocity: line.velocity(),
@@ -246,7 +246,7 @@ mod tests {
     /// A motion at the given velocities for the given numbers of readings, ten in each second, with normal noise.
     fn motion(pieces: &[(f64, usize)], noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut stream = Stream::new(2, Purpose::Sample, 0);
-        // Sums of twelve uniform numbers have the variance 1, and are normal but for their tails.
+        // RunningSums of twelve uniform numbers have the variance 1, and are normal but for their tails.
         let mut normal = || (0..12).map(|_| stream.uniform()).sum::<f64>() - 6.0;
         let (mut time, mut position, mut at) = (Vec::new(), Vec::new(), 5000.0);
         for &(velocity, count) in pieces {

@@ -55,7 +55,7 @@ pub fn kernel_density(samples: &[f64], bandwidth: Option<f64>) -> Result<SharedL
     let bandwidth = bandwidth.map(|b| positive("bandwidth", b)).transpose()?;
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let sample = Moments::of(&sorted);
+    let sample = SampleMoments::of(&sorted);
     if sorted[0] == sorted[sorted.len() - 1] {
         return shared(Point::new(sorted[0]));
     }
@@ -74,12 +74,12 @@ pub fn kernel_density(samples: &[f64], bandwidth: Option<f64>) -> Result<SharedL
 }
 
 /// Mean and standard deviation.
-struct Moments {
+struct SampleMoments {
     mean: f64,
     std: f64,
 }
 
-impl Moments {
+impl SampleMoments {
     fn of(sorted: &[f64]) -> Self {
         let count = sorted.len() as f64;
         let mean = sorted.iter().sum::<f64>() / count;
@@ -120,7 +120,7 @@ struct Group {
 }
 
 impl Kernels {
-    fn new(sorted: &[f64], sample: &Moments, bandwidth: f64) -> Self {
+    fn new(sorted: &[f64], sample: &SampleMoments, bandwidth: f64) -> Self {
         let shrink = 1.0 / (bandwidth / sample.std).hypot(1.0);
         let width = shrink * bandwidth;
         let centres: Vec<f64> = sorted.iter().map(|x| sample.mean + shrink * (x - sample.mean)).collect();
@@ -243,7 +243,7 @@ mod tests {
     fn mean_and_std_are_those_of_the_sample() {
         for count in [2, 10, 500, 100_000] {
             let samples = sample(count);
-            let sample = Moments::of(&samples);
+            let sample = SampleMoments::of(&samples);
             let law = kernel_density(&samples, None).unwrap();
             // The truncation error of the series, and what the kernels lose at nine bandwidths.
             assert!((law.mean() / sample.mean - 1.0).abs() < 1e-12, "{count}");
