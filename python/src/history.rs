@@ -6,6 +6,9 @@ use pyo3::prelude::*;
 use crate::convert::{self, Whole};
 use crate::error;
 
+/// First reading, the one after the last, time of the beginning, velocity and its standard error.
+type Piece = (usize, usize, f64, f64, f64);
+
 /// The pieces of constant velocity in a measured motion: first reading, the one after the last, time of the beginning,
 /// velocity and its standard error.
 #[pyfunction(name = "_measured_pieces")]
@@ -15,7 +18,7 @@ pub fn pieces(
     position: &Bound<'_, PyAny>,
     apart: f64,
     least: Whole,
-) -> PyResult<Vec<(usize, usize, f64, f64, f64)>> {
+) -> PyResult<Vec<Piece>> {
     let (time, position) = (convert::list("time", time)?, convert::list("position", position)?);
     let found = measured_pieces(&time, &position, (apart, least.get("least")?)).map_err(error::core)?;
     Ok(found
