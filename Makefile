@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs keys variables
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm keys variables
 
 export PYTHON ?= python3
 venv := .venv
@@ -161,6 +161,11 @@ $(venv)-peers/ready: core/benches/peers/requirements.txt
 # The page docs/validation, anew. A test recomputes of it what is quick.
 validation:
 	cargo run --release --locked --package asperity-cli --example validation
+
+# Whether the core and the runner compile where addresses have 32 bits and there are no threads and no clock.
+wasm:
+	rustup target add wasm32-unknown-unknown
+	cargo check --locked --target wasm32-unknown-unknown --package asperity --package asperity-runner
 
 # What the commands on the pages print, anew.
 outputs:

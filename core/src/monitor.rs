@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::ThreadId;
+use std::time::Duration;
 
 use crate::{Error, Result};
 
@@ -25,6 +26,23 @@ pub trait Monitor: Send {
     fn memory(&self) -> u64 {
         MEMORY
     }
+
+    /// The time since some moment, from which computations see how often they ask. Without a clock it stands still, and they
+    /// ask seldom.
+    fn clock(&self) -> Duration {
+        since_first_asked()
+    }
+}
+
+/// The time since this was first called; 0 in WebAssembly, which has no clock of its own.
+fn since_first_asked() -> Duration {
+    #[cfg(not(target_family = "wasm"))]
+    {
+        static BEGUN: OnceLock<std::time::Instant> = OnceLock::new();
+        BEGUN.get_or_init(std::time::Instant::now).elapsed()
+    }
+    #[cfg(target_family = "wasm")]
+    Duration::ZERO
 }
 
 impl Monitor for () {
@@ -55,6 +73,10 @@ impl Monitor for Aside<'_> {
     fn memory(&self) -> u64 {
         self.monitor.memory()
     }
+
+    fn clock(&self) -> Duration {
+        self.monitor.clock()
+    }
 }
 
 /// Forwards progress that may go back, because work is repeated, as its running maximum.
@@ -77,6 +99,10 @@ impl Monitor for Rising<'_> {
 
     fn memory(&self) -> u64 {
         self.monitor.memory()
+    }
+
+    fn clock(&self) -> Duration {
+        self.monitor.clock()
     }
 }
 
@@ -107,6 +133,10 @@ impl Monitor for Part<'_> {
 
     fn memory(&self) -> u64 {
         self.whole.memory()
+    }
+
+    fn clock(&self) -> Duration {
+        self.whole.clock()
     }
 }
 
@@ -208,6 +238,10 @@ impl Monitor for &Watch<'_> {
     fn memory(&self) -> u64 {
         self.monitor.lock().unwrap_or_else(PoisonError::into_inner).memory()
     }
+
+    fn clock(&self) -> Duration {
+        self.monitor.lock().unwrap_or_else(PoisonError::into_inner).clock()
+    }
 }
 
 /// A watch as the monitor of a first part of the work: the fraction that it has done is that of the watch.
@@ -221,6 +255,10 @@ impl Monitor for Counted<'_, '_> {
 
     fn memory(&self) -> u64 {
         self.0.monitor.lock().unwrap_or_else(PoisonError::into_inner).memory()
+    }
+
+    fn clock(&self) -> Duration {
+        self.0.monitor.lock().unwrap_or_else(PoisonError::into_inner).clock()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The pull of an ensemble by a rigid slider, in parallel, with the same bits on any number of threads.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rayon::prelude::*;
 
@@ -111,7 +111,7 @@ impl Ensemble {
         report(monitor, 0.0)?;
         let (mut done, mut round) = (0, plan.first());
         while done < self.size {
-            let begun = Instant::now();
+            let begun = monitor.clock();
             let end = self.size.min(done.saturating_add(plan.chunk * round));
             let starts: Vec<usize> = (done..end).step_by(plan.chunk).collect();
             let chunk = |&start: &usize| (start..end.min(start + plan.chunk), sweep.nothing());
@@ -126,7 +126,7 @@ impl Ensemble {
             }
             done = end;
             report(monitor, done as f64 / self.size as f64)?;
-            round = plan.next(round, begun.elapsed());
+            round = plan.next(round, monitor.clock().saturating_sub(begun));
         }
         let scale = stiffness * self.contacts.count;
         let mut aside = Aside { fraction: 1.0, monitor };

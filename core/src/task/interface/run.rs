@@ -1,6 +1,6 @@
 //! A drive from event to event, with output points and checkpoints.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::monitor::Monitor;
 use crate::record::Record;
@@ -154,11 +154,11 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             let drive = self.model.drive();
             monitor.events(self.count, drive);
             report(monitor, drive / end)?;
+            let began = monitor.clock();
             let mut part = Part::new(monitor, drive / end, (next - drive).max(0.0) / end);
             let mut slice = Vec::new();
-            let began = Instant::now();
             let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
-            self.slice = next_slice(self.slice, began.elapsed());
+            self.slice = next_slice(self.slice, monitor.clock().saturating_sub(began));
             // Events before a stop by the monitor count, too: the result of `advance` is checked after they
             // have been recorded.
             self.record(&slice)?;
