@@ -323,7 +323,7 @@ fn only_interfaces_have_checkpoints() {
         for option in [&["--checkpoint", "10"][..], &["--resume"]] {
             let output = folder.run(&[&["run", scenario], option].concat());
             assert_eq!(output.status.code(), Some(2));
-            let expected = format!("{}: expected a scenario of [drive] with [interface]", option[0]);
+            let expected = format!("{}: expected a scenario of [drive] or [[protocol]] with [interface]", option[0]);
             assert!(errors(&output).contains(&expected), "{}", errors(&output));
         }
     }

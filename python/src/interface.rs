@@ -14,6 +14,7 @@ use crate::model::{interface, interface_arguments, steady_interface};
 use crate::result::{self, Result};
 use crate::simulation::Simulation;
 use crate::stretches::StretchGrid;
+use crate::transport::{self, Step};
 use crate::watch::watched;
 use crate::{description, error, simulated, typed, values};
 
@@ -45,7 +46,8 @@ pub struct Deformable;
 
 #[pymethods]
 impl Deformable {
-    /// Drives the interface from X_T = 0 to distance, from event to event.
+    /// Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
+    /// contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
     ///
     /// points: the number of points of the trace, including both ends.
     /// velocity: the velocity of the drive, above 0; required for time-dependent contacts.
@@ -83,19 +85,38 @@ impl Deformable {
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
         let drive = Drive { distance: Some(distance), points, velocity, maps, ..Drive::default() };
-        let mut scenario = Self::plain(slf).scenario(drive);
-        scenario.master_equation.tolerance = tolerance;
-        if let Some(own) = &mut scenario.interface {
-            own.catalogue_from = catalogue_from;
-        }
-        let outcome = watched(progress, py, |monitor| {
-            scenario.build()?;
-            asperity_runner::run(&scenario, monitor)
-        })?;
-        result::object(py, outcome)
+        outcome(py, Self::plain(slf).scenario(drive), (tolerance, catalogue_from), progress)
     }
 
-    /// Returns a simulation that advances step by step, at X_T = 0.
+    /// Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
+    /// interface over time-dependent contacts.
+    ///
+    /// steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
+    /// tolerance, catalogue_from, progress: as for drive.
+    ///
+    /// Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
+    /// trace, and of a lattice where steps begin and end.
+    ///
+    /// Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
+    #[pyo3(
+        signature = (steps, *, tolerance = None, catalogue_from = 0.0, progress: "_Progress" = None),
+        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, progress=None)"
+    )]
+    fn follow(
+        slf: &Bound<'_, Self>,
+        steps: Vec<Bound<'_, Step>>,
+        tolerance: Option<f64>,
+        catalogue_from: f64,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Result>> {
+        let mut protocol = transport::protocol(steps)?;
+        let surface = Self::plain(slf);
+        protocol.0[0].start = Some(surface.contacts.start);
+        let scenario = Scenario { drive: None, protocol: Some(protocol), ..surface.scenario(Drive::default()) };
+        outcome(slf.py(), scenario, (tolerance, catalogue_from), progress)
+    }
+
+    /// Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
     ///
     /// velocity, tolerance: as for drive.
     ///
@@ -152,7 +173,8 @@ impl Deformable {
 ///
 /// contacts: the contacts of a cell.
 /// cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-/// initial, start: as for MasterEquation.
+/// initial, start: as for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the
+/// drive, unless they have a size.
 /// connection: K_0, the stiffness of the spring between a cell and the drive.
 /// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
 /// half-space and the side of a cell.
@@ -275,6 +297,24 @@ impl Interface {
         })?;
         values::stretches(py, stretches, found)
     }
+}
+
+/// The result of a scenario of an interface, with the given tolerance, and events from a drive on.
+fn outcome(
+    py: Python<'_>,
+    mut scenario: Scenario,
+    (tolerance, catalogue_from): (Option<f64>, f64),
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Py<Result>> {
+    scenario.master_equation.tolerance = tolerance;
+    if let Some(own) = &mut scenario.interface {
+        own.catalogue_from = catalogue_from;
+    }
+    let outcome = watched(progress, py, |monitor| {
+        scenario.build()?;
+        asperity_runner::run(&scenario, monitor)
+    })?;
+    result::object(py, outcome)
 }
 
 /// The ensemble of contacts, if their number is given.

@@ -1,5 +1,6 @@
 //! The pictures of a run.
 
+mod advance;
 mod catalogue;
 mod corner;
 mod covariance;

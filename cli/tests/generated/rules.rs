@@ -124,9 +124,9 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
         ("ensemble.disorder", "quenched") => task != "spectrum",
         ("pull.start", "steady") => starts(walk) && !in_time && !walk.is("pull.derivatives", "true"),
         ("drive.start", "steady") => {
-            let alone = !(walk.given("block") && walk.given("ensemble"));
+            let alone = !((walk.given("block") || interface) && walk.given("ensemble"));
             let forced = walk.is("drive:alternative", "force_to");
-            starts(walk) && !forced && !walk.single() && (!in_time || alone && !interface)
+            starts(walk) && !forced && !walk.single() && (!in_time || alone)
         }
         ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
         ("interface.loading", "edge") if walk.has_background() => false,

@@ -39,7 +39,7 @@ pub use coupling::Coupling;
 pub use event::{Event, Slipped};
 pub use parameters::{CellLoading, CellSlip, InterfaceParameters};
 pub use rate_dependent::{
-    RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
+    DriveSegment, RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
 };
 pub use state::State;
 

@@ -17,7 +17,7 @@ pub use state::RateDependentInterfaceState;
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::energy::ContactEnergies;
-use crate::error::positive;
+use crate::error::{not_negative, positive};
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
@@ -70,6 +70,26 @@ impl RateDependentInterfaceParameters {
             return Ok(());
         }
         Err(Error::invalid("slip_fraction", "a number from 0 to 1", self.slip_fraction))
+    }
+}
+
+/// A part of the motion of the load point, at one velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveSegment {
+    /// Time at which it begins.
+    pub time: f64,
+    /// Load-point displacement X_T at its beginning.
+    pub drive: f64,
+    /// Velocity of the load point, 0 or above.
+    pub velocity: f64,
+    /// Velocity of the load point of which a slip is ten times: the last one above 0, since the load point may be at rest.
+    pub pulled: f64,
+}
+
+impl DriveSegment {
+    /// X_T at a time.
+    fn at(&self, time: f64) -> f64 {
+        self.drive + self.velocity * (time - self.time)
     }
 }
 
@@ -322,6 +342,38 @@ impl RateDependentInterface {
         Ok(Vec::new())
     }
 
+    /// Moves the load point along `segment` until the time `until`, or until events have ended. Returns these, each with the
+    /// cells that slipped in it; none if `until` was reached. Events that have not ended continue in the next call.
+    ///
+    /// # Errors
+    /// A velocity below 0; an accuracy that steps do not reach; stopped by the monitor.
+    pub fn follow_with(
+        &mut self,
+        segment: &DriveSegment,
+        until: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        not_negative("velocity", segment.velocity)?;
+        let from = self.motion.time;
+        while self.motion.time < until {
+            let fraction = (self.motion.time - from) / (until - from);
+            let left = until - self.motion.time;
+            let taken = self.step(segment.velocity, left, &mut Aside { fraction, monitor })?;
+            if taken >= left {
+                self.motion.time = until;
+            }
+            // From the beginning of the segment, so that rounding errors of steps do not add up.
+            self.motion.drive = segment.at(self.motion.time);
+            self.observe(segment.pulled);
+            let events = self.slips.take_ended();
+            if !events.is_empty() {
+                return Ok(events);
+            }
+        }
+        report(monitor, 1.0)?;
+        Ok(Vec::new())
+    }
+
     /// Fraction of the present run that is done.
     fn fraction(&self) -> f64 {
         let (from, to) = self.path;
@@ -331,17 +383,26 @@ impl RateDependentInterface {
     /// Makes one step in time, at most up to `drive`.
     fn go(&mut self, drive: f64, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let left = (drive - self.motion.drive) / velocity;
-        let coupled = &mut CoupledCells(self.coupling.as_mut());
-        if self.motion.step(coupled, velocity, left, monitor)? >= left {
+        if self.step(velocity, left, monitor)? >= left {
             self.motion.drive = drive;
         }
+        self.observe(velocity);
+        Ok(())
+    }
+
+    /// Makes one step of at most `left`, with the load point at a velocity. Returns its duration.
+    fn step(&mut self, velocity: f64, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+        self.motion.step(&mut CoupledCells(self.coupling.as_mut()), velocity, left, monitor)
+    }
+
+    /// Finds the events after a step; slips are ten times as fast as `pulled`.
+    fn observe(&mut self, pulled: f64) {
         let now = self.seen();
         // Events are found between two snapshots, so that the stages of a step, which may be
         // rejected, need not know of them.
         let before = std::mem::replace(&mut self.look, now);
         self.update_coupling_energy();
-        self.slips.pass(&before, &self.look, velocity, self.coupling.as_ref());
-        Ok(())
+        self.slips.pass(&before, &self.look, pulled, self.coupling.as_ref());
     }
 
     /// A snapshot of the cells.

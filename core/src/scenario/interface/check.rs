@@ -32,6 +32,18 @@ impl Interface {
         self.check_cells(contacts, ensemble)
     }
 
+    /// The same, for a load point that a protocol moves in time.
+    ///
+    /// # Errors
+    /// As [`Self::check`]; contacts that are not time-dependent.
+    pub fn check_in_time(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
+        if !contacts.rules.are_time_dependent() {
+            let expected = "[drive] where contacts are not time-dependent: between events their cells are in balance at every velocity";
+            return Err(Error::invalid("protocol", expected, "[[protocol]] with [interface]"));
+        }
+        self.check_cells(contacts, ensemble)
+    }
+
     /// The same, whatever drives the cells.
     ///
     /// # Errors

@@ -11,6 +11,8 @@ use crate::elastic::coupling::Elasticity;
 use crate::elastic::{CellLoading, CellSlip};
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
+pub use build::CellStart;
+pub(super) use build::no_steady_ensemble;
 pub use scales::Scales;
 
 /// An interface of cells coupled by elasticity, or of contacts coupled one by one; `[drive]` moves its load point.

@@ -1,4 +1,4 @@
-//! `[drive]` with `[interface]`: cells coupled by elasticity, driven from event to event.
+//! `[drive]` and `[[protocol]]` with `[interface]`: cells coupled by elasticity, driven from event to event.
 
 mod catalogue;
 mod cells;
@@ -15,13 +15,13 @@ use super::{Checkpoints, Output};
 use crate::elastic::Event;
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, LARGEST, Quantity, Record};
-use crate::scenario::{self, Drive, Model, PerCell, Task, Units};
+use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
 pub use cells::DrivenCells;
 pub use contacts::DrivenContacts;
-pub use in_time::{DrivenRateDependentCells, cells_in_time};
+pub use in_time::{DrivenRateDependentCells, LoadPointMotion, cells_in_time};
 pub use model::DrivenInterface;
-use output_points::{OutputPoint, output_points};
+use output_points::{OutputPoint, output_points, points_in_time};
 use run::{Found, InterfaceRun};
 
 const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]);
@@ -32,6 +32,12 @@ const MAP_DRIVE: Column = Column::new(
     "map_drive",
     "drive at which the state of the cells is given",
     Quantity::Length,
+    &["map_drive"],
+);
+const MAP_TIME: Column = Column::new(
+    "map_time",
+    "time at which the state of the cells is given",
+    Quantity::Time,
     &["map_drive"],
 );
 
@@ -53,6 +59,43 @@ impl Drive {
     }
 }
 
+impl Protocol {
+    /// Moves the load point of the interface of `model`, whose contacts are time-dependent.
+    ///
+    /// # Errors
+    /// A model without an interface, and those of [`run`](Self::run).
+    pub fn run_interface(
+        &self,
+        model: &Model,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Output<InterfaceNumbers>> {
+        Task::Protocol(self).check(model)?;
+        let interface = model.interface.as_ref();
+        let interface = interface
+            .ok_or_else(|| Error::invalid("interface", "one, whose load point is moved", "none"))?;
+        run_protocol(model, self, (interface, &Units::default()), None, monitor).map_err(Error::of_scenario)
+    }
+}
+
+/// Moves the load point of the interface as `task` says, from the last checkpoint if there is one.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn run_protocol(
+    model: &Model,
+    task: &Protocol,
+    (interface, units): (&scenario::Interface, &Units),
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<InterfaceNumbers>> {
+    let motion = task.build()?;
+    let part = &mut Part::new(monitor, 0.0, 0.0);
+    let driven =
+        DrivenRateDependentCells::of(model, interface, LoadPointMotion::History(motion.clone()), part)?;
+    let points = points_in_time(task, &motion, interface, driven.origin());
+    drive(model, points, (interface, units), driven, checkpoints, monitor)
+}
+
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
 ///
 /// # Errors
@@ -69,12 +112,14 @@ pub(super) fn run(
         PerCell::One => {
             let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref())?;
             let driven = DrivenContacts { lattice, chain: chain(interface) };
-            drive(model, task, (interface, units), driven, checkpoints, monitor)
+            let points = output_points(task, interface, driven.origin());
+            drive(model, points, (interface, units), driven, checkpoints, monitor)
         }
         PerCell::Many if contacts.rules.are_time_dependent() => {
-            let driven =
-                DrivenRateDependentCells::new(model, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
-            drive(model, task, (interface, units), driven, checkpoints, monitor)
+            let (motion, part) = (LoadPointMotion::of(task)?, &mut Part::new(monitor, 0.0, 0.0));
+            let driven = DrivenRateDependentCells::of(model, interface, motion, part)?;
+            let points = output_points(task, interface, driven.origin());
+            drive(model, points, (interface, units), driven, checkpoints, monitor)
         }
         PerCell::Many => {
             let tolerance = model.master_equation.tolerance();
@@ -82,22 +127,23 @@ pub(super) fn run(
                 interface.deformable(contacts.clone(), initial, tolerance, ensemble.as_ref(), monitor)?;
             let (timed, solved) = (interface.viscosity.is_some(), ensemble.is_none());
             let driven = DrivenCells { interface: built, timed, solved };
-            drive(model, task, (interface, units), driven, checkpoints, monitor)
+            let points = output_points(task, interface, driven.origin());
+            drive(model, points, (interface, units), driven, checkpoints, monitor)
         }
     }
 }
 
 fn drive<D: DrivenInterface>(
     model: &Model,
-    task: &Drive,
+    output_points: Vec<OutputPoint>,
     (interface, units): (&scenario::Interface, &Units),
     driven: D,
     checkpoints: Option<&mut dyn Checkpoints>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<InterfaceNumbers>> {
-    let output_points = output_points(task, interface);
     check_size::<D>(&output_points, interface)?;
-    let run = InterfaceRun::new(driven, interface.catalogue_from, chain(interface), checkpoints, monitor)?;
+    let from = driven.origin() + interface.catalogue_from;
+    let run = InterfaceRun::new(driven, from, chain(interface), checkpoints, monitor)?;
     let found = run.follow(&output_points, monitor)?;
     let error = found.error;
     let numbers = InterfaceNumbers { catalogue: catalogue::read::<D>(interface, units, &found.events) };
@@ -169,7 +215,8 @@ fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
     record.variables.iter_mut().for_each(|variable| variable.name.insert_str(0, "event_"));
     record.variables.extend(slipped.variables);
     let cells = [coefficient(&["point"]), MAP_DRIVE, CELL, ROW, COLUMN];
-    for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(D::MAPS) {
+    let time = D::TRACE.iter().find(|column| column.name == "time").map(|_| MAP_TIME);
+    for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(&time).chain(D::MAPS) {
         record.add(*column, Vec::new());
     }
     record
@@ -199,6 +246,11 @@ fn record<D: DrivenInterface>(
         return record;
     }
     record.add(MAP_DRIVE, maps);
+    // Along a protocol drives do not tell when: the load point may be at rest.
+    let times: Vec<f64> = output_points.iter().filter(|at| at.map).filter_map(|at| at.time).collect();
+    if !times.is_empty() {
+        record.add(MAP_TIME, times);
+    }
     let sides = match interface.cells[..] {
         [rows, columns] => vec![(ROW, rows), (COLUMN, columns)],
         _ => vec![(CELL, interface.size())],

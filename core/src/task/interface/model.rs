@@ -26,7 +26,19 @@ pub trait DrivenInterface {
     /// The present drive X_T, a length.
     fn drive(&self) -> f64;
 
-    /// Advances to the drive `to`, or by `most` events, whichever comes first. Returns whether it reached `to`.
+    /// The present value of the variable by which it advances: the drive, or the time of a protocol.
+    fn progress(&self) -> f64 {
+        self.drive()
+    }
+
+    /// The drive from which displacements are counted: 0, where the springs of relaxed contacts carry no force, or the balance
+    /// with forces that time-dependent contacts have from the start.
+    fn origin(&self) -> f64 {
+        0.0
+    }
+
+    /// Advances to `to`, a drive or a time ([`Self::progress`]), or by `most` events, whichever comes first. Returns whether it
+    /// reached `to`.
     ///
     /// # Errors
     /// A stop by the monitor; the interface is then between two events.

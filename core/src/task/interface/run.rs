@@ -122,9 +122,9 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
 
     /// Drives to one output point after the other, and returns the recorded columns.
     pub fn follow(mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<Found> {
-        let end = output_points.last().map_or(0.0, |output| output.drive);
+        let end = output_points.last().map_or(0.0, OutputPoint::progress);
         for output in &output_points[self.passed..] {
-            match self.reach(output.drive, end, monitor) {
+            match self.reach(output.progress(), end, monitor) {
                 // A stopped run stores its state; if that fails, its error replaces the stop.
                 Err(Error::Stopped) => return self.keep().and(Err(Error::Stopped)),
                 reached => reached?,
@@ -147,14 +147,14 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         Ok(())
     }
 
-    /// Drives to `next`, the drive of the next output point. The whole drive ends at `end`.
+    /// Drives to `next`, the drive or the time of the next output point. The whole drive ends at `end`.
     fn reach(&mut self, next: f64, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
         loop {
             let most = self.slice.min(self.events_left()).max(1);
-            let drive = self.model.drive();
-            monitor.events(self.count, drive);
-            report(monitor, drive / end)?;
-            let mut part = Part::new(monitor, drive / end, (next - drive).max(0.0) / end);
+            let now = self.model.progress();
+            monitor.events(self.count, self.model.drive());
+            report(monitor, now / end)?;
+            let mut part = Part::new(monitor, now / end, (next - now).max(0.0) / end);
             let mut slice = Vec::new();
             let began = Instant::now();
             let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
