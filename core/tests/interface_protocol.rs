@@ -22,8 +22,7 @@ const VISCOSITY: f64 = 1.0;
 
 /// Contacts that age, with thresholds so broad that deviations from steady sliding decay within some mean thresholds.
 fn ageing() -> Contacts {
-    let rules =
-        Rules { ageing: Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 }), ..Rules::default() };
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 }), ..Rules::default() };
     Contacts { rules, ..Contacts::new(Arc::new(Gaussian::new(1.0, 0.25).unwrap()), point(0.0)) }
 }
 
@@ -41,6 +40,7 @@ fn chain(scales: &[f64], connection: f64) -> Scenario {
         disorder: Some(Scales { scale: Some(scales.to_vec()), ..Scales::default() }),
         drive_tolerance: 1e-6,
         catalogue_from: 0.0,
+        slip_rates: None,
     };
     let contacts = scenario::Contacts {
         thresholds: Some(scenario::Law::Gaussian { mean: 1.0, std: 0.25 }),
@@ -69,10 +69,8 @@ fn follow(chain: &Scenario, steps: Vec<Step>) -> Record {
     let scenario = Scenario { protocol: Some(Protocol(steps)), ..chain.clone() };
     let model = scenario.build().unwrap();
     // The error that is estimated of the force of a cell may exceed the tolerance of a step, which it is not.
-    let unchecked = scenario::Model {
-        master_equation: scenario::MasterEquation { tolerance: None },
-        ..model
-    };
+    let unchecked =
+        scenario::Model { master_equation: scenario::MasterEquation { tolerance: None }, ..model };
     scenario.protocol.unwrap().run_interface(&unchecked, &mut ()).unwrap().record
 }
 
@@ -205,6 +203,38 @@ fn a_hold_of_a_soft_chain_creeps_to_rest_and_loses_nothing() {
 }
 
 #[test]
+fn slip_rates_are_the_motion_of_the_cells() {
+    let steps = || vec![steady(moving(1e-3, 0.1, 2)), hold(1e4, 2), moving(1e-3, 6.0, 2)];
+    let recorded = |most: usize| {
+        // Thresholds so narrow, and springs so soft, that the cells slip.
+        let mut scenario = chain(&[0.9, 1.0, 1.1], 0.05);
+        scenario.contacts.thresholds = Some(scenario::Law::Gaussian { mean: 1.0, std: 0.1 });
+        scenario.interface.as_mut().unwrap().slip_rates = Some(most);
+        follow(&scenario, steps())
+    };
+    let record = recorded(100_000);
+    let (time, rates) = (values(&record, "slip_rate_time"), values(&record, "slip_rate"));
+    let (count, positions) = (time.len(), values(&record, "cell_position"));
+    assert_eq!((rates.len(), record.get("slip_rate").unwrap().dimensions.len()), (3 * count, 2));
+    assert_eq!(values(&record, "slip_rate_step")[count - 1], (count - 1) as f64);
+    assert!(!values(&record, "event_drive").is_empty());
+    for cell in 0..3 {
+        let rate = |i: usize| rates[3 * i + cell];
+        let moved: f64 = (1..count).map(|i| 0.5 * (rate(i) + rate(i - 1)) * (time[i] - time[i - 1])).sum();
+        let expected = positions[positions.len() - 3 + cell] - positions[cell];
+        // Velocities are positions to the third order of a step, whose error is the tolerance, as is that of the trapezoidal
+        // rule, twelve times that of TR-BDF2.
+        assert!((moved / expected - 1.0).abs() < 0.01, "{cell}: {moved} {expected}");
+    }
+    // Of fewer steps every second, fourth, … is there, with the same values.
+    let few = recorded(64);
+    let every = values(&few, "slip_rate_step")[1] as usize;
+    assert!(every >= 2 && values(&few, "slip_rate_time").len() <= 64);
+    let expected: Vec<f64> = rates.chunks(3).step_by(every).flatten().copied().collect();
+    assert_eq!(values(&few, "slip_rate"), expected);
+}
+
+#[test]
 fn what_interfaces_do_not_follow_is_refused() {
     let error = |scenario: Scenario| match scenario.build() {
         Err(Error::Invalid { key, expected, .. }) => (key, expected),
@@ -213,8 +243,17 @@ fn what_interfaces_do_not_follow_is_refused() {
     let steps = Some(Protocol(vec![moving(0.1, 1.0, 2)]));
     let timed = || Scenario { protocol: steps.clone(), ..chain(&[1.0, 1.0], 1.0) };
     timed().build().unwrap();
+    let with_rates = |steps: usize, mut scenario: Scenario| {
+        scenario.interface.as_mut().unwrap().slip_rates = Some(steps);
+        scenario
+    };
+    assert_eq!(error(with_rates(1, timed())).0, "interface.slip_rates");
+    assert_eq!(error(with_rates(1_000_000_000, timed())).0, "interface.slip_rates");
     let mut athermal = timed();
     athermal.contacts.ageing = None;
+    let drive = Some(Drive::default());
+    let driven = Scenario { protocol: None, drive, ..athermal.clone() };
+    assert_eq!(error(with_rates(100, driven)).0, "interface.slip_rates");
     assert_eq!(error(athermal).0, "protocol");
     let ensemble = Some(scenario::Ensemble { size: Some(100), ..scenario::Ensemble::default() });
     let drawn = Some(Protocol(vec![steady(moving(0.1, 1.0, 2))]));

@@ -56,6 +56,8 @@ impl Deformable {
     /// maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
     /// also stored at every point.
     /// catalogue_from: events are recorded from this drive on.
+    /// slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
+    /// shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
     /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
     /// Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
@@ -66,9 +68,9 @@ impl Deformable {
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
-            catalogue_from = 0.0, progress: "_Progress" = None
+            catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None
         ),
-        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, progress=None)"
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn drive(
@@ -79,41 +81,44 @@ impl Deformable {
         tolerance: Option<f64>,
         maps: Option<&Bound<'_, PyAny>>,
         catalogue_from: f64,
+        slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Result>> {
         let py = slf.py();
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
         let drive = Drive { distance: Some(distance), points, velocity, maps, ..Drive::default() };
-        outcome(py, Self::plain(slf).scenario(drive), (tolerance, catalogue_from), progress)
+        outcome(py, Self::plain(slf).scenario(drive), tolerance, (catalogue_from, slip_rates), progress)
     }
 
     /// Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
     /// interface over time-dependent contacts.
     ///
     /// steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-    /// tolerance, catalogue_from, progress: as for drive.
+    /// tolerance, catalogue_from, slip_rates, progress: as for drive.
     ///
     /// Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
     /// trace, and of a lattice where steps begin and end.
     ///
     /// Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
     #[pyo3(
-        signature = (steps, *, tolerance = None, catalogue_from = 0.0, progress: "_Progress" = None),
-        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, progress=None)"
+        signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None),
+        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None)"
     )]
     fn follow(
         slf: &Bound<'_, Self>,
         steps: Vec<Bound<'_, Step>>,
         tolerance: Option<f64>,
         catalogue_from: f64,
+        slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Result>> {
         let mut protocol = transport::protocol(steps)?;
         let surface = Self::plain(slf);
         protocol.0[0].start = Some(surface.contacts.start);
-        let scenario = Scenario { drive: None, protocol: Some(protocol), ..surface.scenario(Drive::default()) };
-        outcome(slf.py(), scenario, (tolerance, catalogue_from), progress)
+        let scenario =
+            Scenario { drive: None, protocol: Some(protocol), ..surface.scenario(Drive::default()) };
+        outcome(slf.py(), scenario, tolerance, (catalogue_from, slip_rates), progress)
     }
 
     /// Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
@@ -246,6 +251,7 @@ impl Interface {
             disorder: disorder.map(|disorder| scales(disorder, seed.0)).transpose()?,
             drive_tolerance,
             catalogue_from: 0.0,
+            slip_rates: None,
         };
         let size = size.map(|size| size.get("size")).transpose()?;
         let ensemble = few(size, seed.0, quenched)?;
@@ -299,16 +305,18 @@ impl Interface {
     }
 }
 
-/// The result of a scenario of an interface, with the given tolerance, and events from a drive on.
+/// The result of a scenario of an interface, with the given tolerance, events from a drive on, and so many slip rates.
 fn outcome(
     py: Python<'_>,
     mut scenario: Scenario,
-    (tolerance, catalogue_from): (Option<f64>, f64),
+    tolerance: Option<f64>,
+    (catalogue_from, slip_rates): (f64, Option<Whole>),
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Py<Result>> {
     scenario.master_equation.tolerance = tolerance;
     if let Some(own) = &mut scenario.interface {
         own.catalogue_from = catalogue_from;
+        own.slip_rates = slip_rates.map(|steps| steps.get("slip_rates")).transpose()?;
     }
     let outcome = watched(progress, py, |monitor| {
         scenario.build()?;
@@ -385,6 +393,7 @@ impl Lattice {
             disorder: None,
             drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
             catalogue_from: 0.0,
+            slip_rates: None,
         };
         let disorder = convert::word("disorder", disorder)?;
         let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });

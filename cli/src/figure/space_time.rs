@@ -88,9 +88,11 @@ fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, L
     };
     let mut plots = vec![field.plot(ends, &ColorMap::Viridis, 1)];
     plots.extend(spans(record, along.events, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
-    let layout = panel((0.0, cells as f64), (first, last))
-        .with_x_label("Cell")
-        .with_y_label(style::axis(outcome, along.words, along.points));
+    let layout = panel((0.0, cells as f64), (first, last)).with_x_label("Cell").with_y_label(style::axis(
+        outcome,
+        along.words,
+        along.points,
+    ));
     Some((plots, layout))
 }
 

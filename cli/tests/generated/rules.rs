@@ -85,6 +85,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("block", "slip") if in_time || task == "protocol" => Some(true),
         ("interface", "slip" | "viscosity" | "disorder") if walk.single() => no,
         ("interface", "slip" | "viscosity") if in_time => Some(true),
+        ("interface", "slip_rates") if !in_time => no,
         ("interface", "disorder") if task == "renormalisation" => Some(true),
         ("interface", "viscosity") if task == "renormalisation" => no,
         ("interface.disorder", "std") => Some(true),

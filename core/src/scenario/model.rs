@@ -112,13 +112,15 @@ impl Task<'_> {
             Err(Error::invalid("contacts.background_force", expected, found))
         };
         match (self, &model.interface) {
-            (Task::Drive(_) | Task::Protocol(_), Some(interface)) => match (interface.contacts, interface.loading) {
-                (PerCell::One, _) => refused("none of contacts coupled one by one, which no cell holds"),
-                (_, CellLoading::Edge) => refused(
-                    "none with interface.loading = \"edge\": no spring carries it in cells away from the edge",
-                ),
-                (PerCell::Many, CellLoading::Uniform) => Ok(()),
-            },
+            (Task::Drive(_) | Task::Protocol(_), Some(interface)) => {
+                match (interface.contacts, interface.loading) {
+                    (PerCell::One, _) => refused("none of contacts coupled one by one, which no cell holds"),
+                    (_, CellLoading::Edge) => refused(
+                        "none with interface.loading = \"edge\": no spring carries it in cells away from the edge",
+                    ),
+                    (PerCell::Many, CellLoading::Uniform) => Ok(()),
+                }
+            }
             (Task::Renormalisation(_), _) => refused("none with [renormalisation], which has no forces"),
             (Task::Fit(fit), None) if fit.steady.is_some() => {
                 refused("none with [fit.steady]: fit.offset is the constant part of a measured force")
@@ -133,7 +135,9 @@ impl Task<'_> {
                 drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
             }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
-            (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| check_alone(model, "[block]")),
+            (Task::Protocol(_), Some(block)) => {
+                block.in_time(true).and_then(|_| check_alone(model, "[block]"))
+            }
             (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
                 block.inertia_and_drag().map(drop)
             }

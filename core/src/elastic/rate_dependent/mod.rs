@@ -8,10 +8,12 @@
 
 mod coupled;
 mod scaled;
+mod slip_rates;
 mod slips;
 mod state;
 
 pub use scaled::Scaled;
+pub use slip_rates::SlipRates;
 pub use state::RateDependentInterfaceState;
 
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
@@ -75,7 +77,7 @@ impl RateDependentInterfaceParameters {
 
 /// A part of the motion of the load point, at one velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DriveSegment {
+pub struct LoadPointSegment {
     /// Time at which it begins.
     pub time: f64,
     /// Load-point displacement X_T at its beginning.
@@ -86,7 +88,7 @@ pub struct DriveSegment {
     pub pulled: f64,
 }
 
-impl DriveSegment {
+impl LoadPointSegment {
     /// X_T at a time.
     fn at(&self, time: f64) -> f64 {
         self.drive + self.velocity * (time - self.time)
@@ -106,6 +108,8 @@ pub struct RateDependentInterface {
     /// Elastic energy of the slider where the cells are now, kept because the coupling computes forces in a workspace.
     coupling_energy: f64,
     slips: Slips,
+    /// The slip rates of cells, if they are recorded.
+    rates: Option<SlipRates>,
     /// Where the present run began, and its end.
     path: (f64, f64),
 }
@@ -173,6 +177,7 @@ impl RateDependentInterface {
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
             slips: Slips::new(number, slip_fraction, area),
+            rates: None,
             path: (drive, drive),
         };
         interface.look = interface.seen();
@@ -249,6 +254,26 @@ impl RateDependentInterface {
         self.motion.estimators =
             self.motion.cells.iter().map(|cell| ErrorEstimator::of(cell.contacts.as_ref())).collect();
         self
+    }
+
+    /// Records the velocities of all cells from now on, at most at this number of steps, 2 or more.
+    #[must_use]
+    pub fn with_slip_rates(mut self, most: usize) -> Self {
+        self.rates = Some(SlipRates::new(most));
+        self.record_slip_rates();
+        self
+    }
+
+    /// The recorded velocities of all cells; `None` unless requested by [`RateDependentInterface::with_slip_rates`].
+    pub fn slip_rates(&self) -> Option<&SlipRates> {
+        self.rates.as_ref()
+    }
+
+    fn record_slip_rates(&mut self) {
+        if let Some(rates) = &mut self.rates {
+            let SliderMotion { time, drive, ref cells, .. } = self.motion;
+            rates.add(time, drive, cells.iter().map(|cell| cell.velocity));
+        }
     }
 
     /// Estimated upper limit of the error of the force of a cell so far: the difference from the force at a larger tolerance of
@@ -349,7 +374,7 @@ impl RateDependentInterface {
     /// A velocity below 0; an accuracy that steps do not reach; stopped by the monitor.
     pub fn follow_with(
         &mut self,
-        segment: &DriveSegment,
+        segment: &LoadPointSegment,
         until: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
@@ -403,6 +428,7 @@ impl RateDependentInterface {
         let before = std::mem::replace(&mut self.look, now);
         self.update_coupling_energy();
         self.slips.pass(&before, &self.look, pulled, self.coupling.as_ref());
+        self.record_slip_rates();
     }
 
     /// A snapshot of the cells.

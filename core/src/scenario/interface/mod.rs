@@ -62,6 +62,11 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-dimension" = "length"))]
     pub catalogue_from: f64,
+    /// Largest number of steps in time at which the velocity of every cell is stored, 2 or more, evenly numbered among all steps,
+    /// which are short in events; without it none is. Only with time-dependent contacts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 2))]
+    pub slip_rates: Option<usize>,
 }
 
 /// What a cell is.

@@ -1,6 +1,8 @@
 //! Cells with time-dependent contacts as an interface that is driven at a velocity, or along a protocol.
 
-use crate::elastic::{DriveSegment, Event, RateDependentInterface, RateDependentInterfaceState, Slipped};
+use crate::elastic::{
+    Event, LoadPointSegment, RateDependentInterface, RateDependentInterfaceState, SlipRates, Slipped,
+};
 use crate::energy::EnergyBalance;
 use crate::history::History;
 use crate::monitor::{Aside, Monitor};
@@ -59,7 +61,12 @@ impl DrivenRateDependentCells {
         motion: LoadPointMotion,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
+        let rates = interface.slip_rates;
         let interface = cells_in_time(model, interface, monitor)?;
+        let interface = match rates {
+            Some(most) => interface.with_slip_rates(most),
+            None => interface,
+        };
         // The error estimate moves copies of all contacts, so it is made only if an accuracy is required.
         let required = model.master_equation.tolerance.is_some() && model.ensemble.is_none();
         Ok(Self::new(if required { interface.with_error() } else { interface }, motion))
@@ -86,13 +93,13 @@ impl DrivenRateDependentCells {
 }
 
 /// A piece of a history as a motion of the load point from the drive `origin`.
-fn segment(history: &History, piece: usize, origin: f64) -> DriveSegment {
+fn segment(history: &History, piece: usize, origin: f64) -> LoadPointSegment {
     let (time, position) = history.knots()[piece];
     let (pieces, velocity) = (history.pieces(), history.pieces()[piece].velocity);
     // At rest, slips are those of the last motion, or of the first one if there was none.
     let mut moving = pieces[..=piece].iter().rev().chain(&pieces[piece..]).map(|piece| piece.velocity);
     let pulled = moving.find(|velocity| *velocity > 0.0).unwrap_or(f64::INFINITY);
-    DriveSegment { time, drive: origin + position, velocity, pulled }
+    LoadPointSegment { time, drive: origin + position, velocity, pulled }
 }
 
 /// The cells that `interface` describes, with the contacts and the accuracy of `model`.
@@ -171,6 +178,10 @@ impl DrivenInterface for DrivenRateDependentCells {
 
     fn time(&self) -> f64 {
         self.interface.time()
+    }
+
+    fn slip_rates(&self) -> Option<&SlipRates> {
+        self.interface.slip_rates()
     }
 
     fn force(&self) -> f64 {

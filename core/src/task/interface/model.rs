@@ -1,6 +1,7 @@
 //! The trait of interfaces that are driven from event to event.
 
 use crate::Result;
+use crate::elastic::SlipRates;
 use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Record};
@@ -73,6 +74,11 @@ pub trait DrivenInterface {
 
     /// Energy balance since the beginning; `None` where it is not computed.
     fn energy(&self) -> Option<EnergyBalance>;
+
+    /// The velocities of all cells at steps in time; `None` where they are not recorded.
+    fn slip_rates(&self) -> Option<&SlipRates> {
+        None
+    }
 
     /// Present values of the columns [`DrivenInterface::TRACE`], in their order.
     fn trace(&self) -> Vec<f64>;

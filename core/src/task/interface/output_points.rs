@@ -81,6 +81,7 @@ mod tests {
             disorder: None,
             drive_tolerance: 1e-6,
             catalogue_from: 0.0,
+            slip_rates: None,
         }
     }
 

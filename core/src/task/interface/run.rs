@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::elastic::SlipRates;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::{Error, Result};
@@ -52,6 +53,8 @@ pub struct Found {
     pub maps: Vec<Vec<f64>>,
     /// Estimated error of the force of a cell; `None` if contacts are followed one by one.
     pub error: Option<f64>,
+    /// The velocities of all cells at steps in time, if they are recorded.
+    pub slip_rates: Option<SlipRates>,
 }
 
 /// The content of a checkpoint in addition to the columns.
@@ -70,6 +73,7 @@ impl Found {
             trace: vec![Vec::new(); M::TRACE.len()],
             maps: vec![Vec::new(); M::MAPS.len()],
             error: None,
+            slip_rates: None,
         }
     }
 
@@ -131,7 +135,8 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             }
             self.observe(output)?;
         }
-        Ok(Found { error: self.model.error(), ..self.found })
+        let slip_rates = self.model.slip_rates().cloned();
+        Ok(Found { error: self.model.error(), slip_rates, ..self.found })
     }
 
     fn observe(&mut self, output: &OutputPoint) -> Result<()> {
