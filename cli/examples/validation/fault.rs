@@ -121,10 +121,10 @@ the eighth event. Slower loading gives contacts more time to age. Chain and bloc
         let (chain, block) = (of_chain(velocity), of_block(velocity));
         page.row(&[
             format!("{velocity:.0e}"),
-            format!("{:.3}", chain.0),
-            format!("{:.3}", block.0),
-            format!("{:.3}", chain.1),
-            format!("{:.3}", block.1),
+            format!("{:.2}", chain.0),
+            format!("{:.2}", block.0),
+            format!("{:.2}", chain.1),
+            format!("{:.2}", block.1),
         ]);
     }
     page.end();
@@ -134,7 +134,7 @@ the eighth event. Slower loading gives contacts more time to age. Chain and bloc
 const SPRING: f64 = 0.05;
 const ACCURATE: f64 = 1e-4;
 /// Largest drive of the recurrence.
-const FAR: f64 = 100.0;
+const FAR: f64 = 150.0;
 
 /// Mean recurrence and drop of the fourth to the eighth of these events.
 fn means(drives: &[f64], drops: &[f64]) -> (f64, f64) {

@@ -79,6 +79,7 @@ impl DrivenRateDependentCells {
             LoadPointMotion::Velocity(velocity) => return interface.next_with(to, *velocity, monitor),
             LoadPointMotion::History(history) => history,
         };
+        let to = to.min(history.duration());
         loop {
             let piece = history.piece_at(interface.time());
             let end = history.knots()[piece + 1].0.min(to);

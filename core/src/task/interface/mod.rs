@@ -10,7 +10,7 @@ mod run;
 
 use super::accuracy::ForceAccuracy;
 use super::background::coefficient;
-use super::summary::InterfaceNumbers;
+use super::summary::{Catalogue, InterfaceNumbers};
 use super::{Checkpoints, Output};
 use crate::elastic::{Event, SlipRates};
 use crate::monitor::{Monitor, Part};
@@ -158,7 +158,11 @@ fn drive<D: DrivenInterface>(
     let run = InterfaceRun::new(driven, from, chain(interface), checkpoints, monitor)?;
     let found = run.follow(output_points, monitor)?;
     let error = found.error;
-    let numbers = InterfaceNumbers { catalogue: catalogue::read::<D>(interface, units, &found.events) };
+    let catalogue = Catalogue {
+        from: if interface.catalogue_from > 0.0 { from } else { 0.0 },
+        ..catalogue::read::<D>(interface, units, &found.events)
+    };
+    let numbers = InterfaceNumbers { catalogue };
     let mut record = record::<D>(interface, output_points, found);
     let cells = if interface.contacts == PerCell::One { 1 } else { interface.size() };
     model.add_background_of_cells(cells, &mut record);
@@ -204,7 +208,11 @@ fn check_size<D: DrivenInterface>(
         return Ok(());
     }
     // The cells of a chain are recorded at every point of the trace.
-    let key = if chain(interface) { "drive.points" } else { "drive.maps" };
+    let key = match (output_points.iter().any(|at| at.time.is_some()), chain(interface)) {
+        (true, _) => "protocol",
+        (false, true) => "drive.points",
+        (false, false) => "drive.maps",
+    };
     let expected = format!(
         "maps of the cells that fit in a result file of {} MB: {}",
         LARGEST / 1_000_000,
