@@ -53,8 +53,8 @@ Contacts with logarithmic ageing (Δx_s = 0.05 per factor e of age, t₀ = 1) in
 chain has 20 cells with K_int = 25 and is pulled at one end by K_0 = 2 at v = 0.001 (σ = 0.1, the scenario `front-ageing`). From
 the pulled end a slow front moves along the chain, behind which cells creep; when the creeping part is long enough, a fast front
 runs to both ends. The slow front is where a cell has moved by 0.1 since the last event, its speed that between the cells 2 and 8
-before the last of five events; the fast front is that of the event. No reference is known; the speeds are the same at another
-tolerance.
+before the last of five events; the fast front is that of the event. No reference is known. With the tolerance the slow front
+changes by 1 %, and the fast one, which depends on where slip begins, by a tenth.
 ",
     );
     page.head(&[

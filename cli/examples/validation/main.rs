@@ -41,9 +41,6 @@ fn folder() -> PathBuf {
 }
 
 fn main() -> std::io::Result<()> {
-    if let Some(only) = std::env::var_os("ONLY") {
-        return fault::section(Page::default()).write(Path::new(&only));
-    }
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
     let page = lattice::section(scatter::section(stability::section(page, false), false), false);
