@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 40] = shipped![
+const SHIPPED: [Shipped; 41] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -49,6 +49,7 @@ const SHIPPED: [Shipped; 40] = shipped![
     "precursors-edge.toml",
     "half-space-512.toml",
     "front-ageing.toml",
+    "hold-chain.toml",
     "renormalised.toml",
     "renormalised-cells.toml",
     "first_loading.csv",

@@ -49,6 +49,27 @@ slip = 'overdamped'
 viscosity = 0.3
 ";
 
+/// The same cells along a protocol with a hold, with their slip rates.
+const HELD: &str = "
+title = 'Precursors, and a hold'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.ageing.logarithmic = { growth = 0.05, time = 1.0 }
+protocol = [
+    { velocity = 1e-2, distance = 20.0, points = 11 },
+    { hold = 1e4, points = 3 },
+    { velocity = 1e-2, distance = 40.0, points = 11 },
+]
+master_equation.tolerance = 1e-3
+[interface]
+cells = [6]
+coupling.neighbours = { stiffness = 2.0 }
+connection = 2.0
+loading = 'edge'
+slip = 'overdamped'
+viscosity = 0.3
+slip_rates = 100
+";
+
 /// Cells of few contacts, many events.
 const FEW: &str = "
 [ensemble]
@@ -140,6 +161,7 @@ fn cells_that_are_killed_and_interrupted_give_the_same_bytes() {
 #[test]
 fn cells_in_time_that_are_killed_and_interrupted_give_the_same_bytes() {
     same_bytes_after(IN_TIME, 1, &[(1, "-KILL"), (3, "-KILL"), (4, "-INT"), (5, "-KILL")]);
+    same_bytes_after(HELD, 1, &[(1, "-KILL"), (3, "-KILL"), (4, "-INT"), (5, "-KILL")]);
     same_bytes_after(
         &[IN_TIME, FEW].concat(),
         5,
@@ -323,7 +345,8 @@ fn only_interfaces_have_checkpoints() {
         for option in [&["--checkpoint", "10"][..], &["--resume"]] {
             let output = folder.run(&[&["run", scenario], option].concat());
             assert_eq!(output.status.code(), Some(2));
-            let expected = format!("{}: expected a scenario of [drive] with [interface]", option[0]);
+            let expected =
+                format!("{}: expected a scenario of [drive] or [[protocol]] with [interface]", option[0]);
             assert!(errors(&output).contains(&expected), "{}", errors(&output));
         }
     }

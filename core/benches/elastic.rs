@@ -9,8 +9,8 @@ use asperity::elastic::cells::Cells;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters, RateDependentInterface,
-    RateDependentInterfaceParameters,
+    CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters, LoadPointSegment,
+    RateDependentInterface, RateDependentInterfaceParameters,
 };
 use asperity::law::{Gaussian, Point};
 use asperity::master::{MasterEquation, MasterPopulation, Transport};
@@ -39,19 +39,56 @@ fn main() {
     in_time("pulled at one end", 20, 7, CellLoading::Edge, (2.0, 25.0), 0.0);
     in_time("pulled everywhere", 100, 10, CellLoading::Uniform, (0.5, 5.0), 0.1);
     in_time("small events", 1000, 100, CellLoading::Uniform, (0.5, 1.0), 0.2);
+    println!(
+        "\n{:<30} {:>8} {:>12} {:>12} {:>12}",
+        "slide, hold, slide", "cells", "start, s", "hold, s", "rupture, s"
+    );
+    for number in [40, 400] {
+        held(number);
+    }
+}
+
+/// CPU time of a start in steady sliding of cells that differ, of a hold, and of the loading after it with the first rupture.
+fn held(number: usize) {
+    let (tolerance, velocity, hold) = (1e-3, 1e-3, 1e4);
+    let contacts = ageing();
+    let mut stream = Stream::new(1, Purpose::Cells, 0);
+    let begun = ProcessTime::now();
+    let cell = |_| -> Box<dyn RateDependentContacts> {
+        let scale = 1.0 + 0.1 * 12.0_f64.sqrt() * (stream.uniform() - 0.5);
+        let steady = Transport::steady_with(&contacts, velocity / scale, tolerance, &mut ()).unwrap();
+        Box::new(Scaled::new(Box::new(steady), scale).unwrap())
+    };
+    let cells = (0..number).map(cell).collect();
+    let setting = RateDependentInterfaceParameters::new(0.05, 1.0, tolerance);
+    let coupling = neighbours(Shape::Chain(number), Edges::Open, 2.0).unwrap();
+    let mut interface = RateDependentInterface::new(cells, coupling, setting).unwrap();
+    let start = begun.elapsed().as_secs_f64();
+    let at_rest = LoadPointSegment { time: 0.0, drive: interface.drive(), velocity: 0.0, pulled: velocity };
+    assert!(interface.follow_with(&at_rest, hold, &mut ()).unwrap().is_empty());
+    let rested = begun.elapsed().as_secs_f64();
+    let mut cells = 0;
+    while cells < number / 2 {
+        cells = interface.next(1e3, velocity).unwrap().iter().map(|(event, _)| event.cells).max().unwrap();
+    }
+    let [hold, rupture] = [rested - start, begun.elapsed().as_secs_f64() - rested];
+    println!("{:<30} {number:>8} {start:>12.2} {hold:>12.2} {rupture:>12.2}", "");
+}
+
+/// Contacts that age, with Gaussian thresholds.
+fn ageing() -> Contacts {
+    let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
+    let rules = Rules { ageing, ..Rules::default() };
+    let law = Arc::new(Gaussian::new(1.0, 0.1).unwrap());
+    Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) }
 }
 
 /// Throughput of a chain in time at a tolerance of 1e-3, with the springs of the connection and between cells, and scales of
 /// cells with this standard deviation.
 fn in_time(name: &str, number: usize, most: usize, loading: CellLoading, springs: (f64, f64), std: f64) {
     let (tolerance, velocity, far) = (1e-3, 1e-3, 1e3);
-    let relaxed = Arc::new(Point::new(0.0).unwrap());
-    let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
-    let rules = Rules { ageing, ..Rules::default() };
-    let law = Arc::new(Gaussian::new(1.0, 0.1).unwrap());
-    let contacts = Contacts { rules, ..Contacts::new(law, relaxed.clone()) };
-    let start = Initial { law: relaxed, start: Start::Conditional };
-    let alike = Transport::new_with(contacts, &start, tolerance, &mut ()).unwrap();
+    let start = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
+    let alike = Transport::new_with(ageing(), &start, tolerance, &mut ()).unwrap();
     let mut stream = Stream::new(1, Purpose::Cells, 0);
     let cell = |_| -> Box<dyn RateDependentContacts> {
         // A uniform distribution of this standard deviation.

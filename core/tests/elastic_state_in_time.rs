@@ -84,7 +84,7 @@ fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> RateDependentInte
         .iter()
         .map(|&scale| -> Box<dyn RateDependentContacts> { Box::new(Scaled::new(cell(), scale).unwrap()) });
     let coupling = half_space(Shape::Chain(SCALES.len()), Edges::Open, 0.5, 1.0).unwrap();
-    RateDependentInterface::new(cells.collect(), coupling, setting).unwrap()
+    RateDependentInterface::new(cells.collect(), coupling, setting).unwrap().with_slip_rates(16)
 }
 
 /// Says stop after so many steps.

@@ -449,9 +449,11 @@ class Deformable(Description):
         tolerance: _Number | None = None,
         maps: ArrayLike | None = None,
         catalogue_from: _Number = 0.0,
+        slip_rates: SupportsIndex | None = None,
         progress: _Progress = None,
     ) -> Result:
-        """Drives the interface from X_T = 0 to distance, from event to event.
+        """Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
+        contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
 
         points: the number of points of the trace, including both ends.
         velocity: the velocity of the drive, above 0; required for time-dependent contacts.
@@ -460,6 +462,8 @@ class Deformable(Description):
         maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
         also stored at every point.
         catalogue_from: events are recorded from this drive on.
+        slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
+        shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
         progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
         Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
@@ -469,10 +473,32 @@ class Deformable(Description):
         Raises ValueError for invalid values, or for more results than fit in a file.
         """
 
+    def follow(
+        self,
+        /,
+        steps: Sequence[Step],
+        *,
+        tolerance: _Number | None = None,
+        catalogue_from: _Number = 0.0,
+        slip_rates: SupportsIndex | None = None,
+        progress: _Progress = None,
+    ) -> Result:
+        """Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
+        interface over time-dependent contacts.
+
+        steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
+        tolerance, catalogue_from, slip_rates, progress: as for drive.
+
+        Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
+        trace, and of a lattice where steps begin and end.
+
+        Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
+        """
+
     def simulation(
         self, /, *, velocity: _Number | None = None, tolerance: _Number | None = None
     ) -> Simulation:
-        """Returns a simulation that advances step by step, at X_T = 0.
+        """Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
 
         velocity, tolerance: as for drive.
 
@@ -988,7 +1014,8 @@ class Interface(Deformable):
 
     contacts: the contacts of a cell.
     cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-    initial, start: as for MasterEquation.
+    initial, start: as for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the
+    drive, unless they have a size.
     connection: K_0, the stiffness of the spring between a cell and the drive.
     neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
     half-space and the side of a cell.

@@ -14,6 +14,7 @@ use crate::model::{interface, interface_arguments, steady_interface};
 use crate::result::{self, Result};
 use crate::simulation::Simulation;
 use crate::stretches::StretchGrid;
+use crate::transport::{self, Step};
 use crate::watch::watched;
 use crate::{description, error, simulated, typed, values};
 
@@ -45,7 +46,8 @@ pub struct Deformable;
 
 #[pymethods]
 impl Deformable {
-    /// Drives the interface from X_T = 0 to distance, from event to event.
+    /// Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
+    /// contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
     ///
     /// points: the number of points of the trace, including both ends.
     /// velocity: the velocity of the drive, above 0; required for time-dependent contacts.
@@ -54,6 +56,8 @@ impl Deformable {
     /// maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
     /// also stored at every point.
     /// catalogue_from: events are recorded from this drive on.
+    /// slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
+    /// shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
     /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
     /// Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
@@ -64,9 +68,9 @@ impl Deformable {
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
-            catalogue_from = 0.0, progress: "_Progress" = None
+            catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None
         ),
-        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, progress=None)"
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn drive(
@@ -77,25 +81,47 @@ impl Deformable {
         tolerance: Option<f64>,
         maps: Option<&Bound<'_, PyAny>>,
         catalogue_from: f64,
+        slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Result>> {
         let py = slf.py();
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
         let drive = Drive { distance: Some(distance), points, velocity, maps, ..Drive::default() };
-        let mut scenario = Self::plain(slf).scenario(drive);
-        scenario.master_equation.tolerance = tolerance;
-        if let Some(own) = &mut scenario.interface {
-            own.catalogue_from = catalogue_from;
-        }
-        let outcome = watched(progress, py, |monitor| {
-            scenario.build()?;
-            asperity_runner::run(&scenario, monitor)
-        })?;
-        result::object(py, outcome)
+        outcome(py, Self::plain(slf).scenario(drive), tolerance, (catalogue_from, slip_rates), progress)
     }
 
-    /// Returns a simulation that advances step by step, at X_T = 0.
+    /// Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
+    /// interface over time-dependent contacts.
+    ///
+    /// steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
+    /// tolerance, catalogue_from, slip_rates, progress: as for drive.
+    ///
+    /// Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
+    /// trace, and of a lattice where steps begin and end.
+    ///
+    /// Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
+    #[pyo3(
+        signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None),
+        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None)"
+    )]
+    fn follow(
+        slf: &Bound<'_, Self>,
+        steps: Vec<Bound<'_, Step>>,
+        tolerance: Option<f64>,
+        catalogue_from: f64,
+        slip_rates: Option<Whole>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Result>> {
+        let mut protocol = transport::protocol(steps)?;
+        let surface = Self::plain(slf);
+        protocol.0[0].start = Some(surface.contacts.start);
+        let scenario =
+            Scenario { drive: None, protocol: Some(protocol), ..surface.scenario(Drive::default()) };
+        outcome(slf.py(), scenario, tolerance, (catalogue_from, slip_rates), progress)
+    }
+
+    /// Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
     ///
     /// velocity, tolerance: as for drive.
     ///
@@ -152,7 +178,8 @@ impl Deformable {
 ///
 /// contacts: the contacts of a cell.
 /// cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-/// initial, start: as for MasterEquation.
+/// initial, start: as for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the
+/// drive, unless they have a size.
 /// connection: K_0, the stiffness of the spring between a cell and the drive.
 /// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
 /// half-space and the side of a cell.
@@ -224,6 +251,7 @@ impl Interface {
             disorder: disorder.map(|disorder| scales(disorder, seed.0)).transpose()?,
             drive_tolerance,
             catalogue_from: 0.0,
+            slip_rates: None,
         };
         let size = size.map(|size| size.get("size")).transpose()?;
         let ensemble = few(size, seed.0, quenched)?;
@@ -275,6 +303,26 @@ impl Interface {
         })?;
         values::stretches(py, stretches, found)
     }
+}
+
+/// The result of a scenario of an interface, with the given tolerance, events from a drive on, and so many slip rates.
+fn outcome(
+    py: Python<'_>,
+    mut scenario: Scenario,
+    tolerance: Option<f64>,
+    (catalogue_from, slip_rates): (f64, Option<Whole>),
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Py<Result>> {
+    scenario.master_equation.tolerance = tolerance;
+    if let Some(own) = &mut scenario.interface {
+        own.catalogue_from = catalogue_from;
+        own.slip_rates = slip_rates.map(|steps| steps.get("slip_rates")).transpose()?;
+    }
+    let outcome = watched(progress, py, |monitor| {
+        scenario.build()?;
+        asperity_runner::run(&scenario, monitor)
+    })?;
+    result::object(py, outcome)
 }
 
 /// The ensemble of contacts, if their number is given.
@@ -345,6 +393,7 @@ impl Lattice {
             disorder: None,
             drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
             catalogue_from: 0.0,
+            slip_rates: None,
         };
         let disorder = convert::word("disorder", disorder)?;
         let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });

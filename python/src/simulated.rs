@@ -9,7 +9,7 @@ use asperity::record::Record;
 use asperity::scenario::{self, Drive, PerCell};
 use asperity::task::Grid;
 use asperity::task::interface::{
-    DrivenCells, DrivenContacts, DrivenInterface, DrivenRateDependentCells, cells_in_time,
+    DrivenCells, DrivenContacts, DrivenInterface, DrivenRateDependentCells, LoadPointMotion, cells_in_time,
 };
 use asperity::{Error, Result, block};
 use serde::Serialize;
@@ -177,7 +177,7 @@ impl<M: DrivenInterface + Send> Simulated for SimulatedInterface<M> {
     }
 }
 
-/// The interface, driven from X_T = 0, at a velocity if its contacts are time-dependent.
+/// The interface, driven from balance, at a velocity if its contacts are time-dependent.
 pub fn interface(
     surface: &Surface,
     velocity: Option<f64>,
@@ -236,7 +236,7 @@ fn rate_dependent_cells(
     let interface = cells_in_time(model, &surface.own, monitor)?;
     Ok(Box::new(SimulatedInterface {
         cells: interface.len(),
-        model: DrivenRateDependentCells { interface, velocity },
+        model: DrivenRateDependentCells::new(interface, LoadPointMotion::Velocity(velocity)),
         stretch_density: Box::new(|model, cell, grid, _| grid.count(&model.interface.stretches(cell)?)),
     }))
 }

@@ -242,6 +242,60 @@ def test_what_is_no_interval_of_checkpoints_is_refused(tmp_path: Path, every: in
         asp.run(OFC, folder=tmp_path / "ofc", checkpoint=2.5)  # type: ignore[arg-type]
 
 
+def ageing_chain(start: Any = "conditional", **more: Any) -> asp.Interface:
+    contacts = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.25), ageing=asp.Logarithmic(growth=0.04, time=1.0))
+    return asp.Interface(
+        contacts,
+        [3],
+        neighbours=1.0,
+        connection=200.0,
+        slip="overdamped",
+        viscosity=1.0,
+        start=start,
+        **more,
+    )
+
+
+def test_an_interface_slides_steadily_from_the_start_and_heals_in_a_hold() -> None:
+    steps = [asp.Step(0.1, distance=0.2, points=3), asp.Step(hold=1e3, points=3), asp.Step(0.1, distance=1.5)]
+    result = ageing_chain("steady").follow(steps, slip_rates=50)
+    steady = asp.MasterEquation(ageing_chain().contacts, velocity=0.1).steady_state().kinetic_friction
+    # The tolerance, 1e-4 by default, for three cells.
+    np.testing.assert_allclose(result["force"][:3], 3 * steady, atol=3e-4)
+    assert result["drive"][0] == pytest.approx((steady + 0.1) / 200, abs=1e-4)
+    # A rigid slider over the same contacts, but for the stiffness of the machine.
+    rigid = asp.Transport(ageing_chain().contacts, start="steady", velocity=0.1).follow(steps)
+    assert result["force"].max() / 3 == pytest.approx(rigid["force"].max(), abs=2e-3)
+    assert result["force"].max() / 3 > steady + 0.1
+    assert result["slip_rate"].shape == (len(result["slip_rate_time"]), 3)
+    assert 25 <= len(result["slip_rate_time"]) <= 50
+    assert result["slip_rate"][0] == pytest.approx([0.1, 0.1, 0.1])
+    assert result["map_time"].tolist() == result["time"].tolist()
+
+
+def test_the_drive_of_an_interface_starts_in_steady_sliding() -> None:
+    result = ageing_chain("steady", disorder=[0.9, 1.0, 1.2]).drive(0.5, 6, velocity=0.1, tolerance=1e-4)
+    np.testing.assert_allclose(result["cell_force"] - result["cell_force"][0], 0.0, atol=4e-4)
+    np.testing.assert_allclose(np.diff(result["drive"]), 0.1)
+    simulation = ageing_chain("steady").simulation(velocity=0.1)
+    assert simulation.drive > 0.0
+    assert simulation.force == pytest.approx(3 * 0.58699, abs=1e-3)
+
+
+def test_what_does_not_follow_steps_is_refused() -> None:
+    steps = [asp.Step(0.1, distance=0.2)]
+    with pytest.raises(ValueError, match=r"protocol: expected \[drive\] where contacts are not"):
+        lattice().follow(steps)
+    with pytest.raises(ValueError, match="velocity: expected a velocity above 0 in the first step"):
+        ageing_chain("steady").follow([asp.Step(hold=1.0)])
+    with pytest.raises(ValueError, match="ensemble: expected no ensemble of time-dependent contacts"):
+        ageing_chain("steady", size=100).follow(steps)
+    with pytest.raises(ValueError, match="steps: expected at least one step"):
+        ageing_chain().follow([])
+    with pytest.raises(ValueError, match="slip_rates"):
+        ageing_chain().follow(steps, slip_rates=1)
+
+
 def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
     folder = tmp_path / "ofc"
 
@@ -263,6 +317,7 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="folder: expected one"):
         asp.run(OFC, resume=True)
     with pytest.raises(
-        ValueError, match=r"checkpoint: expected a scenario of \[drive\] with \[interface\], got one without"
+        ValueError,
+        match=r"checkpoint: expected a scenario of \[drive\] or \[\[protocol\]\] with \[interface\]",
     ):
         asp.run(OFC.with_name("fig2.toml"), folder=tmp_path / "pull", checkpoint=10)

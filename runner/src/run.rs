@@ -18,7 +18,8 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
     run_with(scenario, None, monitor)
 }
 
-/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` of an `[interface]` uses them.
+/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` and `[[protocol]]` of an `[interface]` use
+/// them.
 ///
 /// # Errors
 /// As [`run`]; a stop if a checkpoint cannot be written or read ([`Checkpoints::failure`]).

@@ -9,6 +9,7 @@ mod cost;
 #[path = "../../src/figure/curve.rs"]
 #[allow(dead_code)]
 mod curve;
+mod fault;
 mod interface;
 mod lattice;
 mod page;
@@ -43,7 +44,7 @@ fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
     let page = lattice::section(scatter::section(stability::section(page, false), false), false);
-    let page = interface::section(renormalised::section(page, false));
+    let page = fault::section(interface::section(renormalised::section(page, false)));
     let page = speed::section(time::section(page, false));
     page.write(&folder())
 }
@@ -90,7 +91,7 @@ mod tests {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
         let page = lattice::section(scatter::section(stability::section(page, true), true), true);
-        let page = interface::section(renormalised::section(page, true));
+        let page = fault::section(interface::section(renormalised::section(page, true)));
         let page = time::section(page, true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();

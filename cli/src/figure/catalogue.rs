@@ -8,6 +8,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
+use super::advance::Advance;
 use super::curve::{Point, line, thinned};
 use super::style::{self, BLUE, GREY, ORANGE, Plots};
 
@@ -67,14 +68,14 @@ fn rounded(value: f64) -> String {
     style::digits(two)
 }
 
-/// The force along the drive: at the points of the trace and, if there are few slides, before and after every slide.
+/// The force along the drive, or over the time of a protocol: at the points of the trace and, if there are few slides, before and after every slide.
 fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
-    let mut points: Vec<Point> = pairs(record.values("drive")?, record.values("force")?).collect();
+    let along = Advance::of(record)?;
+    let mut points: Vec<Point> = pairs(&along.points.values, record.values("force")?).collect();
     let (before, after) = (record.values("event_force_before")?, record.values("event_force_after")?);
-    let drives = record.values("event_drive").unwrap_or_default();
     // Events at the same drive are parts of one slide and share its forces.
-    let mut slides: Vec<_> = drives.iter().zip(before.iter().zip(after)).collect();
+    let mut slides: Vec<_> = along.events.iter().zip(before.iter().zip(after)).collect();
     slides.dedup_by_key(|(drive, _)| *drive);
     if slides.len() <= FEW {
         let both = slides.iter().flat_map(|&(&drive, (&before, &after))| [(drive, before), (drive, after)]);
@@ -86,7 +87,7 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let (low, high) = style::range([heights.as_slice()]);
     let last = points.last()?.0;
     let layout = panel((points[0].0, last), style::heights(low, high))
-        .with_x_label(style::axis(outcome, "Load-point displacement X_T", record.get("drive")?))
+        .with_x_label(style::axis(outcome, along.words, along.points))
         .with_y_label(style::axis(outcome, "Force F", record.get("force")?));
     Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
 }

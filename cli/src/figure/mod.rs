@@ -1,5 +1,6 @@
 //! The pictures of a run.
 
+mod advance;
 mod catalogue;
 mod corner;
 mod covariance;
@@ -18,6 +19,7 @@ mod potential;
 mod protocol;
 mod sizes;
 mod slip;
+mod slip_rate;
 mod space_time;
 mod spectrum;
 mod stick_slip;
@@ -67,6 +69,7 @@ fn pictures(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String>
         ("catalogue", catalogue::scene(outcome)),
         ("stress_map", stress_map::scene(outcome)),
         ("space_time", space_time::scene(outcome)),
+        ("slip_rate", slip_rate::scene(outcome)),
         ("thresholds", thresholds::scene(outcome)),
         ("spectrum", spectrum::scene(outcome).or_else(|| fit_spectrum::scene(outcome))),
         ("correlation", spectrum::correlation(outcome)),

@@ -6,6 +6,7 @@ use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
+use super::advance::is_in_time;
 use super::curve::{Point, curve, errors, line, thinned};
 use super::style::{self, BLUE, GREEN, ORANGE, Plots};
 
@@ -18,8 +19,8 @@ const LABEL: f64 = 26.0;
 const MARKERS: usize = 80;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
-    // Interfaces have pictures of their own.
-    if outcome.summary.numbers.catalogue().is_some() {
+    // A driven interface has pictures of its own.
+    if outcome.summary.numbers.catalogue().is_some() && !is_in_time(&outcome.record) {
         return None;
     }
     let (above, below) = (velocity(outcome)?, force(outcome)?);
@@ -38,6 +39,10 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
 }
 
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
+    // The contacts of cells are of one kind; a rigid slider and a block have both.
+    if outcome.summary.numbers.catalogue().is_some() && outcome.summary.disorder.is_some() {
+        return vec![style::line(style::sized_ensemble(outcome), BLUE, None)];
+    }
     let mut entries = vec![style::line("master equation", BLUE, None)];
     if outcome.record.get("ensemble_force").is_some() && outcome.record.get("ensemble_drive").is_none() {
         entries.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));

@@ -1,4 +1,5 @@
-//! `space_time`: the forces along a chain during the drive, the cells that slip, and the fronts of the largest event.
+//! `space_time`: the forces along a chain during the drive, or over the time of a protocol, the cells that slip, and the fronts
+//! of the largest event.
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
@@ -8,6 +9,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
+use super::advance::Advance;
 use super::curve::{Point, line};
 use super::field::{Field, bar, scale};
 use super::style::{self, BLACK, ORANGE, Plots, RED};
@@ -52,39 +54,51 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(figure.render())
 }
 
+/// The rows that are drawn: as many as there are points of the trace with maps, evenly spaced from one end of the trace to the
+/// other, each the last one before its place.
+fn rows(along: &Advance<'_>, (first, last): (f64, f64)) -> Vec<usize> {
+    let points = &along.points.values;
+    let among: Vec<usize> = (0..along.maps.len())
+        .filter(|&row| points.binary_search_by(|point| point.total_cmp(&along.maps[row])).is_ok())
+        .collect();
+    let steps = among.len().max(2) - 1;
+    let near = |i: usize| {
+        // Half a step allows for the rounding of points that are evenly spaced.
+        let value = first + (last - first) * (i as f64 + 0.5) / steps as f64;
+        among[among.partition_point(|&row| along.maps[row] <= value).max(1) - 1]
+    };
+    (0..among.len()).map(near).collect()
+}
+
 /// The forces of the cells at the points of the trace, with the large events.
 fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
-    let (drives, points) = (record.values("map_drive")?, record.values("drive")?);
-    let last = *points.last()?;
-    let rows: Vec<usize> = (0..drives.len())
-        .filter(|&row| points.binary_search_by(|point| point.total_cmp(&drives[row])).is_ok())
-        .collect();
+    let along = Advance::of(record)?;
+    let (first, last) = style::range([along.points.values.as_slice()]);
+    let rows = rows(&along, (first, last));
     let values: Vec<f64> =
         rows.iter().filter_map(|&row| record.row("cell_force", row)).flatten().copied().collect();
     // A row shows the cells at one drive and is centred there.
-    let half = 0.5 * last / (rows.len().max(2) - 1) as f64;
+    let half = 0.5 * (last - first) / (rows.len().max(2) - 1) as f64;
     let field = Field {
         values: &values,
         sides: [rows.len(), cells],
         x: (0.0, cells as f64),
-        y: (-half, last + half),
+        y: (first - half, last + half),
     };
     let mut plots = vec![field.plot(ends, &ColorMap::Viridis, 1)];
-    plots.extend(spans(record, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
-    let layout = panel((0.0, cells as f64), (0.0, last)).with_x_label("Cell").with_y_label(style::axis(
+    plots.extend(spans(record, along.events, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
+    let layout = panel((0.0, cells as f64), (first, last)).with_x_label("Cell").with_y_label(style::axis(
         outcome,
-        "Load-point displacement X_T",
-        record.get("drive")?,
+        along.words,
+        along.points,
     ));
     Some((plots, layout))
 }
 
-/// For each large event a line at its drive, from the first to the last cell that took part in it.
-fn spans(record: &Record, cells: usize) -> Vec<Vec<Point>> {
-    let Some((drives, slipped)) = record.values("event_drive").zip(record.values("slipped_event")) else {
-        return Vec::new();
-    };
+/// For each large event a line at its drive or time, from the first to the last cell that took part in it.
+fn spans(record: &Record, drives: &[f64], cells: usize) -> Vec<Vec<Point>> {
+    let Some(slipped) = record.values("slipped_event") else { return Vec::new() };
     let who = record.values("slipped_cell").unwrap_or_default();
     let mut start = 0;
     let mut events: Vec<(usize, Vec<Point>)> = Vec::new();

@@ -340,6 +340,39 @@ fn an_interface_has_a_catalogue_and_maps() {
 }
 
 #[test]
+fn slip_rates_have_a_logarithmic_colour_scale() {
+    let mut outcome = lattice(0);
+    let (steps, cells) = (50, 8);
+    let numbers = |count: usize, unit: f64| (0..count).map(|i| unit * i as f64).collect::<Vec<_>>();
+    // The drive goes at 1e-3; cells are at rest, creep, or slip at 0.4.
+    let rate = |i: usize| [0.0, 1e-9, 2e-4, 0.4][i % 4];
+    let mut add = |name: &str, quantity, along: &[&str], values| {
+        outcome.record.push(name, name, quantity, along, values);
+    };
+    add("cell", Quantity::Number, &["cell"], numbers(cells, 1.0));
+    add("slip_rate_time", Quantity::Time, &["slip_rate_time"], numbers(steps, 10.0));
+    add("slip_rate_step", Quantity::Number, &["slip_rate_time"], numbers(steps, 2.0));
+    add("slip_rate_drive", Quantity::Length, &["slip_rate_time"], numbers(steps, 0.01));
+    let rates = (0..steps * cells).map(rate).collect();
+    add("slip_rate", Quantity::Velocity, &["slip_rate_time", "cell"], rates);
+    let pictures = draw(&outcome).unwrap();
+    let text = svg(&pictures, "slip_rate.svg");
+    for words in ["Cell", "Time t (s)", "Step of the computation", "Slip rate of a cell (µm/s)"] {
+        assert!(text.contains(words), "{words}");
+    }
+    // Three decades below the drive and up to the decade of the fastest cell, and the ends of both axes.
+    for tick in ["10⁰", "10⁻³", "10⁻⁶", ">400<", ">80<"] {
+        assert!(text.contains(tick), "{tick}");
+    }
+    assert!(!text.contains("10⁻⁷") && !text.contains("10¹"));
+    let [time, step, scale] = frames(raw(&pictures, "slip_rate.svg"))[..] else { panic!("three frames") };
+    // Both panels and the colour scale are equally tall.
+    for other in [step, scale] {
+        assert!((time[1] - other[1]).abs() + (time[3] - other[3]).abs() < 1e-6, "{time:?} {other:?}");
+    }
+}
+
+#[test]
 fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
     let steps = vec![ProtocolStep {
         velocity: 2.0,

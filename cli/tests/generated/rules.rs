@@ -85,6 +85,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("block", "slip") if in_time || task == "protocol" => Some(true),
         ("interface", "slip" | "viscosity" | "disorder") if walk.single() => no,
         ("interface", "slip" | "viscosity") if in_time => Some(true),
+        ("interface", "slip_rates") if !in_time => no,
         ("interface", "disorder") if task == "renormalisation" => Some(true),
         ("interface", "viscosity") if task == "renormalisation" => no,
         ("interface.disorder", "std") => Some(true),
@@ -124,9 +125,9 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
         ("ensemble.disorder", "quenched") => task != "spectrum",
         ("pull.start", "steady") => starts(walk) && !in_time && !walk.is("pull.derivatives", "true"),
         ("drive.start", "steady") => {
-            let alone = !(walk.given("block") && walk.given("ensemble"));
+            let alone = !((walk.given("block") || interface) && walk.given("ensemble"));
             let forced = walk.is("drive:alternative", "force_to");
-            starts(walk) && !forced && !walk.single() && (!in_time || alone && !interface)
+            starts(walk) && !forced && !walk.single() && (!in_time || alone)
         }
         ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
         ("interface.loading", "edge") if walk.has_background() => false,

@@ -356,6 +356,7 @@ impl<'a> Walk<'a> {
             "seed" => 1000,
             "pieces" | "runs" | "average" => 6,
             "cells" => 8,
+            "slip_rates" => 40,
             "kernels" => 40,
             "draws" | "chains" => 6,
             _ => panic!("{key}: how large this number is is not listed"),

@@ -39,7 +39,8 @@ pub use coupling::Coupling;
 pub use event::{Event, Slipped};
 pub use parameters::{CellLoading, CellSlip, InterfaceParameters};
 pub use rate_dependent::{
-    RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
+    LoadPointSegment, RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
+    SlipRates,
 };
 pub use state::State;
 

@@ -40,7 +40,7 @@ pub struct Drive {
     #[schemars(extend("default" = [], "x-dimension" = "length"))]
     pub maps: Vec<f64>,
     /// `"conditional"` or `"relaxed"`, as `pull.start`, or `"steady"`: steady sliding, at `drive.velocity` for time-dependent
-    /// contacts, in balance with the spring of a block.
+    /// contacts, in balance with the spring of a block or those of an interface.
     pub start: TaskStart,
     /// Velocity of the load point, above 0, as `pull.velocity`.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -112,13 +112,15 @@ impl Task<'_> {
             Err(Error::invalid("contacts.background_force", expected, found))
         };
         match (self, &model.interface) {
-            (Task::Drive(_), Some(interface)) => match (interface.contacts, interface.loading) {
-                (PerCell::One, _) => refused("none of contacts coupled one by one, which no cell holds"),
-                (_, CellLoading::Edge) => refused(
-                    "none with interface.loading = \"edge\": no spring carries it in cells away from the edge",
-                ),
-                (PerCell::Many, CellLoading::Uniform) => Ok(()),
-            },
+            (Task::Drive(_) | Task::Protocol(_), Some(interface)) => {
+                match (interface.contacts, interface.loading) {
+                    (PerCell::One, _) => refused("none of contacts coupled one by one, which no cell holds"),
+                    (_, CellLoading::Edge) => refused(
+                        "none with interface.loading = \"edge\": no spring carries it in cells away from the edge",
+                    ),
+                    (PerCell::Many, CellLoading::Uniform) => Ok(()),
+                }
+            }
             (Task::Renormalisation(_), _) => refused("none with [renormalisation], which has no forces"),
             (Task::Fit(fit), None) if fit.steady.is_some() => {
                 refused("none with [fit.steady]: fit.offset is the constant part of a measured force")
@@ -133,7 +135,9 @@ impl Task<'_> {
                 drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
             }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
-            (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| check_alone(model)),
+            (Task::Protocol(_), Some(block)) => {
+                block.in_time(true).and_then(|_| check_alone(model, "[block]"))
+            }
             (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
                 block.inertia_and_drag().map(drop)
             }
@@ -170,9 +174,13 @@ impl Task<'_> {
         }
         match self {
             Task::Drive(drive) => interface.check(&model.contacts, drive, model.ensemble.as_ref()),
+            Task::Protocol(_) => {
+                check_alone(model, "[interface]")?;
+                interface.check_in_time(&model.contacts, model.ensemble.as_ref())
+            }
             Task::Renormalisation(task) => task.check_interface(interface, model),
             task => {
-                let expected = "an interface only with the tasks [drive] and [renormalisation]";
+                let expected = "an interface only with the tasks [drive], [[protocol]] and [renormalisation]";
                 Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))
             }
         }
@@ -195,8 +203,10 @@ fn refuse_quenched(task: Task<'_>, model: &Model) -> Result<()> {
     }
 }
 
-/// Refuses tables that a block moved in time excludes.
-fn check_alone(model: &Model) -> Result<()> {
-    let expected = "no compared curve beside a [block] with [[protocol]]: force against position is no curve where the block slips";
+/// Refuses tables that the slider `table`, moved in time, excludes.
+fn check_alone(model: &Model, table: &str) -> Result<()> {
+    let expected = format!(
+        "no compared curve beside {table} with [[protocol]]: force against position is no curve where the slider slips"
+    );
     model.compare.as_ref().map_or(Ok(()), |_| Err(Error::invalid("compare", expected, "one")))
 }

@@ -7,7 +7,7 @@ use super::{TaskStart, not_negative, positive, size};
 use crate::history::{History, Piece};
 use crate::{Error, Result};
 
-/// Successive steps, from X = 0 (with a block, from its equilibrium there) at t = 0.
+/// Successive steps, from X = 0 (with a block or an interface, from its equilibrium there) at t = 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Protocol(#[schemars(length(min = 1))] pub Vec<Step>);

@@ -1,5 +1,6 @@
 //! The start of a task: how its contacts begin, and which tasks begin in steady sliding.
 
+use super::interface::no_steady_ensemble;
 use super::{Disorder, Drive, Model, PerCell, Protocol, Pull, Task, TaskStart};
 use crate::contacts::Contacts;
 use crate::{Error, Result};
@@ -54,17 +55,16 @@ impl Task<'_> {
             Self::Drive(Drive { force_to: Some(_), .. }) => {
                 refused("conditional or relaxed beside drive.force_to, a force that begins at 0")
             }
-            Self::Drive(_) if model.interface.is_some() && timed => {
-                refused("conditional or relaxed for [interface] with time-dependent contacts")
-            }
             Self::Drive(_) if model.interface.as_ref().is_some_and(|own| own.contacts == PerCell::One) => {
                 refused(
                     "conditional or relaxed for contacts coupled one by one, whose steady sliding is another one",
                 )
             }
-            _ if timed && model.block.is_some() && model.ensemble.is_some() => {
-                let expected = "no ensemble of time-dependent contacts under a [block] beside start = \"steady\", which single contacts reach by sliding only";
-                Err(Error::invalid("ensemble", expected, "one"))
+            _ if timed
+                && model.ensemble.is_some()
+                && (model.block.is_some() || model.interface.is_some()) =>
+            {
+                Err(no_steady_ensemble())
             }
             _ => Ok(()),
         }

@@ -53,14 +53,14 @@ impl Scenario {
     /// Checks that a run can be stopped and resumed; `key` is the option that needs it.
     ///
     /// # Errors
-    /// A scenario other than `[drive]` with `[interface]`.
+    /// A scenario other than `[drive]` or `[[protocol]]` with `[interface]`.
     pub fn keeps_checkpoints(&self, key: &str) -> Result<()> {
-        let found = match (&self.interface, &self.drive) {
-            (Some(_), Some(_)) => return Ok(()),
-            (Some(_), None) => "one of another task, which has no checkpoints",
-            (None, _) => "one without, which has no checkpoints",
+        let found = match &self.interface {
+            Some(_) if self.drive.is_some() || self.protocol.is_some() => return Ok(()),
+            Some(_) => "one of another task, which has no checkpoints",
+            None => "one without, which has no checkpoints",
         };
-        Err(Error::invalid(key, "a scenario of [drive] with [interface]", found))
+        Err(Error::invalid(key, "a scenario of [drive] or [[protocol]] with [interface]", found))
     }
 
     /// Warnings about valid values with unexpected consequences.

@@ -108,7 +108,8 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, R
     run_with(scenario, None, monitor)
 }
 
-/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` of an `[interface]` uses them.
+/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` and `[[protocol]]` of an
+/// `[interface]` use them.
 ///
 /// # Errors
 /// As [`run`]; a stop if a checkpoint cannot be written or read.
@@ -179,9 +180,13 @@ fn compute(
             }
             None => drive::run(model, task, monitor)?.erased(),
         },
-        Task::Protocol(task) => match &scenario.block {
-            Some(block) => protocol::run_block(model, task, block, monitor)?.erased(),
-            None => protocol::run(model, task, monitor)?.erased(),
+        Task::Protocol(task) => match (&scenario.interface, &scenario.block) {
+            (Some(interface), _) => {
+                let described = (interface, &scenario.units);
+                interface::run_protocol(model, task, described, checkpoints, monitor)?.erased()
+            }
+            (None, Some(block)) => protocol::run_block(model, task, block, monitor)?.erased(),
+            (None, None) => protocol::run(model, task, monitor)?.erased(),
         },
         Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
         Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),

@@ -53,6 +53,9 @@ pub(super) fn run(
     if model.block.is_some() {
         return Err(Error::invalid("block", "none: Protocol::run_block moves a block", "one"));
     }
+    if model.interface.is_some() {
+        return Err(Error::invalid("interface", "none: Protocol::run_interface moves an interface", "one"));
+    }
     in_time::check_size(task, model)?;
     let (trace, mut record) = in_time::rigid(model, task, monitor)?;
     let steps = steps(model, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;

@@ -41,7 +41,7 @@ fn combinations() -> Vec<Value> {
         implies(key("renormalisation"), key("interface")),
         implies(key("drive.maps"), key("interface")),
         implies(key("compare"), any(["pull", "protocol", "protocol_file"].map(key))),
-        never("compare", key("block")),
+        never("compare", any(["block", "interface"].map(key))),
         never("drive.force_to", any([key("block"), key("interface"), timed.clone()])),
         never("drive.turning_points", key("interface")),
         // Where contacts are time-dependent.
@@ -52,6 +52,9 @@ fn combinations() -> Vec<Value> {
             all([timed.clone(), key("interface")]),
             all([key("interface.viscosity"), having("interface.slip", json!({ "const": "overdamped" }))]),
         ),
+        implies(all([key("interface"), any(["protocol", "protocol_file"].map(key))]), timed.clone()),
+        implies(key("interface.slip_rates"), timed.clone()),
+        refuses(all([steady.clone(), timed.clone(), key("ensemble")]), any(["block", "interface"].map(key))),
         implies(having("velocity_curve.temperatures", json!({ "minItems": 1 })), key("contacts.temperature")),
         refuses(
             mean_field,

@@ -8,16 +8,18 @@
 
 mod coupled;
 mod scaled;
+mod slip_rates;
 mod slips;
 mod state;
 
 pub use scaled::Scaled;
+pub use slip_rates::SlipRates;
 pub use state::RateDependentInterfaceState;
 
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::energy::ContactEnergies;
-use crate::error::positive;
+use crate::error::{not_negative, positive};
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
@@ -73,6 +75,26 @@ impl RateDependentInterfaceParameters {
     }
 }
 
+/// A part of the motion of the load point, at one velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadPointSegment {
+    /// Time at which it begins.
+    pub time: f64,
+    /// Load-point displacement X_T at its beginning.
+    pub drive: f64,
+    /// Velocity of the load point, 0 or above.
+    pub velocity: f64,
+    /// Velocity of the load point of which a slip is ten times: the last one above 0, since the load point may be at rest.
+    pub pulled: f64,
+}
+
+impl LoadPointSegment {
+    /// X_T at a time.
+    fn at(&self, time: f64) -> f64 {
+        self.drive + self.velocity * (time - self.time)
+    }
+}
+
 /// A deformable interface over time-dependent contacts, moved in time: cells on an elastic slider.
 ///
 /// A cell *slips* while it is more than ten times as fast as the drive, as for a block in time. Forces and energies are
@@ -86,6 +108,8 @@ pub struct RateDependentInterface {
     /// Elastic energy of the slider where the cells are now, kept because the coupling computes forces in a workspace.
     coupling_energy: f64,
     slips: Slips,
+    /// The slip rates of cells, if they are recorded.
+    rates: Option<SlipRates>,
     /// Where the present run began, and its end.
     path: (f64, f64),
 }
@@ -153,6 +177,7 @@ impl RateDependentInterface {
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
             slips: Slips::new(number, slip_fraction, area),
+            rates: None,
             path: (drive, drive),
         };
         interface.look = interface.seen();
@@ -229,6 +254,26 @@ impl RateDependentInterface {
         self.motion.estimators =
             self.motion.cells.iter().map(|cell| ErrorEstimator::of(cell.contacts.as_ref())).collect();
         self
+    }
+
+    /// Records the velocities of all cells from now on, at most at this number of steps, 2 or more.
+    #[must_use]
+    pub fn with_slip_rates(mut self, most: usize) -> Self {
+        self.rates = Some(SlipRates::new(most));
+        self.record_slip_rates();
+        self
+    }
+
+    /// The recorded velocities of all cells; `None` unless requested by [`RateDependentInterface::with_slip_rates`].
+    pub fn slip_rates(&self) -> Option<&SlipRates> {
+        self.rates.as_ref()
+    }
+
+    fn record_slip_rates(&mut self) {
+        if let Some(rates) = &mut self.rates {
+            let SliderMotion { time, drive, ref cells, .. } = self.motion;
+            rates.add(time, drive, cells.iter().map(|cell| cell.velocity));
+        }
     }
 
     /// Estimated upper limit of the error of the force of a cell so far: the difference from the force at a larger tolerance of
@@ -322,6 +367,38 @@ impl RateDependentInterface {
         Ok(Vec::new())
     }
 
+    /// Moves the load point along `segment` until the time `until`, or until events have ended. Returns these, each with the
+    /// cells that slipped in it; none if `until` was reached. Events that have not ended continue in the next call.
+    ///
+    /// # Errors
+    /// A velocity below 0; an accuracy that steps do not reach; stopped by the monitor.
+    pub fn follow_with(
+        &mut self,
+        segment: &LoadPointSegment,
+        until: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        not_negative("velocity", segment.velocity)?;
+        let from = self.motion.time;
+        while self.motion.time < until {
+            let fraction = (self.motion.time - from) / (until - from);
+            let left = until - self.motion.time;
+            let taken = self.step(segment.velocity, left, &mut Aside { fraction, monitor })?;
+            if taken >= left {
+                self.motion.time = until;
+            }
+            // From the beginning of the segment, so that rounding errors of steps do not add up.
+            self.motion.drive = segment.at(self.motion.time);
+            self.observe(segment.pulled);
+            let events = self.slips.take_ended();
+            if !events.is_empty() {
+                return Ok(events);
+            }
+        }
+        report(monitor, 1.0)?;
+        Ok(Vec::new())
+    }
+
     /// Fraction of the present run that is done.
     fn fraction(&self) -> f64 {
         let (from, to) = self.path;
@@ -331,17 +408,27 @@ impl RateDependentInterface {
     /// Makes one step in time, at most up to `drive`.
     fn go(&mut self, drive: f64, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let left = (drive - self.motion.drive) / velocity;
-        let coupled = &mut CoupledCells(self.coupling.as_mut());
-        if self.motion.step(coupled, velocity, left, monitor)? >= left {
+        if self.step(velocity, left, monitor)? >= left {
             self.motion.drive = drive;
         }
+        self.observe(velocity);
+        Ok(())
+    }
+
+    /// Makes one step of at most `left`, with the load point at a velocity. Returns its duration.
+    fn step(&mut self, velocity: f64, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+        self.motion.step(&mut CoupledCells(self.coupling.as_mut()), velocity, left, monitor)
+    }
+
+    /// Finds the events after a step; slips are ten times as fast as `pulled`.
+    fn observe(&mut self, pulled: f64) {
         let now = self.seen();
         // Events are found between two snapshots, so that the stages of a step, which may be
         // rejected, need not know of them.
         let before = std::mem::replace(&mut self.look, now);
         self.update_coupling_energy();
-        self.slips.pass(&before, &self.look, velocity, self.coupling.as_ref());
-        Ok(())
+        self.slips.pass(&before, &self.look, pulled, self.coupling.as_ref());
+        self.record_slip_rates();
     }
 
     /// A snapshot of the cells.

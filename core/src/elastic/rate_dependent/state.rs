@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::RateDependentInterface;
 use super::slips::Slips;
+use super::{RateDependentInterface, SlipRates};
 use crate::dynamics::{ContactLag, SlopeTrend};
 use crate::rate_dependent::{self, ErrorEstimator};
 use crate::{Error, Result};
@@ -18,6 +18,7 @@ pub struct RateDependentInterfaceState {
     work: f64,
     cells: Vec<CellState>,
     slips: Slips,
+    rates: Option<SlipRates>,
     estimators: Option<Vec<[rate_dependent::ContactsState; 2]>>,
     error: f64,
 }
@@ -57,6 +58,7 @@ impl RateDependentInterface {
             work: self.motion.energies.work,
             cells: cells.collect(),
             slips: self.slips.clone(),
+            rates: self.rates.clone(),
             estimators: estimators.map(|states| states.collect()),
             error: self.motion.error,
         }
@@ -67,7 +69,8 @@ impl RateDependentInterface {
     /// # Errors
     /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
     pub fn restore(&mut self, state: RateDependentInterfaceState) -> Result<()> {
-        let RateDependentInterfaceState { time, drive, pace, work, cells, slips, estimators, error } = state;
+        let RateDependentInterfaceState { time, drive, pace, work, cells, slips, rates, estimators, error } =
+            state;
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
@@ -88,6 +91,8 @@ impl RateDependentInterface {
         (motion.time, motion.drive, motion.error) = (time, drive, error);
         (motion.control.next, motion.energies.work) = (pace, work);
         self.slips.resume(slips);
+        let most = self.rates.as_ref().map(SlipRates::most);
+        self.rates = rates.zip(most).map(|(rates, most)| rates.with_most(most));
         self.look = self.seen();
         self.update_coupling_energy();
         Ok(())

@@ -19,6 +19,15 @@ use crate::population::Population;
 use crate::rate_dependent::RateDependentContacts;
 use crate::{Error, Result};
 
+/// How the contacts of cells in time are at the start.
+#[derive(Debug, Clone, Copy)]
+pub enum CellStart<'a> {
+    /// Initial stretches, all contacts of age 0.
+    Initial(&'a Initial),
+    /// In steady sliding of all cells at this velocity.
+    Steady(f64),
+}
+
 impl Interface {
     /// Contacts coupled one by one.
     ///
@@ -71,11 +80,11 @@ impl Interface {
     /// `size` contacts in each cell, the first ones in the first cell. `step` is the tolerance of a step of a cell, a length.
     ///
     /// # Errors
-    /// What transport, the ensemble, cells and couplings refuse.
+    /// What transport, the ensemble, cells and couplings refuse; an ensemble in steady sliding.
     pub fn in_time(
         &self,
         contacts: &Contacts,
-        initial: &Initial,
+        start: CellStart<'_>,
         tolerance: f64,
         step: f64,
         ensemble: Option<&Ensemble>,
@@ -84,15 +93,22 @@ impl Interface {
         let scales =
             self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
         let scales = scales.map_err(|e| e.under("interface"))?;
-        // By temperature: cells of the same temperature share one solution, which takes long to compute.
-        let mut alike: HashMap<Option<u64>, Transport> = HashMap::new();
+        // Cells of the same temperature, and, in steady sliding, of the same velocity, share one solution, which takes long to
+        // compute.
+        let mut alike: HashMap<[Option<u64>; 2], Transport> = HashMap::new();
         let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
             report(monitor, 0.0)?;
             let contacts = cooler(contacts, scale);
             let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
+            // A cell of the scale s slides at v/s in its own units.
+            let velocity = match start {
+                CellStart::Initial(_) => None,
+                CellStart::Steady(velocity) => Some((velocity / scale).to_bits()),
+            };
             let cell: Box<dyn RateDependentContacts> = match ensemble {
                 Some(ensemble) => {
                     let first = (cell * ensemble.size()) as u64;
+                    let CellStart::Initial(initial) = start else { return Err(no_steady_ensemble()) };
                     Box::new(
                         ensemble
                             .build(contacts, initial.clone())?
@@ -100,10 +116,18 @@ impl Interface {
                             .in_time_with(monitor)?,
                     )
                 }
-                None => Box::new(match alike.entry(energy) {
+                None => Box::new(match alike.entry([energy, velocity]) {
                     Entry::Occupied(known) => known.get().clone(),
                     Entry::Vacant(new) => {
-                        new.insert(Transport::new_with(contacts, initial, tolerance, monitor)?).clone()
+                        let solution = match start {
+                            CellStart::Initial(initial) => {
+                                Transport::new_with(contacts, initial, tolerance, monitor)?
+                            }
+                            CellStart::Steady(velocity) => {
+                                Transport::steady_with(&contacts, velocity / scale, tolerance, monitor)?
+                            }
+                        };
+                        new.insert(solution).clone()
                     }
                 }),
             };
@@ -228,6 +252,12 @@ impl Interface {
             }
         }
     }
+}
+
+/// The error of single contacts that are to begin in steady sliding.
+pub(in crate::scenario) fn no_steady_ensemble() -> Error {
+    let expected = "no ensemble of time-dependent contacts under a [block] or an [interface] beside start = \"steady\", which single contacts reach by sliding only";
+    Error::invalid("ensemble", expected, "one")
 }
 
 /// Contacts of a cell in units of its scale factor: lengths are divided by `scale`, energies by its square.

@@ -5,6 +5,7 @@ use super::{CellLoading, CellSlip, Elasticity, Interface, PerCell};
 use crate::contacts::Contacts;
 use crate::ensemble::lattice::Lattice;
 use crate::monitor::fits;
+use crate::record::LARGEST;
 use crate::{Error, Result};
 
 /// Bytes that a contact coupled one by one takes at most.
@@ -32,12 +33,25 @@ impl Interface {
         self.check_cells(contacts, ensemble)
     }
 
+    /// The same, for a load point that a protocol moves in time.
+    ///
+    /// # Errors
+    /// As [`Self::check`]; contacts that are not time-dependent.
+    pub fn check_in_time(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
+        if !contacts.rules.are_time_dependent() {
+            let expected = "[drive] where contacts are not time-dependent: between events their cells are in balance at every velocity";
+            return Err(Error::invalid("protocol", expected, "[[protocol]] with [interface]"));
+        }
+        self.check_cells(contacts, ensemble)
+    }
+
     /// The same, whatever drives the cells.
     ///
     /// # Errors
     /// The first value that does not, with its full path.
     pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
         self.values().map_err(|e| e.under("interface"))?;
+        self.check_slip_rates(contacts).map_err(|e| e.under("interface"))?;
         match (self.contacts, contacts.rules.first()) {
             (PerCell::Many, None) => self.many(ensemble, BYTES_PER_ENSEMBLE),
             (PerCell::Many, Some(rule)) => {
@@ -83,6 +97,25 @@ impl Interface {
             (PerCell::Many, false, Some(ensemble)) => few(BYTES_PER_ENSEMBLE, ensemble),
             (PerCell::Many, true, Some(ensemble)) => few(BYTES_PER_ENSEMBLE_IN_TIME, ensemble),
         }
+    }
+
+    /// Refuses a record of slip rates of cells that do not move in time, of one step, or too large for a file.
+    fn check_slip_rates(&self, contacts: &Contacts) -> Result<()> {
+        let Some(steps) = self.slip_rates else { return Ok(()) };
+        if !contacts.rules.are_time_dependent() {
+            let expected = "none where contacts are not time-dependent: their cells have no steps in time";
+            return Err(Error::invalid("slip_rates", expected, steps));
+        }
+        if steps < 2 {
+            return Err(Error::invalid("slip_rates", "2 steps or more, the first and another one", steps));
+        }
+        let bytes = size_of::<f64>() as f64 * self.size() as f64;
+        let most = (LARGEST as f64 / bytes).floor();
+        if steps as f64 <= most {
+            return Ok(());
+        }
+        let expected = format!("at most {most} steps, whose slip rates fit in a result file");
+        Err(Error::invalid("slip_rates", expected, steps))
     }
 
     /// Checks the values that do not depend on other tables; keys are relative to this table.

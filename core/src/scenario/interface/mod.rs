@@ -11,6 +11,8 @@ use crate::elastic::coupling::Elasticity;
 use crate::elastic::{CellLoading, CellSlip};
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
+pub use build::CellStart;
+pub(super) use build::no_steady_ensemble;
 pub use scales::Scales;
 
 /// An interface of cells coupled by elasticity, or of contacts coupled one by one; `[drive]` moves its load point.
@@ -60,6 +62,11 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-dimension" = "length"))]
     pub catalogue_from: f64,
+    /// Largest number of steps in time at which the velocity of every cell is stored, 2 or more, evenly numbered among all steps,
+    /// which are short in events; without it none is. Only with time-dependent contacts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 2))]
+    pub slip_rates: Option<usize>,
 }
 
 /// What a cell is.

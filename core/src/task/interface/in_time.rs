@@ -1,10 +1,13 @@
-//! Cells with time-dependent contacts as an interface that is driven at a velocity.
+//! Cells with time-dependent contacts as an interface that is driven at a velocity, or along a protocol.
 
-use crate::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, Slipped};
+use crate::elastic::{
+    Event, LoadPointSegment, RateDependentInterface, RateDependentInterfaceState, SlipRates, Slipped,
+};
 use crate::energy::EnergyBalance;
-use crate::monitor::Monitor;
+use crate::history::History;
+use crate::monitor::{Aside, Monitor};
 use crate::record::{Column, Quantity, Record};
-use crate::scenario::{self, Model};
+use crate::scenario::{self, CellStart, Model};
 use crate::{Error, Result};
 
 use super::cells::{from_slide_to_slide, mean, slipped};
@@ -16,30 +19,88 @@ use crate::task::finite_size_tolerance;
 pub struct DrivenRateDependentCells {
     /// The cells.
     pub interface: RateDependentInterface,
-    /// Velocity of the drive.
-    pub velocity: f64,
+    /// The drive at the start.
+    origin: f64,
+    motion: LoadPointMotion,
+}
+
+/// The motion of the load point.
+#[derive(Debug)]
+pub enum LoadPointMotion {
+    /// At one velocity, to any drive.
+    Velocity(f64),
+    /// Along a history that begins at the start.
+    History(History),
+}
+
+impl LoadPointMotion {
+    /// The motion of `[drive]`.
+    ///
+    /// # Errors
+    /// No velocity.
+    pub(super) fn of(task: &scenario::Drive) -> Result<Self> {
+        task.velocity
+            .map(Self::Velocity)
+            .ok_or_else(|| Error::invalid("drive.velocity", "a velocity above 0", "none"))
+    }
 }
 
 impl DrivenRateDependentCells {
-    /// The cells that `interface` describes, driven as `task` says.
+    /// Cells at their start, whose load point will move.
+    pub fn new(interface: RateDependentInterface, motion: LoadPointMotion) -> Self {
+        Self { origin: interface.drive(), interface, motion }
+    }
+
+    /// The cells that `interface` describes, with an estimate of the error if an accuracy is required.
     ///
     /// # Errors
-    /// No velocity; those of [`scenario::Interface::in_time`].
-    pub(super) fn new(
+    /// Those of [`scenario::Interface::in_time`].
+    pub(super) fn of(
         model: &Model,
-        task: &scenario::Drive,
         interface: &scenario::Interface,
+        motion: LoadPointMotion,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let Some(velocity) = task.velocity else {
-            return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
-        };
+        let rates = interface.slip_rates;
         let interface = cells_in_time(model, interface, monitor)?;
+        let interface = match rates {
+            Some(most) => interface.with_slip_rates(most),
+            None => interface,
+        };
         // The error estimate moves copies of all contacts, so it is made only if an accuracy is required.
         let required = model.master_equation.tolerance.is_some() && model.ensemble.is_none();
-        let interface = if required { interface.with_error() } else { interface };
-        Ok(Self { interface, velocity })
+        Ok(Self::new(if required { interface.with_error() } else { interface }, motion))
     }
+
+    /// Follows the pieces of a history to the time `to`, or until events have ended, which it returns.
+    fn next_in(&mut self, to: f64, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        let Self { interface, origin, motion } = self;
+        let history = match motion {
+            LoadPointMotion::Velocity(velocity) => return interface.next_with(to, *velocity, monitor),
+            LoadPointMotion::History(history) => history,
+        };
+        let to = to.min(history.duration());
+        loop {
+            let piece = history.piece_at(interface.time());
+            let end = history.knots()[piece + 1].0.min(to);
+            // Progress goes from one call of this function to the next.
+            let aside = &mut Aside { fraction: 0.0, monitor };
+            let events = interface.follow_with(&segment(history, piece, *origin), end, aside)?;
+            if !events.is_empty() || interface.time() >= to {
+                return Ok(events);
+            }
+        }
+    }
+}
+
+/// A piece of a history as a motion of the load point from the drive `origin`.
+fn segment(history: &History, piece: usize, origin: f64) -> LoadPointSegment {
+    let (time, position) = history.knots()[piece];
+    let (pieces, velocity) = (history.pieces(), history.pieces()[piece].velocity);
+    // At rest, slips are those of the last motion, or of the first one if there was none.
+    let mut moving = pieces[..=piece].iter().rev().chain(&pieces[piece..]).map(|piece| piece.velocity);
+    let pulled = moving.find(|velocity| *velocity > 0.0).unwrap_or(f64::INFINITY);
+    LoadPointSegment { time, drive: origin + position, velocity, pulled }
 }
 
 /// The cells that `interface` describes, with the contacts and the accuracy of `model`.
@@ -51,13 +112,14 @@ pub fn cells_in_time(
     interface: &scenario::Interface,
     monitor: &mut dyn Monitor,
 ) -> Result<RateDependentInterface> {
-    let Model { contacts, initial, .. } = model;
+    let Model { contacts, initial, steady, .. } = model;
     let tolerance = model.master_equation.tolerance_of_a_block();
     let ensemble = model.ensemble.as_ref();
     let relative =
         ensemble.map_or(tolerance, |ensemble| finite_size_tolerance(ensemble.size()).max(tolerance));
     let step = relative * contacts.thresholds.mean();
-    interface.in_time(contacts, initial, tolerance, step, ensemble, monitor)
+    let start = steady.map_or(CellStart::Initial(initial), CellStart::Steady);
+    interface.in_time(contacts, start, tolerance, step, ensemble, monitor)
 }
 
 impl DrivenInterface for DrivenRateDependentCells {
@@ -82,6 +144,17 @@ impl DrivenInterface for DrivenRateDependentCells {
         self.interface.drive()
     }
 
+    fn progress(&self) -> f64 {
+        match self.motion {
+            LoadPointMotion::Velocity(_) => self.drive(),
+            LoadPointMotion::History(_) => self.time(),
+        }
+    }
+
+    fn origin(&self) -> f64 {
+        self.origin
+    }
+
     fn advance(
         &mut self,
         to: f64,
@@ -89,7 +162,7 @@ impl DrivenInterface for DrivenRateDependentCells {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool> {
-        from_slide_to_slide(most, || self.interface.next_with(to, self.velocity, monitor), each)
+        from_slide_to_slide(most, || self.next_in(to, monitor), each)
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {
@@ -106,6 +179,10 @@ impl DrivenInterface for DrivenRateDependentCells {
 
     fn time(&self) -> f64 {
         self.interface.time()
+    }
+
+    fn slip_rates(&self) -> Option<&SlipRates> {
+        self.interface.slip_rates()
     }
 
     fn force(&self) -> f64 {

@@ -1,4 +1,4 @@
-//! `[drive]` with `[interface]`: cells coupled by elasticity, driven from event to event.
+//! `[drive]` and `[[protocol]]` with `[interface]`: cells coupled by elasticity, driven from event to event.
 
 mod catalogue;
 mod cells;
@@ -10,18 +10,18 @@ mod run;
 
 use super::accuracy::ForceAccuracy;
 use super::background::coefficient;
-use super::summary::InterfaceNumbers;
+use super::summary::{Catalogue, InterfaceNumbers};
 use super::{Checkpoints, Output};
-use crate::elastic::Event;
+use crate::elastic::{Event, SlipRates};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, LARGEST, Quantity, Record};
-use crate::scenario::{self, Drive, Model, PerCell, Task, Units};
+use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
 pub use cells::DrivenCells;
 pub use contacts::DrivenContacts;
-pub use in_time::{DrivenRateDependentCells, cells_in_time};
+pub use in_time::{DrivenRateDependentCells, LoadPointMotion, cells_in_time};
 pub use model::DrivenInterface;
-use output_points::{OutputPoint, output_points};
+use output_points::{OutputPoint, output_points, points_in_time};
 use run::{Found, InterfaceRun};
 
 const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]);
@@ -34,6 +34,24 @@ const MAP_DRIVE: Column = Column::new(
     Quantity::Length,
     &["map_drive"],
 );
+/// Of the slip rates of cells in time.
+const SLIP_RATE_TIME: Column = Column::new(
+    "slip_rate_time",
+    "time of the steps at which the slip rate of the cells is given",
+    Quantity::Time,
+    &["slip_rate_time"],
+);
+const SLIP_RATE_STEP: Column =
+    Column::new("slip_rate_step", "number of the step", Quantity::Number, &["slip_rate_time"]);
+const SLIP_RATE_DRIVE: Column =
+    Column::new("slip_rate_drive", "drive at the step", Quantity::Length, &["slip_rate_time"]);
+const SLIP_RATE: Column =
+    Column::new("slip_rate", "velocity of a cell", Quantity::Velocity, &["slip_rate_time", "cell"]);
+const MAP_TIME: Column =
+    Column::new("map_time", "time at which the state of the cells is given", Quantity::Time, &["map_drive"]);
+
+/// Columns of cells over time-dependent contacts alone.
+const IN_TIME: [Column; 5] = [MAP_TIME, SLIP_RATE_TIME, SLIP_RATE_STEP, SLIP_RATE_DRIVE, SLIP_RATE];
 
 impl Drive {
     /// Drives the interface of `model`.
@@ -53,6 +71,43 @@ impl Drive {
     }
 }
 
+impl Protocol {
+    /// Moves the load point of the interface of `model`, whose contacts are time-dependent.
+    ///
+    /// # Errors
+    /// A model without an interface, and those of [`run`](Self::run).
+    pub fn run_interface(
+        &self,
+        model: &Model,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Output<InterfaceNumbers>> {
+        Task::Protocol(self).check(model)?;
+        let interface = model.interface.as_ref();
+        let interface =
+            interface.ok_or_else(|| Error::invalid("interface", "one, whose load point is moved", "none"))?;
+        run_protocol(model, self, (interface, &Units::default()), None, monitor).map_err(Error::of_scenario)
+    }
+}
+
+/// Moves the load point of the interface as `task` says, from the last checkpoint if there is one.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn run_protocol(
+    model: &Model,
+    task: &Protocol,
+    (interface, units): (&scenario::Interface, &Units),
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<InterfaceNumbers>> {
+    let motion = task.build()?;
+    let part = &mut Part::new(monitor, 0.0, 0.0);
+    let driven =
+        DrivenRateDependentCells::of(model, interface, LoadPointMotion::History(motion.clone()), part)?;
+    let points = points_in_time(task, &motion, interface, driven.origin());
+    drive(model, &points, (interface, units), driven, checkpoints, monitor)
+}
+
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
 ///
 /// # Errors
@@ -69,12 +124,14 @@ pub(super) fn run(
         PerCell::One => {
             let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref())?;
             let driven = DrivenContacts { lattice, chain: chain(interface) };
-            drive(model, task, (interface, units), driven, checkpoints, monitor)
+            let points = output_points(task, interface, driven.origin());
+            drive(model, &points, (interface, units), driven, checkpoints, monitor)
         }
         PerCell::Many if contacts.rules.are_time_dependent() => {
-            let driven =
-                DrivenRateDependentCells::new(model, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
-            drive(model, task, (interface, units), driven, checkpoints, monitor)
+            let (motion, part) = (LoadPointMotion::of(task)?, &mut Part::new(monitor, 0.0, 0.0));
+            let driven = DrivenRateDependentCells::of(model, interface, motion, part)?;
+            let points = output_points(task, interface, driven.origin());
+            drive(model, &points, (interface, units), driven, checkpoints, monitor)
         }
         PerCell::Many => {
             let tolerance = model.master_equation.tolerance();
@@ -82,26 +139,31 @@ pub(super) fn run(
                 interface.deformable(contacts.clone(), initial, tolerance, ensemble.as_ref(), monitor)?;
             let (timed, solved) = (interface.viscosity.is_some(), ensemble.is_none());
             let driven = DrivenCells { interface: built, timed, solved };
-            drive(model, task, (interface, units), driven, checkpoints, monitor)
+            let points = output_points(task, interface, driven.origin());
+            drive(model, &points, (interface, units), driven, checkpoints, monitor)
         }
     }
 }
 
 fn drive<D: DrivenInterface>(
     model: &Model,
-    task: &Drive,
+    output_points: &[OutputPoint],
     (interface, units): (&scenario::Interface, &Units),
     driven: D,
     checkpoints: Option<&mut dyn Checkpoints>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<InterfaceNumbers>> {
-    let output_points = output_points(task, interface);
-    check_size::<D>(&output_points, interface)?;
-    let run = InterfaceRun::new(driven, interface.catalogue_from, chain(interface), checkpoints, monitor)?;
-    let found = run.follow(&output_points, monitor)?;
+    check_size::<D>(output_points, interface)?;
+    let from = driven.origin() + interface.catalogue_from;
+    let run = InterfaceRun::new(driven, from, chain(interface), checkpoints, monitor)?;
+    let found = run.follow(output_points, monitor)?;
     let error = found.error;
-    let numbers = InterfaceNumbers { catalogue: catalogue::read::<D>(interface, units, &found.events) };
-    let mut record = record::<D>(interface, &output_points, found);
+    let catalogue = Catalogue {
+        from: if interface.catalogue_from > 0.0 { from } else { 0.0 },
+        ..catalogue::read::<D>(interface, units, &found.events)
+    };
+    let numbers = InterfaceNumbers { catalogue };
+    let mut record = record::<D>(interface, output_points, found);
     let cells = if interface.contacts == PerCell::One { 1 } else { interface.size() };
     model.add_background_of_cells(cells, &mut record);
     let output = Output { seed: seed(model, interface), sample: None, ..Output::new(model, numbers, record) };
@@ -146,7 +208,11 @@ fn check_size<D: DrivenInterface>(
         return Ok(());
     }
     // The cells of a chain are recorded at every point of the trace.
-    let key = if chain(interface) { "drive.points" } else { "drive.maps" };
+    let key = match (output_points.iter().any(|at| at.time.is_some()), chain(interface)) {
+        (true, _) => "protocol",
+        (false, true) => "drive.points",
+        (false, false) => "drive.maps",
+    };
     let expected = format!(
         "maps of the cells that fit in a result file of {} MB: {}",
         LARGEST / 1_000_000,
@@ -169,7 +235,9 @@ fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
     record.variables.iter_mut().for_each(|variable| variable.name.insert_str(0, "event_"));
     record.variables.extend(slipped.variables);
     let cells = [coefficient(&["point"]), MAP_DRIVE, CELL, ROW, COLUMN];
-    for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(D::MAPS) {
+    let is_in_time = D::TRACE.iter().any(|column| column.name == "time");
+    let in_time: &[Column] = if is_in_time { &IN_TIME } else { &[] };
+    for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(D::MAPS).chain(in_time) {
         record.add(*column, Vec::new());
     }
     record
@@ -194,22 +262,42 @@ fn record<D: DrivenInterface>(
     for (column, values) in D::TRACE.iter().zip(found.trace) {
         record.add(*column, values);
     }
-    let maps: Vec<f64> = drives(|at| at.map);
-    if maps.is_empty() {
-        return record;
-    }
-    record.add(MAP_DRIVE, maps);
     let sides = match interface.cells[..] {
         [rows, columns] => vec![(ROW, rows), (COLUMN, columns)],
         _ => vec![(CELL, interface.size())],
     };
-    for &(side, size) in &sides {
-        record.add(side, (0..size).map(|i| i as f64).collect());
+    let maps: Vec<f64> = drives(|at| at.map);
+    if !maps.is_empty() || found.slip_rates.is_some() {
+        for &(side, size) in &sides {
+            record.add(side, (0..size).map(|i| i as f64).collect());
+        }
     }
     // The cells of a lattice lie along two dimensions, those of a chain along one.
-    let along: Vec<_> = ["map_drive"].into_iter().chain(sides.iter().map(|(side, _)| side.name)).collect();
-    for (column, values) in D::MAPS.iter().zip(found.maps) {
-        record.push(column.name, column.long_name, column.quantity, &along, values);
+    let along = |first: &'static str| -> Vec<&str> {
+        [first].into_iter().chain(sides.iter().map(|(side, _)| side.name)).collect()
+    };
+    if !maps.is_empty() {
+        record.add(MAP_DRIVE, maps);
+        // Along a protocol drives do not tell when: the load point may be at rest.
+        let times: Vec<f64> = output_points.iter().filter(|at| at.map).filter_map(|at| at.time).collect();
+        if !times.is_empty() {
+            record.add(MAP_TIME, times);
+        }
+        for (column, values) in D::MAPS.iter().zip(found.maps) {
+            record.push(column.name, column.long_name, column.quantity, &along("map_drive"), values);
+        }
+    }
+    if let Some(rates) = &found.slip_rates {
+        add_slip_rates(rates, &along(SLIP_RATE_TIME.name), &mut record);
     }
     record
+}
+
+/// Adds the velocities of all cells at steps in time, along these dimensions.
+fn add_slip_rates(rates: &SlipRates, along: &[&str], record: &mut Record) {
+    record.add(SLIP_RATE_TIME, rates.time().to_vec());
+    record.add(SLIP_RATE_STEP, rates.steps().map(|step| step as f64).collect());
+    record.add(SLIP_RATE_DRIVE, rates.drive().to_vec());
+    let Column { name, long_name, quantity, .. } = SLIP_RATE;
+    record.push(name, long_name, quantity, along, rates.velocity().to_vec());
 }

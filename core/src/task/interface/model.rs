@@ -1,6 +1,7 @@
 //! The trait of interfaces that are driven from event to event.
 
 use crate::Result;
+use crate::elastic::SlipRates;
 use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Record};
@@ -26,7 +27,19 @@ pub trait DrivenInterface {
     /// The present drive X_T, a length.
     fn drive(&self) -> f64;
 
-    /// Advances to the drive `to`, or by `most` events, whichever comes first. Returns whether it reached `to`.
+    /// The present value of the variable by which it advances: the drive, or the time of a protocol.
+    fn progress(&self) -> f64 {
+        self.drive()
+    }
+
+    /// The drive from which displacements are counted: 0, where the springs of relaxed contacts carry no force, or the balance
+    /// with forces that time-dependent contacts have from the start.
+    fn origin(&self) -> f64 {
+        0.0
+    }
+
+    /// Advances to `to`, a drive or a time ([`Self::progress`]), or by `most` events, whichever comes first. Returns whether it
+    /// reached `to`.
     ///
     /// # Errors
     /// A stop by the monitor; the interface is then between two events.
@@ -61,6 +74,11 @@ pub trait DrivenInterface {
 
     /// Energy balance since the beginning; `None` where it is not computed.
     fn energy(&self) -> Option<EnergyBalance>;
+
+    /// The velocities of all cells at steps in time; `None` where they are not recorded.
+    fn slip_rates(&self) -> Option<&SlipRates> {
+        None
+    }
 
     /// Present values of the columns [`DrivenInterface::TRACE`], in their order.
     fn trace(&self) -> Vec<f64>;

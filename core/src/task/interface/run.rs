@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::elastic::SlipRates;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::{Error, Result};
@@ -52,6 +53,8 @@ pub struct Found {
     pub maps: Vec<Vec<f64>>,
     /// Estimated error of the force of a cell; `None` if contacts are followed one by one.
     pub error: Option<f64>,
+    /// The velocities of all cells at steps in time, if they are recorded.
+    pub slip_rates: Option<SlipRates>,
 }
 
 /// The content of a checkpoint in addition to the columns.
@@ -70,6 +73,7 @@ impl Found {
             trace: vec![Vec::new(); M::TRACE.len()],
             maps: vec![Vec::new(); M::MAPS.len()],
             error: None,
+            slip_rates: None,
         }
     }
 
@@ -122,16 +126,17 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
 
     /// Drives to one output point after the other, and returns the recorded columns.
     pub fn follow(mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<Found> {
-        let end = output_points.last().map_or(0.0, |output| output.drive);
+        let end = output_points.last().map_or(0.0, OutputPoint::progress);
         for output in &output_points[self.passed..] {
-            match self.reach(output.drive, end, monitor) {
+            match self.reach(output.progress(), end, monitor) {
                 // A stopped run stores its state; if that fails, its error replaces the stop.
                 Err(Error::Stopped) => return self.keep().and(Err(Error::Stopped)),
                 reached => reached?,
             }
             self.observe(output)?;
         }
-        Ok(Found { error: self.model.error(), ..self.found })
+        let slip_rates = self.model.slip_rates().cloned();
+        Ok(Found { error: self.model.error(), slip_rates, ..self.found })
     }
 
     fn observe(&mut self, output: &OutputPoint) -> Result<()> {
@@ -147,15 +152,15 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         Ok(())
     }
 
-    /// Drives to `next`, the drive of the next output point. The whole drive ends at `end`.
+    /// Drives to `next`, the drive or the time of the next output point. The whole drive ends at `end`.
     fn reach(&mut self, next: f64, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
         loop {
             let most = self.slice.min(self.events_left()).max(1);
-            let drive = self.model.drive();
-            monitor.events(self.count, drive);
-            report(monitor, drive / end)?;
+            let now = self.model.progress();
+            monitor.events(self.count, self.model.drive());
+            report(monitor, now / end)?;
             let began = monitor.clock();
-            let mut part = Part::new(monitor, drive / end, (next - drive).max(0.0) / end);
+            let mut part = Part::new(monitor, now / end, (next - now).max(0.0) / end);
             let mut slice = Vec::new();
             let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
             self.slice = next_slice(self.slice, monitor.clock().saturating_sub(began));

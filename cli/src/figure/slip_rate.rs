@@ -1,0 +1,94 @@
+//! `slip_rate`: the velocity of the cells of a chain over time, and step by step, which shows how events grow, with a
+//! logarithmic colour scale.
+
+use std::sync::Arc;
+
+use asperity::record::Variable;
+use asperity_runner::output::Outcome;
+use kuva::plot::ColorMap;
+use kuva::render::figure::Figure;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::render::Scene;
+
+use super::field::{Field, bar};
+use super::style::{self, Plots};
+
+/// Decades below the highest velocity of the drive that are shown: slower cells hold.
+const BELOW: f64 = 3.0;
+/// Decades that are shown where the drive is at rest.
+const DECADES: f64 = 6.0;
+/// Width of the panel of the colour scale.
+const BAR: f64 = 95.0;
+const HEIGHT: f64 = 420.0;
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let cells = record.length("cell")?;
+    let rates = record.get("slip_rate")?;
+    let (time, step) = (record.get("slip_rate_time")?, record.get("slip_rate_step")?);
+    let ends = exponents(&rates.values, fastest(time, record.get("slip_rate_drive")?));
+    let colours: Vec<f64> =
+        rates.values.iter().map(|rate| rate.max(10_f64.powf(ends.0)).log10().min(ends.1)).collect();
+    let panel = |along: &Variable, words: &str| {
+        panel((&colours, cells), ends, along, &style::axis(outcome, words, along))
+    };
+    let (over_time, time_axes) = panel(time, "Time t");
+    let (by_step, step_axes) = panel(step, "Step of the computation");
+    let (scale, scale_axes) =
+        bar(ends, &ColorMap::Inferno, &style::axis(outcome, "Slip rate of a cell", rates));
+    let scale_axes =
+        scale_axes.with_y_tick_step(1.0).with_y_tick_format(TickFormat::Custom(Arc::new(|exponent: f64| {
+            style::power(exponent.round() + 0.0)
+        })));
+    let (title, size) = style::heading(&outcome.summary.title);
+    let figure = Figure::new(1, 3)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(vec![over_time, by_step, scale])
+        .with_layouts(vec![time_axes, step_axes, scale_axes])
+        .with_cell_size(0.5 * (1.4 * style::WIDTH - BAR), HEIGHT)
+        .with_col_width(2, BAR)
+        .with_spacing(6.0);
+    Some(figure.render())
+}
+
+/// The highest velocity of the drive from one step to the next.
+fn fastest(time: &Variable, drive: &Variable) -> f64 {
+    let (times, drives) = (time.values.windows(2), drive.values.windows(2));
+    times.zip(drives).map(|(time, drive)| (drive[1] - drive[0]) / (time[1] - time[0])).fold(0.0, f64::max)
+}
+
+/// The powers of ten at the ends of the colour scale: up to the highest velocity, from some decades below that of the drive.
+fn exponents(rates: &[f64], velocity: f64) -> (f64, f64) {
+    let highest = style::range([rates]).1;
+    let top = if highest > 0.0 { highest.log10().ceil() } else { 0.0 };
+    let low = if velocity > 0.0 { velocity.log10().floor() - BELOW } else { top - DECADES };
+    (low.min(top - 1.0), top)
+}
+
+/// The logarithms of the velocities, evenly spaced along a variable: at each value those of the last step before it.
+fn panel(
+    (colours, cells): (&[f64], usize),
+    ends: (f64, f64),
+    along: &Variable,
+    label: &str,
+) -> (Plots, Layout) {
+    let values = &along.values;
+    let (first, last) = style::range([values.as_slice()]);
+    let steps = values.len();
+    let row = |i: usize| {
+        let value = first + (last - first) * (i as f64 + 0.5) / steps as f64;
+        let row = values.partition_point(|&at| at <= value).max(1) - 1;
+        &colours[row * cells..(row + 1) * cells]
+    };
+    let rows: Vec<f64> = (0..steps).flat_map(row).copied().collect();
+    let last = if last > first { last } else { first + 1.0 };
+    let field = Field { values: &rows, sides: [steps, cells], x: (0.0, cells as f64), y: (first, last) };
+    let layout = style::layout(field.x, field.y)
+        .with_tick_size(11)
+        .with_label_size(13)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
+        .with_x_label("Cell")
+        .with_y_label(label);
+    (vec![field.plot(ends, &ColorMap::Inferno, 2)], layout)
+}
