@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 40] = shipped![
+const SHIPPED: [Shipped; 41] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -42,6 +42,7 @@ const SHIPPED: [Shipped; 40] = shipped![
     "fit.toml",
     "fit-steady.toml",
     "stick-slip-ageing.toml",
+    "stick-slip-map.toml",
     "ofc.toml",
     "front-chain.toml",
     "precursors-edge.toml",

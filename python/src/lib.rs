@@ -13,6 +13,7 @@ mod fit;
 mod fit_steady;
 mod interface;
 mod law;
+mod machine_step;
 mod measured;
 mod model;
 mod posterior;
@@ -63,6 +64,8 @@ mod _core {
         Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
         Tabulated, Weibull, critical_coupling, resolve,
     };
+    #[pymodule_export]
+    use crate::machine_step::fit_velocity_step;
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
