@@ -42,7 +42,7 @@ const SHIPPED: [Shipped; 41] = shipped![
     "fit.toml",
     "fit-steady.toml",
     "stick-slip-ageing.toml",
-    "stick-slip-map.toml",
+    "stability.toml",
     "ofc.toml",
     "front-chain.toml",
     "precursors-edge.toml",

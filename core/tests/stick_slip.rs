@@ -120,13 +120,14 @@ fn single_contacts_have_large_slips_behind_soft_springs_only() {
         let block = Block::new(Loading::Spring(stiffness), DAMPED, Some(0.05)).unwrap();
         let contacts = ensemble.in_time_with(&mut ()).unwrap();
         let run = block.follow(&contacts, &history, &[], finite_size_tolerance(500)).unwrap();
-        let slips = run.slips.iter().filter(|slip| slip.before.drive > 0.5 * distance);
-        slips.map(|slip| slip.before.force - slip.after.force).fold(0.0, f64::max)
+        let later = run.slips.iter().filter(|slip| slip.before.drive > 0.5 * distance);
+        let drops: Vec<f64> = later.map(|slip| slip.before.force - slip.after.force).collect();
+        drops.iter().sum::<f64>() / drops.len().max(1) as f64
     };
-    // The same in the later half of a drive by the master equation: a drop of 0.13, or none.
-    let (soft, stiff) = (drops(0.5 * limit.persists, 80.0), drops(2.0 * limit.ended, 30.0));
-    // The force of 500 contacts has a standard deviation of 0.3/√500 = 0.013, whose extremes differ by some six of them.
-    assert!(soft > 0.1 && stiff < 0.08, "{soft} and {stiff}");
+    let (soft, stiff) = (drops(0.5 * limit.persists, 60.0), drops(2.0 * limit.ended, 20.0));
+    // The same of the master equation: drops of 0.13, or none. The force of 500 contacts has a standard deviation of
+    // 0.3/√500 = 0.013: random breaks set off slips with drops of some of that, in either case.
+    assert!((soft - 0.13).abs() < 0.04 && stiff < 0.05, "{soft} and {stiff}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ pub struct MachineStep {
 }
 
 /// A velocity step to be fitted.
-struct Curve<'a> {
+struct StepCurve<'a> {
     displacement: &'a [f64],
     force: &'a [f64],
     ratio: f64,
@@ -98,7 +98,7 @@ impl MachineStep {
         if high <= low {
             return Err(Error::invalid("force", "a force that changes", low));
         }
-        let curve = Curve { displacement, force, ratio, stiffness, law, range: high - low };
+        let curve = StepCurve { displacement, force, ratio, stiffness, law, range: high - low };
         let start = curve.start();
         match states {
             1 => curve.fitted(&STARTS.map(|factor| start.with([(1.0, factor)])), monitor),
@@ -113,7 +113,7 @@ impl MachineStep {
     /// The fitted force at rising displacements of the load point.
     pub fn forces(&self, displacement: &[f64]) -> Vec<f64> {
         let Self { direct, before, law, ratio, stiffness, .. } = *self;
-        let mut friction = Friction { direct, states: [NONE; 2], law };
+        let mut friction = SpringFriction { direct, states: [NONE; 2], law };
         friction.states[..self.states.len()].copy_from_slice(&self.states);
         friction.step(displacement, ratio, stiffness).map_or_else(
             || vec![f64::NAN; displacement.len()],
@@ -153,14 +153,14 @@ const NONE: StateVariable = StateVariable { evolution: 0.0, distance: 1.0 };
 
 /// Rate-and-state friction of up to two state variables.
 #[derive(Clone, Copy)]
-struct Friction {
+struct SpringFriction {
     direct: f64,
     states: [StateVariable; 2],
     law: StateLaw,
 }
 
 /// w and u_i.
-type Point = [f64; 3];
+type StateVector = [f64; 3];
 
 /// Error of a step of the integration, of w and u_i.
 const TOLERANCE: f64 = 1e-8;
@@ -171,7 +171,7 @@ const STEPS: usize = 1_000_000;
 /// Largest w: a slider that runs away.
 const FASTEST: f64 = 60.0;
 
-impl Friction {
+impl SpringFriction {
     /// F − F₀ at displacements of the load point after a step of its velocity by the factor `ratio`; `None` if the slider runs
     /// away.
     fn step(&self, displacement: &[f64], ratio: f64, stiffness: f64) -> Option<Vec<f64>> {
@@ -206,7 +206,7 @@ impl Friction {
     }
 
     /// Slopes along the displacement of the load point.
-    fn slope(&self, y: &Point, ratio: f64, stiffness: f64) -> Point {
+    fn slope(&self, y: &StateVector, ratio: f64, stiffness: f64) -> StateVector {
         let velocity = y[0].exp();
         let state = |i: usize| {
             let rate = match self.law {
@@ -221,7 +221,7 @@ impl Friction {
     }
 
     /// A step of the method of Dormand and Prince (1980), of order 5, and its error in units of the tolerance.
-    fn dormand_prince(&self, y: &Point, by: f64, ratio: f64, stiffness: f64) -> (Point, f64) {
+    fn dormand_prince(&self, y: &StateVector, by: f64, ratio: f64, stiffness: f64) -> (StateVector, f64) {
         const STAGES: [[f64; 6]; 6] = [
             [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
@@ -261,14 +261,14 @@ impl Friction {
 
 /// Where a fit starts: F₀, a, b and D.
 #[derive(Clone, Copy)]
-struct Start {
+struct StartValues {
     before: f64,
     direct: f64,
     evolution: f64,
     distance: f64,
 }
 
-impl Start {
+impl StartValues {
     /// With state variables whose b and D are these multiples: F₀, ln a, and b and ln D of each.
     fn with<const S: usize>(self, parts: [(f64, f64); S]) -> (Vec<f64>, usize) {
         let mut values = vec![self.before, self.direct.ln()];
@@ -279,9 +279,9 @@ impl Start {
     }
 }
 
-impl Curve<'_> {
+impl StepCurve<'_> {
     /// From a reading without a spring.
-    fn start(&self) -> Start {
+    fn start(&self) -> StartValues {
         let first = self.displacement.partition_point(|x| *x <= 0.0);
         let known = &self.force[..first.max(1)];
         let before = known.iter().sum::<f64>() / known.len() as f64;
@@ -294,7 +294,7 @@ impl Curve<'_> {
             });
         // A direct effect is lost where the spring is soft.
         let direct = direct.max(0.2 * scale).max(0.2 * evolution.abs());
-        Start { before, direct, evolution, distance }
+        StartValues { before, direct, evolution, distance }
     }
 
     /// The best of the fits from these starts.
@@ -341,7 +341,7 @@ impl Curve<'_> {
 
     /// Residuals at F₀, ln a, and b and ln D of each state variable; `None` where the slider runs away.
     fn residuals(&self, values: &[f64]) -> Option<Vec<f64>> {
-        let mut friction = Friction { direct: values[1].exp(), states: [NONE; 2], law: self.law };
+        let mut friction = SpringFriction { direct: values[1].exp(), states: [NONE; 2], law: self.law };
         for (state, pair) in friction.states.iter_mut().zip(values[2..].chunks_exact(2)) {
             *state = StateVariable { evolution: pair[0], distance: pair[1].exp() };
         }
