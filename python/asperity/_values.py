@@ -153,7 +153,7 @@ class MachineStep(NamedTuple):
     a: float
     """The direct effect a, a force per ln(V/v_0)."""
     b: tuple[float, ...]
-    """The evolution effect of each state variable, a force per ln(V/v_0), that of the shorter distance first."""
+    """The evolution effects of the states, a force per ln(V/v_0), that of the shorter distance first."""
     distance: tuple[float, ...]
     """Their characteristic slip distances, a length."""
     before: float
