@@ -138,6 +138,7 @@ figures: $(venv)/installed
 	draw velocity-step step velocity_step; \
 	draw stick-slip-ageing aged stick_slip; \
 	draw spectrum noise spectrum; \
+	draw stability map stability; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents")
 

@@ -285,6 +285,7 @@ fn pictures_are_those_that_the_program_draws() {
         ("velocity-step", "step", &["velocity_step"]),
         ("stick-slip-ageing", "aged", &["stick_slip"]),
         ("spectrum", "noise", &["spectrum"]),
+        ("stability", "map", &["stability"]),
     ] {
         folder.succeed(&["run", &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
         for name in names {

@@ -35,6 +35,7 @@ from asperity._values import (
     FrictionEstimates,
     InterfaceEnergy,
     Label,
+    MachineStep,
     MeasuredNoise,
     Misfit,
     PosteriorNumber,
@@ -45,6 +46,7 @@ from asperity._values import (
     Stability,
     State,
     StaticFriction,
+    StickSlipStability,
     StretchDensity,
 )
 
@@ -115,6 +117,7 @@ __all__ = [
     "critical_coupling",
     "fit",
     "fit_steady",
+    "fit_velocity_step",
     "kinetic_friction",
     "kinetic_friction_per_threshold",
     "open_result",
@@ -292,6 +295,28 @@ class Block(Description):
 
         Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
         that is not a Transport, and for a velocity that is not above 0.
+        """
+
+    def stick_slip(
+        self, /, velocity: _Number | None = None, *, resolution: _Number = 0.02, progress: _Progress = None
+    ) -> StickSlipStability:
+        """Whether this slider sticks and slips when its load point is moved on at a constant velocity, and behind which
+        springs it does.
+
+        The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
+        which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts.
+
+        velocity: the velocity of the load point, above 0; required for time-dependent contacts, unless the model is a
+        MasterEquation at a velocity; without effect for others.
+        resolution: the ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+        Returns a StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
+        `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the critical
+        stiffnesses of the first pull and of steady sliding.
+
+        Raises ValueError for a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule
+        that has no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
         """
 
     @property
@@ -2379,6 +2404,35 @@ def fit_steady(
 
     Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
     determine. A search that does not converge is no error: see SteadyEstimates.converged.
+    """
+
+def fit_velocity_step(
+    displacement: ArrayLike,
+    force: ArrayLike,
+    ratio: _Number,
+    stiffness: _Number,
+    *,
+    law: Literal["ageing", "slip"] = "ageing",
+    states: SupportsIndex = 1,
+    progress: _Progress = None,
+) -> MachineStep:
+    """Fits rate-and-state friction, solved with the spring of the machine, to any curve of a velocity step, computed or
+    measured.
+
+    The load point moves at v_0 up to the displacement 0, and at v from there on. F = F_0 + a ln(V/v_0) + the sum of
+    b_i ln(v_0 theta_i/D_i) over one or two state variables, and dF/dX_T = K (1 - V/v) with the velocity V of the slider.
+    Least squares by the method of Levenberg and Marquardt. The misfit is stated, and no errors: what a fit leaves of a
+    computed curve is what the equation does not describe (read_velocity_step gives errors, without a spring).
+
+    displacement: rising displacements of the load point relative to the step, a length; those below 0 give F_0.
+    force: the forces there.
+    ratio: v/v_0, above 0 and not 1.
+    stiffness: the stiffness K of the machine, a force per length, above 0.
+    law: "ageing", with d(theta)/dt = 1 - V theta/D, or "slip", with d(theta)/dt = -(V theta/D) ln(V theta/D).
+    states: the number of state variables, 1 or 2.
+    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Raises ValueError for invalid values, displacements that do not rise, and fewer than 8 points after the step.
     """
 
 def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:

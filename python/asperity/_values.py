@@ -1,6 +1,6 @@
 """Small results: named tuples."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
     import numpy as np
@@ -143,6 +143,25 @@ class MeasuredNoise(NamedTuple):
     """The rest: none, one or two processes, those of short correlation lengths first."""
 
 
+class MachineStep(NamedTuple):
+    """Rate-and-state friction behind the spring of a machine, fitted to a velocity step."""
+
+    residual: float
+    """The root-mean-square residual of the fit, a force."""
+    residual_relative: float
+    """The residual relative to the difference between the largest and the smallest force."""
+    a: float
+    """The direct effect a, a force per ln(V/v_0)."""
+    b: tuple[float, ...]
+    """The evolution effects of the states, a force per ln(V/v_0), that of the shorter distance first."""
+    distance: tuple[float, ...]
+    """Their characteristic slip distances, a length."""
+    before: float
+    """The force F_0 before the step."""
+    fitted: "NDArray[np.float64]"
+    """The fitted force at the displacements, shape (n,)."""
+
+
 class Stability(NamedTuple):
     """Linear stability of steady sliding at one velocity."""
 
@@ -154,6 +173,23 @@ class Stability(NamedTuple):
     """Growth rate of the fastest growing deviation at the stiffness of the block, per time; 0: stable."""
     growth_frequency: float
     """Its angular frequency, per time."""
+
+
+class StickSlipStability(NamedTuple):
+    """Whether a slider sticks and slips, and behind which springs it does."""
+
+    stick_slip: Literal["none", "transient", "persistent", "undecided"]
+    """Stick-slip behind the spring of the block."""
+    reason: str
+    """The reason for that answer, in words."""
+    persistent_stiffness: float
+    """The largest stiffness at which stick-slip was found to persist; 0 if at none."""
+    persistent_stiffness_above: float
+    """The smallest stiffness above it at which it was found not to persist; inf if it always persisted."""
+    critical_stiffness: float
+    """Critical stiffness -min F' of the first pull, below which it ends with a slip."""
+    critical_stiffness_sliding: float
+    """Critical stiffness of steady sliding, below which small deviations grow; 0 where they never do."""
 
 
 class Sizes(NamedTuple):

@@ -2,7 +2,7 @@
 
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
-use asperity::task::{first_loading_distance, stability};
+use asperity::task::{first_loading_distance, stability, stick_slip_stability};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
@@ -243,6 +243,44 @@ impl Block {
         let contacts = &transport.get().contacts;
         let found = watched(progress, py, |monitor| stability(contacts, velocity, Some(&table), monitor))?;
         values::stability(py, found)
+    }
+
+    /// Whether this slider sticks and slips when its load point is moved on at a constant velocity, and behind which
+    /// springs it does.
+    ///
+    /// The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
+    /// which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts.
+    ///
+    /// velocity: the velocity of the load point, above 0; required for time-dependent contacts, unless the model is a
+    /// MasterEquation at a velocity; without effect for others.
+    /// resolution: the ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    ///
+    /// Returns a StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
+    /// `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the critical
+    /// stiffnesses of the first pull and of steady sliding.
+    ///
+    /// Raises ValueError for a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule
+    /// that has no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
+    #[pyo3(
+        signature = (velocity = None, *, resolution = scenario::Stability::RESOLUTION, progress: "_Progress" = None),
+        text_signature = "($self, velocity=None, *, resolution=0.02, progress=None)"
+    )]
+    fn stick_slip<'py>(
+        slf: &Bound<'py, Self>,
+        velocity: Option<f64>,
+        resolution: f64,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<typed::StickSlipStability<'py>> {
+        let py = slf.py();
+        let Some(table) = Self::table(slf) else {
+            return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
+        };
+        let (model, own) = Model::described(slf.get().model.bind(py), table)?;
+        let velocity = velocity.or(own);
+        let found =
+            watched(progress, py, |monitor| stick_slip_stability(&model, velocity, resolution, monitor))?;
+        values::stick_slip_stability(py, &found.numbers(velocity))
     }
 
     /// Returns a simulation that advances step by step, at X_T = 0.

@@ -14,6 +14,7 @@ mod fit_steady;
 mod history;
 mod interface;
 mod law;
+mod machine_step;
 mod measured;
 mod model;
 mod posterior;
@@ -66,6 +67,8 @@ mod _core {
         Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
         Tabulated, Weibull, critical_coupling, resolve,
     };
+    #[pymodule_export]
+    use crate::machine_step::fit_velocity_step;
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

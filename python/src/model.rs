@@ -112,6 +112,29 @@ impl Model {
         Simulation::new(model.as_super(), (None, None), vec![1], Self::simulated(model, &rigid)?)
     }
 
+    /// The model of a scenario with a block over these contacts, by the master equation, and their velocity if they have one.
+    pub fn described(
+        model: &Bound<'_, Self>,
+        block: scenario::Block,
+    ) -> PyResult<(scenario::Model, Option<f64>)> {
+        let (interface, own, velocity) = match model.as_super().get().plain() {
+            Plain::MasterEquation(interface, solved) => (interface, &solved.own, solved.velocity),
+            Plain::Transport(interface, solved) => (interface, &solved.own, None),
+            _ => {
+                let expected = "a MasterEquation or a Transport";
+                return Err(error::invalid("block.model", expected, "an Ensemble"));
+            }
+        };
+        let (contacts, initial) = built(interface).map_err(error::core)?;
+        let described = scenario::Model {
+            background: Self::background(model),
+            block: Some(block),
+            master_equation: own.clone(),
+            ..scenario::Model::new(contacts, initial)
+        };
+        Ok((described, velocity))
+    }
+
     /// The background force of the contacts.
     pub fn background(model: &Bound<'_, Self>) -> f64 {
         Self::plain(model).contacts.background().expect("contacts that were built have valid numbers")

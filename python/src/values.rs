@@ -8,15 +8,15 @@ use asperity::master::Stretches;
 use asperity::rate_state::{self, MeasuredValue};
 use asperity::record::{Quantity, Record};
 use asperity::task::LinearStability;
-use asperity::task::summary::{PosteriorSummary, SliderState};
+use asperity::task::summary::{PosteriorSummary, SliderState, StickSlipNumbers};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::convert::{Import, array, row};
 use crate::typed::{
     Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FreeForm,
-    FrictionEstimates, InterfaceEnergy, MeasuredNoise, Misfit, PosteriorNumbers, Potential, Prediction,
-    Profile, Sizes, Stability, State, StaticFriction, StretchDensity,
+    FrictionEstimates, InterfaceEnergy, MachineStep, MeasuredNoise, Misfit, PosteriorNumbers, Potential,
+    Prediction, Profile, Sizes, Stability, State, StaticFriction, StickSlipStability, StretchDensity,
 };
 
 static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction");
@@ -34,6 +34,8 @@ static ESTIMATE: Import = Import::new("asperity._values", "Estimate");
 static DRIFT: Import = Import::new("asperity._values", "Drift");
 static MEASURED_NOISE: Import = Import::new("asperity._values", "MeasuredNoise");
 static STABILITY: Import = Import::new("asperity._values", "Stability");
+static STICK_SLIP_STABILITY: Import = Import::new("asperity._values", "StickSlipStability");
+static MACHINE_STEP: Import = Import::new("asperity._values", "MachineStep");
 static SIZES: Import = Import::new("asperity._values", "Sizes");
 static COURSE: Import = Import::new("asperity._values", "Course");
 static CORRELATION: Import = Import::new("asperity._values", "Correlation");
@@ -90,6 +92,31 @@ pub fn measured_noise<'py>(
 pub fn stability(py: Python<'_>, found: LinearStability) -> PyResult<Stability<'_>> {
     let LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency } = found;
     STABILITY.get(py)?.call1((critical_stiffness, frequency, growth_rate, growth_frequency)).map(Stability)
+}
+
+/// A velocity step behind the spring of a machine.
+pub fn machine_step<'py>(
+    py: Python<'py>,
+    found: &rate_state::MachineStep,
+    fitted: Vec<f64>,
+) -> PyResult<MachineStep<'py>> {
+    let misfit = (found.residual, found.residual_relative);
+    let column =
+        |value: fn(&rate_state::StateVariable) -> f64| PyTuple::new(py, found.states.iter().map(value));
+    let (b, distance) = (column(|state| state.evolution)?, column(|state| state.distance)?);
+    let values = (misfit.0, misfit.1, found.direct, b, distance, found.before, row(py, fitted)?);
+    MACHINE_STEP.get(py)?.call1(values).map(MachineStep)
+}
+
+/// Whether a slider sticks and slips.
+pub fn stick_slip_stability<'py>(
+    py: Python<'py>,
+    found: &StickSlipNumbers,
+) -> PyResult<StickSlipStability<'py>> {
+    let ends = (found.persistent_stiffness, found.persistent_stiffness_above.0);
+    let critical = (found.critical_stiffness.0, found.critical_stiffness_sliding.0);
+    let values = (found.stick_slip.word(), &found.reason, ends.0, ends.1, critical.0, critical.1);
+    STICK_SLIP_STABILITY.get(py)?.call1(values).map(StickSlipStability)
 }
 
 /// Dimensions, name and unit of a variable of a record.

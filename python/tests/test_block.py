@@ -44,6 +44,30 @@ def test_slips_that_end() -> None:
     )
 
 
+def test_whether_it_sticks_and_slips() -> None:
+    found = asp.Block(THEORY, 1.0, "overdamped").stick_slip()
+    # Contacts that re-form as they break lose their common phase.
+    assert (found.stick_slip, found.persistent_stiffness) == ("transient", 0.0)
+    assert found.reason == "transient stick-slip: 3 slips, then smooth sliding"
+    # The tolerance of the pull, over the curvature of its minimum.
+    assert found.critical_stiffness == pytest.approx(3.009222675584, abs=1e-6)
+    assert found.critical_stiffness_sliding == 0.0
+    soft = SOFT.stick_slip(resolution=0.1)
+    assert soft.stick_slip == "persistent"
+    # With "reset" every slip is like the first, below the critical stiffness: the two ends enclose it.
+    assert soft.persistent_stiffness < 3.009222675584 <= soft.persistent_stiffness_above + 1e-6
+    assert soft.persistent_stiffness_above <= 1.1 * soft.persistent_stiffness
+    ageing = asp.Transport(asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(0.02, 1.0)))
+    with pytest.raises(ValueError, match="velocity"):
+        asp.Block(ageing, 1.0, asp.Damped(0.1)).stick_slip()
+    with pytest.raises(ValueError, match=r"block\.slip"):
+        asp.Block(ageing, 1.0, "overdamped").stick_slip(1e-3)
+    with pytest.raises(ValueError, match=r"block\.stiffness"):
+        asp.Block(THEORY, None).stick_slip()
+    with pytest.raises(ValueError, match=r"block\.model"):
+        asp.Block(asp.Ensemble(asp.Contacts(asp.Gaussian(1.0, 0.1)), size=100), 1.0).stick_slip()
+
+
 def test_slips_by_inertia() -> None:
     run = asp.Block(THEORY, 1.0, asp.Inertial(mass=2.0)).drive(2.0)
     # Where areas are equal; the integration in time is that accurate.

@@ -130,3 +130,21 @@ def test_plots() -> None:
     axes = asp.read_healing(hold, [0.6, 0.61, 0.622, 0.641, 0.66]).plot()
     assert len(axes.lines) == 2
     assert axes.get_xscale() == "log"
+
+
+def test_a_step_behind_the_spring_of_a_machine() -> None:
+    a, b, distance, ratio = 0.01, 0.015, 1.5, 10.0
+    displacement = np.linspace(-1.0, 12.0, 261)
+    # The slip law in closed form, of a machine so stiff that the slider follows the load point.
+    fallen = b * (1.0 - np.exp(-np.maximum(displacement, 0.0) / distance))
+    force = 0.6 + np.log(ratio) * np.where(displacement <= 0.0, 0.0, a - fallen)
+    found = asp.fit_velocity_step(displacement, force, ratio, 50.0, law="slip")
+    # The slider lags behind by F/K.
+    assert (found.a, found.before) == pytest.approx((a, 0.6), rel=2e-3)
+    assert (*found.b, *found.distance) == pytest.approx((b, distance), rel=2e-3)
+    assert found.residual_relative < 0.02
+    np.testing.assert_allclose(found.fitted[:20], 0.6, atol=1e-3)
+    with pytest.raises(ValueError, match="states"):
+        asp.fit_velocity_step(displacement, force, ratio, 50.0, states=3)
+    with pytest.raises(ValueError, match="law"):
+        asp.fit_velocity_step(displacement, force, ratio, 50.0, law="other")  # type: ignore[arg-type]

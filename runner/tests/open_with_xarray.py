@@ -20,6 +20,7 @@ TABLES = {
     "velocity_curve.csv": "velocity",
     "hold_curve.csv": "hold",
     "spectrum.csv": "wave_number",
+    "stability.csv": "stiffness",
     "fit.csv": "reading_position",
     "fit_spectrum.csv": "fit_wave_number",
     "thresholds.csv": "drive",
@@ -36,6 +37,7 @@ HEADINGS = {
     "velocity_curve": ["`[velocity_curve]`"],
     "hold_curve": ["`[hold_curve]`"],
     "spectrum": ["`[spectrum]`"],
+    "stability": ["`[stability]`"],
     "fit": ["`[fit]`"],
     "renormalisation": ["`[renormalisation]`"],
 }
@@ -57,8 +59,9 @@ def check(folder: Path, engine: str) -> None:
     with open(folder / table, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     with xr.open_dataset(folder / "result.nc", engine=engine) as data:
-        # Curves at several temperatures stand one below the other.
-        dimensions = ("temperature", dimension) if "temperature" in rows[0] else (dimension,)
+        # Curves at several temperatures, or velocities, stand one below the other.
+        other = "velocity" if table == "stability.csv" else "temperature"
+        dimensions = (other, dimension) if other in rows[0] else (dimension,)
         whole = xr.zeros_like(data[list(rows[0])[len(dimensions)]])
         assert whole.dims == dimensions, whole.dims
         for name in rows[0]:

@@ -37,7 +37,7 @@ const ALL: [Scale; 2] = [
 ];
 
 /// Numbers of a summary, and what they measure.
-const QUOTED: [(&str, Quantity); 28] = [
+const QUOTED: [(&str, Quantity); 31] = [
     ("/kinetic_friction", Quantity::Force),
     ("/static_friction/force", Quantity::Force),
     ("/static_friction/position", Quantity::Length),
@@ -55,6 +55,9 @@ const QUOTED: [(&str, Quantity); 28] = [
     ("/limits/0/fast", Quantity::Force),
     ("/limits/0/slow", Quantity::Force),
     ("/stability/critical_stiffness_sliding", Quantity::Stiffness),
+    ("/stick_slip/0/persistent_stiffness", Quantity::Stiffness),
+    ("/stick_slip/0/critical_stiffness", Quantity::Stiffness),
+    ("/stick_slip/0/critical_stiffness_sliding", Quantity::Stiffness),
     ("/hold_curve/healing_per_decade", Quantity::Force),
     ("/hold_curve/healing_cutoff", Quantity::Time),
     ("/catalogue/mean_waiting", Quantity::Length),
@@ -433,6 +436,12 @@ fn stability_has_no_scale() {
     let curve = "[velocity_curve]\nfrom = 0.5_v\nto = 1_v\npoints = 2\nstability = true\n";
     let block = "[block]\nstiffness = 0.5_k\nslip.inertial = { mass = 1_M, damping = 0.3_e }\n";
     invariant(&[&format!("{}{LOGARITHMIC}\n{block}{curve}", contacts!())]);
+    let task = "[stability]\nresolution = 1.0\nstiffnesses = [0.3_k, 0.6_k]\n";
+    let arrest = "[block]\nstiffness = 0.5_k\nslip = 'arrest'\n";
+    invariant(&[
+        &format!("{}{LOGARITHMIC}\n{block}{task}velocities = [0.5_v]\n", contacts!()),
+        &format!("{}\n{arrest}{task}", contacts!()),
+    ]);
 }
 
 #[test]

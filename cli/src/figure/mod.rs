@@ -22,6 +22,7 @@ mod slip;
 mod slip_rate;
 mod space_time;
 mod spectrum;
+mod stability;
 mod stick_slip;
 mod stress_map;
 mod style;
@@ -73,6 +74,7 @@ fn pictures(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String>
         ("thresholds", thresholds::scene(outcome)),
         ("spectrum", spectrum::scene(outcome).or_else(|| fit_spectrum::scene(outcome))),
         ("correlation", spectrum::correlation(outcome)),
+        ("stability", stability::scene(outcome)),
         ("fit", fit::scene(outcome)),
         ("free_form", free_form::scene(outcome)),
         ("corner", corner::scene(outcome)),

@@ -5,6 +5,7 @@ mod derivatives;
 mod fit;
 mod noise;
 mod renormalisation;
+mod stick_slip;
 mod timed;
 
 use std::fmt::Write as _;
@@ -35,6 +36,7 @@ pub fn readable(summary: &Summary) -> String {
         lines.extend(slid(summary, sliding));
     }
     lines.extend(summary.numbers.noise().into_iter().flat_map(|found| noise::lines(summary, found)));
+    lines.extend(stick_slip::lines(summary));
     lines.extend(timed::lines(summary));
     if let Some(catalogue) = summary.numbers.catalogue() {
         lines.extend(catalogue::lines(summary, catalogue));

@@ -3,7 +3,7 @@
 use asperity::rate_state::MeasuredValue;
 use asperity::record::Quantity;
 use asperity::task::summary::{
-    CurveLimits, Fitted, HealingCurve, MeasuredRateState, ProtocolStep, RateState, Stability, Summary,
+    CurveLimits, Fitted, HealingCurve, MeasuredRateState, ProtocolStep, RateState, SlidingStability, Summary,
 };
 
 use super::{digits, fitted, with_unit};
@@ -55,7 +55,7 @@ fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> 
 }
 
 /// The stability of steady sliding, without mass and damping or with those of the block.
-fn stable(summary: &Summary, found: &Stability) -> String {
+fn stable(summary: &Summary, found: &SlidingStability) -> String {
     let stiffness = found.critical_stiffness_sliding.0;
     let who = match found.unstable {
         None => "of a slider without mass and damping".to_owned(),

@@ -38,7 +38,7 @@ const AGEINGS: [(&str, &str); 5] = [
 ];
 
 /// Tasks of contacts without time dependence, and the tasks in their place for time-dependent contacts.
-const TASKS: [(&str, &str, &str); 11] = [
+const TASKS: [(&str, &str, &str); 12] = [
     (
         "pull",
         "pull = { distance = 3.0, points = 21, snapshots = [1.0] }",
@@ -68,6 +68,12 @@ const TASKS: [(&str, &str, &str); 11] = [
     ("stability", STABILITY, STABILITY),
     ("hold curve", HOLD_CURVE, HOLD_CURVE),
     ("spectrum", "spectrum = { points = 21 }", "spectrum = { points = 21, velocity = 0.1 }"),
+    (
+        "stick-slip",
+        "block = { stiffness = 0.3, slip = 'arrest' }\nstability.resolution = 0.5",
+        "block = { stiffness = 0.3, slip.inertial = { mass = 1.0, damping = 0.5 } }\n\
+         stability = { velocities = [0.1], resolution = 0.5 }",
+    ),
     ("renormalisation", RENORMALISATION, RENORMALISATION),
 ];
 
@@ -168,6 +174,7 @@ fn names_a_key(message: &str) -> bool {
         "velocity_curve",
         "hold_curve",
         "spectrum",
+        "stability",
         "renormalisation",
     ];
     let others = ["block", "interface", "ensemble", "master_equation"];

@@ -13,13 +13,15 @@
 //! which heals by β ln 10 per factor of ten in hold time for t ≫ t_c.
 //!
 //! Computed curves ([`VelocityStep`], [`Healing`]) have no noise: what a fit leaves is the difference between
-//! the curve and the equation, and is stated as a residual, not as errors of the parameters. Measured curves
+//! the curve and the equation, and is stated as a residual, not as errors of the parameters. So is that of a
+//! step behind the spring of a machine, solved with it ([`MachineStep`]). Measured curves
 //! ([`MeasuredVelocityStep`], [`MeasuredHealing`]) have errors and intervals that follow from their noise
 //! ([`MeasuredNoise`]).
 
 mod drift;
 mod generalised;
 mod healing;
+mod machine_step;
 mod measured_healing;
 mod measured_velocity_step;
 mod separable;
@@ -29,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 pub use drift::{MeasuredNoise, OrnsteinUhlenbeck};
 pub use healing::Healing;
+pub use machine_step::{MachineStep, StateLaw, StateVariable};
 pub use measured_healing::MeasuredHealing;
 pub use measured_velocity_step::{MeasuredVelocityStep, StepReading};
 pub use velocity_step::VelocityStep;

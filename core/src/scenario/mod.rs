@@ -27,6 +27,7 @@ mod renormalisation;
 mod rules;
 mod size;
 mod spectrum;
+mod stability;
 mod start;
 mod task;
 mod task_start;
@@ -64,6 +65,7 @@ pub use pull::Pull;
 pub use renormalisation::Renormalisation;
 pub use rules::{Ageing, Delay};
 pub use spectrum::Spectrum;
+pub use stability::Stability;
 pub use start::TaskStart;
 pub use task::Task;
 pub use units::Units;
@@ -83,6 +85,7 @@ use crate::{Error, Result};
     { "required": ["velocity_curve"] },
     { "required": ["hold_curve"] },
     { "required": ["spectrum"] },
+    { "required": ["stability"] },
     { "required": ["fit"] },
     { "required": ["renormalisation"] }
 ]))]
@@ -118,6 +121,9 @@ pub struct Scenario {
     /// A task: the noise of the force in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spectrum: Option<Spectrum>,
+    /// A task: whether the slider of `[block]` sticks and slips.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     /// A task: numbers of the contacts from a measured curve.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<Fit>,
@@ -158,6 +164,7 @@ impl Scenario {
             velocity_curve: None,
             hold_curve: None,
             spectrum: None,
+            stability: None,
             fit: None,
             renormalisation: None,
             block: None,

@@ -96,6 +96,10 @@ impl Task<'_> {
         if let Some(compare) = &model.compare {
             compare.check(self).map_err(|e| e.under("compare"))?;
         }
+        if let (Task::Stability(_), Some(_)) = (self, &model.ensemble) {
+            let expected = "no ensemble with [stability], whose motions are those of the master equation ([drive] and [[protocol]] have one)";
+            return Err(Error::invalid("ensemble", expected, "one"));
+        }
         if let Some(ensemble) = &model.ensemble {
             ensemble.build(model.contacts.clone(), model.initial.clone())?;
         }
@@ -141,12 +145,21 @@ impl Task<'_> {
             (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
                 block.inertia_and_drag().map(drop)
             }
+            (Task::Stability(_), Some(block)) if model.contacts.rules.are_time_dependent() => {
+                block.in_time(true).map(drop)
+            }
+            (Task::Stability(_), Some(block)) => Drive::default().slider(Some(block), true).map(drop),
+            (Task::Stability(_), None) => Err(Error::invalid(
+                "block",
+                "a table [block] with [stability]: a slider behind a spring",
+                "none",
+            )),
             (_, None) => Ok(()),
             (task, Some(_)) => {
                 let found = format!("one with [{}]", task.name());
                 Err(Error::invalid(
                     "block",
-                    "a block only with the tasks [drive] and [[protocol]], and with velocity_curve.stability = true",
+                    "a block only with the tasks [drive], [[protocol]] and [stability], and with velocity_curve.stability = true",
                     found,
                 ))
             }

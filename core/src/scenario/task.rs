@@ -1,6 +1,8 @@
 //! The task of a scenario: one of the tables that are tasks.
 
-use super::{Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, VelocityCurve};
+use super::{
+    Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Stability, VelocityCurve,
+};
 use crate::{Error, Result};
 
 /// The task of a scenario.
@@ -19,6 +21,8 @@ pub enum Task<'a> {
     HoldCurve(&'a HoldCurve),
     /// `[spectrum]`: the noise of steady sliding.
     Spectrum(&'a Spectrum),
+    /// `[stability]`: whether a slider sticks and slips.
+    Stability(&'a Stability),
     /// `[fit]`: numbers of the contacts from a measured curve.
     Fit(&'a Fit),
     /// `[renormalisation]`: the distribution of first breaks of coupled contacts.
@@ -26,7 +30,7 @@ pub enum Task<'a> {
 }
 
 /// The tables that are tasks, for messages.
-const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [spectrum], [fit] and [renormalisation]";
+const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [spectrum], [stability], [fit] and [renormalisation]";
 
 impl Scenario {
     /// The one task that the scenario has.
@@ -41,6 +45,7 @@ impl Scenario {
             self.velocity_curve.as_ref().map(Task::VelocityCurve),
             self.hold_curve.as_ref().map(Task::HoldCurve),
             self.spectrum.as_ref().map(Task::Spectrum),
+            self.stability.as_ref().map(Task::Stability),
             self.fit.as_ref().map(Task::Fit),
             self.renormalisation.as_ref().map(Task::Renormalisation),
         ];
@@ -77,6 +82,7 @@ impl Task<'_> {
             Self::VelocityCurve(_) => "velocity_curve",
             Self::HoldCurve(_) => "hold_curve",
             Self::Spectrum(_) => "spectrum",
+            Self::Stability(_) => "stability",
             Self::Fit(_) => "fit",
             Self::Renormalisation(_) => "renormalisation",
         }
@@ -90,6 +96,7 @@ impl Task<'_> {
             Self::VelocityCurve(curve) => curve.check(),
             Self::HoldCurve(curve) => curve.check(),
             Self::Spectrum(task) => task.check(),
+            Self::Stability(task) => task.check(),
             Self::Fit(task) => task.check(),
             Self::Renormalisation(task) => task.check(),
         }

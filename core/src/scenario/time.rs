@@ -17,6 +17,7 @@ impl Task<'_> {
         match self {
             Task::Pull(pull) => velocity(pull.velocity, rule),
             Task::Spectrum(task) => velocity(task.velocity, rule),
+            Task::Stability(task) => velocities(&task.velocities, rule),
             Task::Fit(task) => velocity(task.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
             Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
@@ -108,6 +109,14 @@ fn velocity(given: Option<f64>, rule: &str) -> Result<()> {
         )
     };
     given.map(drop).ok_or_else(missing)
+}
+
+fn velocities(given: &[f64], rule: &str) -> Result<()> {
+    if given.is_empty() {
+        let expected = format!("velocities above 0, since contacts.{rule} makes contacts time-dependent");
+        return Err(Error::invalid("velocities", expected, "none"));
+    }
+    Ok(())
 }
 
 /// Refuses temperatures of a curve without `contacts.temperature`.

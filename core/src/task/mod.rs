@@ -33,6 +33,7 @@ mod grid;
 mod hold_curve;
 mod in_time;
 pub mod interface;
+mod linear_stability;
 mod posterior;
 mod protocol;
 mod pull;
@@ -41,6 +42,7 @@ mod settling;
 pub mod sliding;
 mod spectrum;
 mod stability;
+mod stick_slip;
 pub mod summary;
 mod velocity_curve;
 
@@ -59,9 +61,10 @@ pub use fit::KeyedEstimates;
 pub use grid::Grid;
 pub use in_time::finite_size_tolerance;
 pub use interface::cells_in_time;
+pub use linear_stability::{LinearStability, stability};
 pub use posterior::record_posterior;
 pub use pull::record_pull;
-pub use stability::{LinearStability, stability};
+pub use stick_slip::{StickSlipStability, stick_slip_stability};
 use summary::{
     Comparison, Extended, FitSummary, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary,
 };
@@ -191,6 +194,7 @@ fn compute(
         Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
         Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
         Task::Spectrum(task) => spectrum::run(model, task, monitor)?.erased(),
+        Task::Stability(task) => stability::run(model, task, monitor)?.erased(),
         Task::Fit(task) => fit::run(model, task, monitor)?.erased(),
         Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
     })
@@ -240,6 +244,7 @@ tasks! {
     VelocityCurve: velocity_curve => VelocityCurveNumbers;
     HoldCurve: hold_curve => HoldCurveNumbers;
     Spectrum: spectrum => SpectrumNumbers;
+    Stability: stability => StabilityNumbers;
     Fit: fit => FitNumbers;
     Renormalisation: renormalisation => RenormalisationNumbers;
 }

@@ -2,9 +2,9 @@
 
 use super::accuracy::ForceAccuracy;
 use super::background::coefficient;
+use super::linear_stability::stability;
 use super::settling::Steady;
-use super::stability::stability;
-use super::summary::{CurveLimits, Extended, Stability, VelocityCurveNumbers};
+use super::summary::{CurveLimits, Extended, SlidingStability, VelocityCurveNumbers};
 use super::{Output, ensemble};
 use crate::Result;
 use crate::contacts::{Contacts, Rules, Temperature};
@@ -220,10 +220,10 @@ impl Critical {
     }
 
     /// The stability at all velocities together; `None` if it was not computed.
-    fn stability(&self) -> Option<Stability> {
+    fn stability(&self) -> Option<SlidingStability> {
         let largest = self.sliding.iter().copied().reduce(f64::max)?;
         let unstable = self.rate.iter().filter(|rate| **rate > 0.0).count();
-        Some(Stability {
+        Some(SlidingStability {
             critical_stiffness_sliding: Extended(largest),
             velocities: self.sliding.len(),
             unstable: (!self.rate.is_empty()).then_some(unstable),

@@ -37,8 +37,13 @@ fn combinations() -> Vec<Value> {
             any(["pull", "hold_curve", "spectrum", "fit", "renormalisation", "interface"].map(key)),
         ),
         implies(all([key("block"), key("velocity_curve")]), stability),
-        never("interface", any(["pull", "velocity_curve", "hold_curve", "spectrum", "fit"].map(key))),
+        never(
+            "interface",
+            any(["pull", "velocity_curve", "hold_curve", "spectrum", "stability", "fit"].map(key)),
+        ),
         implies(key("renormalisation"), key("interface")),
+        implies(key("stability"), key("block")),
+        never("stability", key("ensemble")),
         implies(key("drive.maps"), key("interface")),
         implies(key("compare"), any(["pull", "protocol", "protocol_file"].map(key))),
         never("compare", any(["block", "interface"].map(key))),
@@ -48,6 +53,10 @@ fn combinations() -> Vec<Value> {
         implies(all([timed.clone(), key("pull")]), key("pull.velocity")),
         implies(all([timed.clone(), key("drive")]), key("drive.velocity")),
         implies(all([timed.clone(), key("spectrum")]), key("spectrum.velocity")),
+        implies(
+            all([timed.clone(), key("stability")]),
+            having("stability.velocities", json!({ "minItems": 1 })),
+        ),
         implies(
             all([timed.clone(), key("interface")]),
             all([key("interface.viscosity"), having("interface.slip", json!({ "const": "overdamped" }))]),
@@ -66,6 +75,7 @@ fn combinations() -> Vec<Value> {
                 key("protocol"),
                 key("protocol_file"),
                 key("hold_curve"),
+                key("stability"),
                 having("velocity_curve.stability", json!({ "const": true })),
             ]),
         ),

@@ -4,6 +4,7 @@ mod catalogue;
 mod fit;
 mod posterior;
 mod renormalisation;
+mod stick_slip;
 mod time;
 
 use crate::block::{End, Point, Regime, Slide, StickSlip};
@@ -15,7 +16,10 @@ pub use catalogue::{Catalogue, Largest, PowerLaw};
 pub use fit::{FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use posterior::{PosteriorNumber, PosteriorSummary};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
-pub use time::{CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, Stability};
+pub use stick_slip::{StickSlipKind, StickSlipNumbers};
+pub use time::{
+    CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, SlidingStability,
+};
 
 /// The summary of a run: what it was, and the numbers of its task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -71,6 +75,8 @@ pub enum Numbers {
     HoldCurve(HoldCurveNumbers),
     /// Of `[spectrum]`.
     Spectrum(SpectrumNumbers),
+    /// Of `[stability]`.
+    Stability(StabilityNumbers),
     /// Of `[fit]`.
     Fit(FitNumbers),
     /// Of `[renormalisation]`.
@@ -154,7 +160,7 @@ pub struct VelocityCurveNumbers {
     pub limits: Vec<CurveLimits>,
     /// Stability of steady sliding at all velocities of the curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stability: Option<Stability>,
+    pub stability: Option<SlidingStability>,
 }
 
 /// The numbers of a hold curve.
@@ -187,6 +193,13 @@ pub struct Noise {
     /// Limit of q² S(q)/(2 F_k) for large q with the F_k of the contacts alone, a force per length: the stiffness of one
     /// contact where contacts re-form at 0.
     pub tail: f64,
+}
+
+/// The numbers of a slider behind springs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StabilityNumbers {
+    /// Whether it sticks and slips, at each velocity.
+    pub stick_slip: Vec<StickSlipNumbers>,
 }
 
 /// The numbers of a fit.
@@ -222,6 +235,7 @@ numbers! {
     VelocityCurveNumbers => VelocityCurve,
     HoldCurveNumbers => HoldCurve,
     SpectrumNumbers => Spectrum,
+    StabilityNumbers => Stability,
     FitNumbers => Fit,
     RenormalisationNumbers => Renormalisation,
 }
@@ -279,7 +293,7 @@ impl Numbers {
     }
 
     /// Stability of steady sliding; `None` if it was not computed.
-    pub fn stability(&self) -> Option<&Stability> {
+    pub fn stability(&self) -> Option<&SlidingStability> {
         match self {
             Self::VelocityCurve(VelocityCurveNumbers { stability, .. }) => stability.as_ref(),
             _ => None,
@@ -291,6 +305,14 @@ impl Numbers {
         match self {
             Self::Spectrum(SpectrumNumbers { noise }) => Some(noise),
             _ => None,
+        }
+    }
+
+    /// Whether a slider sticks and slips, at each velocity; none for tasks other than `[stability]`.
+    pub fn stick_slip(&self) -> &[StickSlipNumbers] {
+        match self {
+            Self::Stability(StabilityNumbers { stick_slip }) => stick_slip,
+            _ => &[],
         }
     }
 

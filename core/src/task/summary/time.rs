@@ -112,7 +112,7 @@ pub struct CurveLimits {
 
 /// Stability of steady sliding at the velocities of one or several curves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Stability {
+pub struct SlidingStability {
     /// Largest K_c(v), for a slider without mass and damping or for the block; 0 if sliding is always stable.
     pub critical_stiffness_sliding: Extended,
     /// Number of velocities.

@@ -1,0 +1,225 @@
+//! Whether stick-slip persists behind a spring, and the stiffness of the spring at which it ceases to.
+
+use super::{Block, Drive, Loading, Regime, Slip};
+use crate::error::positive;
+use crate::history::{History, Piece};
+use crate::monitor::{Aside, Monitor};
+use crate::population::Population;
+use crate::rate_dependent::RateDependentContacts;
+use crate::{Error, Result};
+
+/// Largest number of drives of increasing length until the regime is decided.
+const DRIVES: usize = 8;
+
+/// Smallest number of slips that count as persistent. Near the end of persistence slips are nearly equal for long before they
+/// cease.
+const PERSISTENT: usize = 40;
+
+/// Largest number of doublings of the stiffness in search of one at which stick-slip does not persist.
+const DOUBLINGS: usize = 4;
+
+/// The stiffness at which persistent stick-slip ends, enclosed by two stiffnesses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PersistenceLimit {
+    /// The largest stiffness, below [`Self::ended`], at which stick-slip was found to persist; 0 if there was none.
+    pub persists: f64,
+    /// The smallest stiffness above [`Self::persists`] at which it was found not to persist; infinite if it persisted at all.
+    pub ended: f64,
+}
+
+impl PersistenceLimit {
+    /// Encloses the stiffness with a ratio of at most 1 + `resolution`, from the `regime` at single stiffnesses.
+    ///
+    /// The stiffness is doubled from `highest`, four times at most, until stick-slip does not persist, then halved down to
+    /// `lowest` until it does, and the interval between is bisected on a logarithmic scale. Were there several such
+    /// intervals, this is one of the stiffest spring. Where the regime stays undecided the bisection ends.
+    ///
+    /// # Errors
+    /// Stiffnesses that are not numbers above 0, `lowest` above `highest`; a resolution that is not above 0; those of `regime`.
+    pub fn find(
+        [lowest, highest]: [f64; 2],
+        resolution: f64,
+        mut regime: impl FnMut(f64) -> Result<Regime>,
+    ) -> Result<Self> {
+        positive("lowest", lowest)?;
+        positive("resolution", resolution)?;
+        if !(highest >= lowest && highest.is_finite()) {
+            return Err(Error::invalid("highest", format!("a number above {lowest}"), highest));
+        }
+        let (mut persists, mut ended, mut stiffness) = (0.0, f64::INFINITY, highest);
+        for _ in 0..=DOUBLINGS {
+            match regime(stiffness)? {
+                Regime::Persistent { .. } => persists = stiffness,
+                Regime::Undecided { .. } => {}
+                _ => {
+                    ended = stiffness;
+                    break;
+                }
+            }
+            stiffness *= 2.0;
+        }
+        stiffness = highest;
+        while persists == 0.0 && stiffness > lowest {
+            stiffness = (0.5 * stiffness).max(lowest);
+            match regime(stiffness)? {
+                Regime::Persistent { .. } => persists = stiffness,
+                Regime::Undecided { .. } => {}
+                _ => ended = stiffness,
+            }
+        }
+        while persists > 0.0 && ended.is_finite() && ended > (1.0 + resolution) * persists {
+            let middle = (persists * ended).sqrt();
+            match regime(middle)? {
+                Regime::Persistent { .. } => persists = middle,
+                Regime::Undecided { .. } => break,
+                _ => ended = middle,
+            }
+        }
+        Ok(Self { persists, ended })
+    }
+}
+
+impl Block {
+    /// The same slider behind a spring of another stiffness.
+    ///
+    /// # Errors
+    /// Those of [`Block::new`].
+    pub fn with_stiffness(self, stiffness: f64) -> Result<Self> {
+        let built = Self::new(Loading::Spring(stiffness), self.slip, self.slip_fraction)?;
+        Ok(Self { background: self.background, ..built })
+    }
+
+    /// The smallest stiffness behind which a slip can be computed, 0 for most slip rules: γ ≤ 10³√(MK).
+    pub fn least_stiffness(&self) -> f64 {
+        match self.slip {
+            Slip::Inertial { mass, damping } => (damping / super::MOST_DAMPING).powi(2) / mass,
+            _ => 0.0,
+        }
+    }
+
+    /// The regime of sliding over time-independent contacts that are not moved themselves. The drive is as long as it takes to
+    /// decide: first a length `distance`, then up to seven times twice as much. Stick-slip is persistent if it is so after 40
+    /// slips.
+    ///
+    /// # Errors
+    /// A distance that is not above 0; those of [`Block::pull`]; stopped by the monitor.
+    pub fn regime(
+        &self,
+        contacts: &dyn Population,
+        distance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Regime> {
+        decided(distance, monitor, |distance, monitor| {
+            let drive = Drive { turning_points: vec![distance], points: 2 };
+            self.pull_with(contacts.copy().as_mut(), &drive, monitor).map(|run| run.regime)
+        })
+    }
+
+    /// The regime of sliding over contacts in time, with the load point at `velocity`, in a drive as long as for
+    /// [`Self::regime`]. `tolerance` is the largest error of a step in time, a length.
+    ///
+    /// # Errors
+    /// A distance or a velocity that is not above 0; those of [`Block::follow`]; stopped by the monitor.
+    pub fn regime_in_time(
+        &self,
+        contacts: &dyn RateDependentContacts,
+        velocity: f64,
+        distance: f64,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Regime> {
+        positive("velocity", velocity)?;
+        decided(distance, monitor, |distance, monitor| {
+            let history = History::new(vec![Piece { velocity, duration: distance / velocity }])?;
+            self.follow_with(contacts, &history, &[], tolerance, monitor).map(|run| run.regime)
+        })
+    }
+}
+
+/// The regime of drives of increasing length until one is decided.
+fn decided(
+    mut distance: f64,
+    monitor: &mut dyn Monitor,
+    mut regime: impl FnMut(f64, &mut dyn Monitor) -> Result<Regime>,
+) -> Result<Regime> {
+    positive("distance", distance)?;
+    let mut found = regime(distance, &mut Aside { fraction: 0.0, monitor })?;
+    for _ in 1..DRIVES {
+        distance *= match found {
+            // A little more than as many slips take, the first of which are apart by other lengths.
+            Regime::Persistent { slips, .. } if slips < PERSISTENT => 1.2 * PERSISTENT as f64 / slips as f64,
+            Regime::Undecided { .. } => 2.0,
+            _ => break,
+        };
+        found = regime(distance, &mut Aside { fraction: 0.0, monitor })?;
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn persistent_below(limit: f64) -> impl FnMut(f64) -> Result<Regime> {
+        move |stiffness| {
+            Ok(if stiffness < limit {
+                Regime::Persistent { slips: 9, period: 1.0, drop: 1.0, slip: 1.0, scatter: 0.0 }
+            } else {
+                Regime::Smooth { slid: 1.0 }
+            })
+        }
+    }
+
+    #[test]
+    fn a_limit_below_the_first_stiffness_and_one_above_are_enclosed() {
+        for limit in [0.0123, 0.7, 5.0] {
+            let found = PersistenceLimit::find([1e-3, 1.0], 0.01, persistent_below(limit)).unwrap();
+            assert!(found.persists < limit && found.ended >= limit, "{found:?}");
+            assert!(found.ended <= 1.01 * found.persists, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_limit_one_side_is_open() {
+        let never = PersistenceLimit::find([1e-3, 1.0], 0.01, persistent_below(0.0)).unwrap();
+        assert_eq!(never, PersistenceLimit { persists: 0.0, ended: 1e-3 });
+        let always = PersistenceLimit::find([1e-3, 1.0], 0.01, persistent_below(1e9)).unwrap();
+        assert_eq!(always, PersistenceLimit { persists: 16.0, ended: f64::INFINITY });
+    }
+
+    #[test]
+    fn an_undecided_regime_does_not_count_for_either_side() {
+        let undecided = Regime::Undecided { slips: 0, missing: super::super::Missing::Slips };
+        let mut decided = persistent_below(0.1);
+        let regime = |k: f64| if (0.09..0.12).contains(&k) { Ok(undecided) } else { decided(k) };
+        let found = PersistenceLimit::find([1e-3, 1.0], 0.01, regime).unwrap();
+        assert!(found.persists < 0.09 && found.ended >= 0.12, "{found:?}");
+        assert_eq!(PersistenceLimit::find([1e-3, 1.0], 0.01, |_| Ok(undecided)).unwrap().persists, 0.0);
+    }
+
+    #[test]
+    fn a_few_equal_slips_are_followed_further() {
+        // Slips of the length 1 that end after a distance of 30.
+        let drives = std::cell::RefCell::new(Vec::new());
+        let regime = |distance: f64, _: &mut dyn Monitor| {
+            drives.borrow_mut().push(distance);
+            let slips = distance.min(30.0) as usize;
+            Ok(match distance {
+                _ if distance < 8.0 => Regime::Undecided { slips, missing: super::super::Missing::Slips },
+                _ if distance < 30.0 => {
+                    Regime::Persistent { slips, period: 1.0, drop: 1.0, slip: 1.0, scatter: 0.0 }
+                }
+                _ => Regime::Transient { slips, slid: distance - 30.0 },
+            })
+        };
+        assert!(matches!(decided(5.0, &mut (), regime).unwrap(), Regime::Transient { slips: 30, .. }));
+        assert_eq!(*drives.borrow(), [5.0, 10.0, 48.0]);
+    }
+
+    #[test]
+    fn wrong_arguments_are_refused() {
+        for (range, resolution) in [([0.0, 1.0], 0.1), ([2.0, 1.0], 0.1), ([0.1, 1.0], 0.0)] {
+            assert!(PersistenceLimit::find(range, resolution, persistent_below(1.0)).is_err());
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Whether a slider sticks and slips behind its spring: from motions of a block, beside the critical stiffnesses of the first
+//! pull and of steady sliding.
+
+use super::drive::first_loading_distance;
+use super::linear_stability::stability;
+use super::summary::{Extended, StickSlipNumbers};
+use crate::block::{Block, PersistenceLimit, Regime};
+use crate::contacts::Contacts;
+use crate::error::positive;
+use crate::master::{DynamicStiffness, MasterEquation, Transport};
+use crate::monitor::{Aside, Monitor, Part, report};
+use crate::population::Population;
+use crate::rate_dependent::RateDependentContacts;
+use crate::scenario::{self, Drive, Model};
+use crate::{Error, Result};
+
+/// First length of a drive beyond the first loading, in mean thresholds. Where that does not decide, it is doubled.
+const SLIDE: f64 = 20.0;
+/// Softest spring of the search, in units of the stiffness of all contacts: behind a softer one, the first loading alone takes
+/// more than a thousand mean thresholds.
+const SOFTEST: f64 = 1e-3;
+
+/// Whether a slider sticks and slips, and behind which springs it does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StickSlipStability {
+    /// Stiffness K of the spring of the block.
+    pub stiffness: f64,
+    /// What the block of this stiffness does: [`Regime::Smooth`] (no slips), [`Regime::Transient`] or [`Regime::Persistent`].
+    pub regime: Regime,
+    /// The stiffness at which persistent stick-slip ends.
+    pub limit: PersistenceLimit,
+    /// K_c = −min F' of a first pull from the initial state, at this velocity: a softer spring begins with a slip; 0 if F never
+    /// falls, infinite if it jumps.
+    pub critical_stiffness: f64,
+    /// K_c of steady sliding, for the mass and the damping of the block: a softer spring makes small deviations from steady
+    /// sliding grow; 0 if they never do, infinite if they always do. 0 for time-independent contacts, over which steady sliding
+    /// is neutrally stable.
+    pub critical_stiffness_sliding: f64,
+}
+
+/// Whether the block of `model` sticks and slips over its contacts, pulled from its initial state at a constant velocity of the
+/// load point, which time-dependent contacts need. The stiffness at which persistent stick-slip ends is enclosed to a ratio of
+/// 1 + `resolution`, by motions of the block behind springs of other stiffnesses, down to 1e-3 of the stiffness of all contacts.
+///
+/// ```
+/// use std::sync::Arc;
+/// use asperity::block::{Regime, Slip};
+/// use asperity::contacts::{Contacts, Initial};
+/// use asperity::law::{Gaussian, Point};
+/// use asperity::scenario::{Block, Model};
+/// use asperity::task::stick_slip_stability;
+///
+/// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// let block = Block { stiffness: 1.0, slip: Slip::Overdamped, slip_fraction: Block::SLIP_FRACTION };
+/// let model = Model { block: Some(block), ..Model::new(contacts, Initial::default()) };
+/// let found = stick_slip_stability(&model, None, 0.02, &mut ())?;
+/// // Contacts that re-form as they break lose their common phase after three slips.
+/// assert!(matches!(found.regime, Regime::Transient { slips: 3, .. }));
+/// assert_eq!(found.limit.persists, 0.0);
+/// assert!((found.critical_stiffness - 3.009222675584).abs() < 1e-6);
+/// # Ok::<(), asperity::Error>(())
+/// ```
+///
+/// # Errors
+/// A model without a block; time-dependent contacts without a velocity, or with a slip rule that has no meaning in time, or that
+/// slip without a mass or a damping; those of the solvers; stopped by the monitor.
+pub fn stick_slip_stability(
+    model: &Model,
+    velocity: Option<f64>,
+    resolution: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<StickSlipStability> {
+    let springs = Springs::new(model, velocity, &mut Part::new(monitor, 0.0, 0.1))?;
+    let stiffness = springs.stiffness();
+    let regime = springs.regime(stiffness, &mut Part::new(monitor, 0.1, 0.1))?;
+    let limit = springs.limit(resolution, &mut Part::new(monitor, 0.2, 0.8))?;
+    report(monitor, 1.0)?;
+    Ok(springs.answer(regime, limit))
+}
+
+/// Contacts that wait for a slider behind springs of any stiffness.
+pub(super) struct Springs {
+    table: scenario::Block,
+    block: Block,
+    contacts: Waiting,
+    /// Mean threshold x̄.
+    mean: f64,
+    /// N_c⟨k⟩.
+    all: f64,
+    /// K_c of the first pull and of steady sliding.
+    critical: [f64; 2],
+    /// Estimated error of F/(N_c⟨k⟩) of the first pull.
+    pub error: f64,
+    /// Mean life of a contact.
+    pub life: f64,
+}
+
+/// Contacts at the start, which are copied for every motion.
+enum Waiting {
+    Quasistatic(Box<dyn Population>),
+    InTime { contacts: Box<dyn RateDependentContacts>, velocity: f64, tolerance: f64 },
+}
+
+impl Springs {
+    /// Solved by the master equation.
+    ///
+    /// # Errors
+    /// Those of [`stick_slip_stability`].
+    pub fn new(model: &Model, velocity: Option<f64>, monitor: &mut dyn Monitor) -> Result<Self> {
+        let Model { contacts, initial, .. } = model;
+        let table = block_of(model)?.clone();
+        let block = slider(model)?;
+        let velocity = velocity_of(contacts, velocity)?;
+        let part = &mut Part::new(monitor, 0.0, 0.1);
+        let equation = match velocity {
+            Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, part)?,
+            None => MasterEquation::new_with(contacts.clone(), initial, part)?,
+        };
+        let tolerance = model.master_equation.tolerance();
+        let part = &mut Part::new(monitor, 0.1, 0.2);
+        let pull = equation.pull_with(first_loading_distance(contacts), tolerance, part)?;
+        let part = &mut Part::new(monitor, 0.3, 0.7);
+        let mean = contacts.thresholds.mean();
+        let (sliding, waiting) = match velocity {
+            None => (0.0, Waiting::Quasistatic(Box::new(equation.population_with(tolerance, part)?))),
+            Some(velocity) => {
+                let sliding = critical_in_sliding(contacts, velocity, &table, part)?;
+                let aside = &mut Aside { fraction: 0.0, monitor: part };
+                let tolerance = model.master_equation.tolerance_of_a_block();
+                let transport = Transport::new_with(contacts.clone(), initial, tolerance, aside)?;
+                let tolerance = tolerance * mean;
+                (sliding, Waiting::InTime { contacts: Box::new(transport), velocity, tolerance })
+            }
+        };
+        Ok(Self {
+            table,
+            block,
+            contacts: waiting,
+            mean,
+            all: model.stiffness(),
+            critical: [pull.critical_stiffness(), sliding],
+            error: pull.error_estimate(),
+            life: equation.steady_state().mean_life(),
+        })
+    }
+
+    /// The regime behind a spring.
+    ///
+    /// # Errors
+    /// Those of [`Block::regime`] and [`Block::regime_in_time`].
+    pub fn regime(&self, stiffness: f64, monitor: &mut dyn Monitor) -> Result<Regime> {
+        let block = self.block.with_stiffness(stiffness).map_err(|e| e.under("block"))?;
+        // The first loading, up to the force at which all contacts are stretched by the mean threshold.
+        let distance = self.mean * (self.all / stiffness + SLIDE);
+        match &self.contacts {
+            Waiting::Quasistatic(contacts) => block.regime(contacts.as_ref(), distance, monitor),
+            Waiting::InTime { contacts, velocity, tolerance } => {
+                block.regime_in_time(contacts.as_ref(), *velocity, distance, *tolerance, monitor)
+            }
+        }
+    }
+
+    /// The stiffness at which persistent stick-slip ends.
+    ///
+    /// # Errors
+    /// Those of [`PersistenceLimit::find`].
+    pub fn limit(&self, resolution: f64, monitor: &mut dyn Monitor) -> Result<PersistenceLimit> {
+        // Stick-slip has to begin, by the first pull or from steady sliding, so that the search begins there.
+        let found = self.critical.into_iter().filter(|critical| critical.is_finite());
+        let highest = found.fold(0.0, f64::max).max(SOFTEST * self.all);
+        let lowest = (SOFTEST * self.all).max(self.block.least_stiffness());
+        let range = [lowest.min(highest), highest];
+        PersistenceLimit::find(range, resolution, |stiffness| {
+            self.regime(stiffness, &mut Aside { fraction: 0.0, monitor })
+        })
+    }
+
+    /// Stiffness of the spring of the block.
+    pub fn stiffness(&self) -> f64 {
+        self.table.stiffness
+    }
+
+    /// The answer, with a regime and a limit that were found.
+    pub fn answer(&self, regime: Regime, limit: PersistenceLimit) -> StickSlipStability {
+        let [critical_stiffness, critical_stiffness_sliding] = self.critical;
+        let stiffness = self.stiffness();
+        StickSlipStability { stiffness, regime, limit, critical_stiffness, critical_stiffness_sliding }
+    }
+}
+
+impl StickSlipStability {
+    /// The numbers of a summary, at a velocity of the load point.
+    pub fn numbers(&self, velocity: Option<f64>) -> StickSlipNumbers {
+        StickSlipNumbers {
+            velocity,
+            stiffness: self.stiffness,
+            stick_slip: self.regime.into(),
+            reason: self.regime.to_string(),
+            persistent_stiffness: self.limit.persists,
+            persistent_stiffness_above: Extended(self.limit.ended),
+            critical_stiffness: Extended(self.critical_stiffness),
+            critical_stiffness_sliding: Extended(self.critical_stiffness_sliding),
+        }
+    }
+}
+
+fn block_of(model: &Model) -> Result<&scenario::Block> {
+    model.block.as_ref().ok_or_else(|| Error::invalid("block", "a slider behind a spring", "none"))
+}
+
+/// The slider of `model`.
+fn slider(model: &Model) -> Result<Block> {
+    let table = block_of(model)?;
+    let built = if model.contacts.rules.are_time_dependent() {
+        table.in_time(false)
+    } else {
+        Drive::default().slider(Some(table), false)
+    };
+    built.and_then(|block| block.with_background(model.background))
+}
+
+/// The velocity, if the contacts depend on time.
+fn velocity_of(contacts: &Contacts, velocity: Option<f64>) -> Result<Option<f64>> {
+    let Some(rule) = contacts.rules.first() else { return Ok(None) };
+    let expected = || format!("a velocity above 0, since contacts.{rule} makes contacts time-dependent");
+    let velocity = velocity.ok_or_else(|| Error::invalid("velocity", expected(), "none"))?;
+    positive("velocity", velocity)?;
+    Ok(Some(velocity))
+}
+
+/// K_c of steady sliding, for the mass and the damping of a block; 0 if small deviations never grow.
+fn critical_in_sliding(
+    contacts: &Contacts,
+    velocity: f64,
+    block: &scenario::Block,
+    monitor: &mut dyn Monitor,
+) -> Result<f64> {
+    if block.slip.inertia_and_drag()? != (0.0, 0.0) {
+        return Ok(stability(contacts, velocity, Some(block), monitor)?.critical_stiffness);
+    }
+    // In closed form where thresholds follow from the age; otherwise from the response to a step.
+    match DynamicStiffness::new(contacts, velocity) {
+        Ok(response) => Ok(response.critical_stiffness(monitor)?.map_or(0.0, |found| found.0)),
+        Err(Error::Invalid { .. }) => Ok(stability(contacts, velocity, None, monitor)?.critical_stiffness),
+        Err(error) => Err(error),
+    }
+}

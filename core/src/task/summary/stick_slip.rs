@@ -1,0 +1,66 @@
+//! Summary of the question whether a slider sticks and slips.
+
+use serde::{Deserialize, Serialize};
+
+use super::Extended;
+use crate::block::Regime;
+
+/// Whether a slider sticks and slips behind its spring, and behind which springs it does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StickSlipNumbers {
+    /// Velocity of the load point; absent for time-independent contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
+    /// Stiffness K of the spring.
+    pub stiffness: f64,
+    /// Stick-slip behind this spring.
+    pub stick_slip: StickSlipKind,
+    /// The reason for that answer, in words.
+    pub reason: String,
+    /// Largest stiffness at which stick-slip was found to persist; 0 if at none.
+    pub persistent_stiffness: f64,
+    /// Smallest stiffness above it at which it was found not to persist.
+    pub persistent_stiffness_above: Extended,
+    /// Critical stiffness −min F' of the first pull.
+    pub critical_stiffness: Extended,
+    /// Critical stiffness of steady sliding.
+    pub critical_stiffness_sliding: Extended,
+}
+
+/// The answer to the question whether a slider sticks and slips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StickSlipKind {
+    /// No slips.
+    None,
+    /// Slips that end.
+    Transient,
+    /// Slips that do not end.
+    Persistent,
+    /// Not decided within the longest drive.
+    Undecided,
+}
+
+impl StickSlipKind {
+    /// The word in files and on the terminal.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Transient => "transient",
+            Self::Persistent => "persistent",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+impl From<Regime> for StickSlipKind {
+    fn from(regime: Regime) -> Self {
+        match regime {
+            Regime::Smooth { .. } => Self::None,
+            Regime::Transient { .. } => Self::Transient,
+            Regime::Persistent { .. } => Self::Persistent,
+            // A spring cannot impose a force that runs away.
+            Regime::Undecided { .. } | Regime::Runaway => Self::Undecided,
+        }
+    }
+}

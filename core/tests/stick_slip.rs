@@ -1,0 +1,160 @@
+//! Whether a slider sticks and slips: against closed forms and tables of time-independent contacts, long drives, and contacts one
+//! by one.
+
+mod common;
+
+use asperity::Error;
+use asperity::block::{Block, Loading, Regime, Slide, Slip};
+use asperity::contacts::{Ageing, Contacts, Rules};
+use asperity::ensemble::{Disorder, Ensemble};
+use asperity::history::{History, Piece};
+use asperity::master::Transport;
+use asperity::scenario::{self, Model};
+use asperity::task::{StickSlipStability, finite_size_tolerance, stick_slip_stability};
+use common::{contacts, gaussian, initial, point};
+
+/// Ratio of the stiffnesses that enclose the end of persistent stick-slip, less 1.
+const RESOLUTION: f64 = 0.02;
+
+fn model(contacts: Contacts, stiffness: f64, slip: Slip) -> Model {
+    let block = scenario::Block { stiffness, slip, slip_fraction: scenario::Block::SLIP_FRACTION };
+    Model { block: Some(block), ..Model::new(contacts, initial(&point(0.0))) }
+}
+
+fn athermal(std: f64, stiffness: f64, slip: Slip) -> StickSlipStability {
+    let model = model(contacts(&gaussian(1.0, std), &point(0.0)), stiffness, slip);
+    stick_slip_stability(&model, None, RESOLUTION, &mut ()).unwrap()
+}
+
+/// Thresholds of mean 1 and σ = 0.2 that grow by 2 % per factor e in age.
+fn ageing() -> Contacts {
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.02, time: 1.0 }), ..Rules::default() };
+    Contacts { rules, ..contacts(&gaussian(1.0, 0.2), &point(0.0)) }
+}
+
+const VELOCITY: f64 = 1e-3;
+const DAMPED: Slip = Slip::Damped { damping: 0.1 };
+
+fn aged(stiffness: f64) -> StickSlipStability {
+    stick_slip_stability(&model(ageing(), stiffness, DAMPED), Some(VELOCITY), RESOLUTION, &mut ()).unwrap()
+}
+
+#[test]
+fn contacts_that_all_re_form_slip_for_ever_up_to_the_critical_stiffness() {
+    // −min F' of Gaussian thresholds: 40-digit arithmetic, to 1e-9.
+    for (std, critical) in [(0.05, 6.988800539548), (0.1, 3.009222675584)] {
+        let found = athermal(std, 0.5, Slip::Reset);
+        assert!((found.critical_stiffness / critical - 1.0).abs() < 1e-8, "{found:?}");
+        assert!(matches!(found.regime, Regime::Persistent { .. }), "{found:?}");
+        // The search begins at K_c, where the block is stable to rounding.
+        assert!(found.limit.persists < critical && found.limit.ended > (1.0 - 1e-8) * critical, "{found:?}");
+        assert!(found.limit.ended <= (1.0 + RESOLUTION) * found.limit.persists, "{found:?}");
+        // F' = 0 in steady sliding.
+        assert_eq!(found.critical_stiffness_sliding, 0.0);
+    }
+}
+
+#[test]
+fn contacts_that_re_form_as_they_break_never_slip_for_ever() {
+    // The number of overdamped slips of the table of stick-slip.
+    for (std, stiffness, expected) in [(0.05, 1.0, 15), (0.05, 0.5, 28), (0.1, 1.0, 3)] {
+        let found = athermal(std, stiffness, Slip::Overdamped);
+        assert!(matches!(found.regime, Regime::Transient { slips, .. } if slips == expected), "{found:?}");
+        assert_eq!(found.limit.persists, 0.0);
+    }
+    let stiff = athermal(0.1, 3.1, Slip::Overdamped);
+    assert!(matches!(stiff.regime, Regime::Smooth { .. }), "{stiff:?}");
+}
+
+#[test]
+fn contacts_that_wait_for_the_arrest_slip_for_ever_below_a_second_stiffness() {
+    // K_p/K_c, from drops after 40 slips that equal those after 20.
+    for (std, from, to) in [(0.05, 0.2, 0.3), (0.1, 0.3, 0.4), (0.2, 0.5, 0.56)] {
+        let found = athermal(std, 0.5, Slip::Arrest);
+        let [low, high] = [found.limit.persists, found.limit.ended].map(|k| k / found.critical_stiffness);
+        assert!(low > from && high < to, "σ = {std}: {low} to {high}");
+    }
+}
+
+/// A drive of `distance` from rest.
+fn drive(stiffness: f64, distance: f64) -> Slide {
+    let transport = Transport::new_with(ageing(), &initial(&point(0.0)), 1e-4, &mut ()).unwrap();
+    let history = History::new(vec![Piece { velocity: VELOCITY, duration: distance / VELOCITY }]).unwrap();
+    Block::new(Loading::Spring(stiffness), DAMPED, None)
+        .unwrap()
+        .follow(&transport, &history, &[], 1e-4)
+        .unwrap()
+}
+
+#[test]
+fn ageing_contacts_slip_for_ever_behind_soft_springs_only() {
+    let soft = aged(0.05);
+    // −min F' of the first pull, and Nyquist's criterion in steady sliding: another solver each.
+    assert!((soft.critical_stiffness - 1.0).abs() < 0.1, "{soft:?}");
+    assert!((soft.critical_stiffness_sliding - 0.0178).abs() < 5e-4, "{soft:?}");
+    assert!(matches!(soft.regime, Regime::Persistent { .. }), "{soft:?}");
+    let stiff = aged(0.1);
+    assert!(matches!(stiff.regime, Regime::Transient { .. }), "{stiff:?}");
+    assert_eq!(stiff.limit, soft.limit);
+    // Neither critical stiffness is where persistent stick-slip ends.
+    assert!(soft.limit.persists > 0.05 && soft.limit.ended < 0.1, "{soft:?}");
+    // Drives ten times as long as those that decided, on both sides: slips to the end with the same drops, or none.
+    let below = drive(soft.limit.persists, 400.0);
+    let drops: Vec<f64> =
+        below.slips.iter().rev().take(20).map(|slip| slip.before.force - slip.after.force).collect();
+    assert!(below.slips.len() > 80, "{} slips", below.slips.len());
+    // The tolerance of steps in time.
+    assert!(drops.iter().all(|drop| (drop / drops[0] - 1.0).abs() < 0.02), "{drops:?}");
+    // Near the limit slips become smaller slowly before they cease.
+    let above = drive(soft.limit.ended, 800.0);
+    assert!(matches!(above.regime, Regime::Transient { slid, .. } if slid > 200.0), "{:?}", above.regime);
+}
+
+#[test]
+fn single_contacts_have_large_slips_behind_soft_springs_only() {
+    let limit = aged(0.05).limit;
+    let drops = |stiffness: f64, distance: f64| {
+        let ensemble = Ensemble::new(ageing(), initial(&point(0.0)), 500, 1, Disorder::Annealed).unwrap();
+        let history =
+            History::new(vec![Piece { velocity: VELOCITY, duration: distance / VELOCITY }]).unwrap();
+        let block = Block::new(Loading::Spring(stiffness), DAMPED, Some(0.05)).unwrap();
+        let contacts = ensemble.in_time_with(&mut ()).unwrap();
+        let run = block.follow(&contacts, &history, &[], finite_size_tolerance(500)).unwrap();
+        let later = run.slips.iter().filter(|slip| slip.before.drive > 0.5 * distance);
+        let drops: Vec<f64> = later.map(|slip| slip.before.force - slip.after.force).collect();
+        drops.iter().sum::<f64>() / drops.len().max(1) as f64
+    };
+    let (soft, stiff) = (drops(0.5 * limit.persists, 60.0), drops(2.0 * limit.ended, 20.0));
+    // The same of the master equation: drops of 0.13, or none. The force of 500 contacts has a standard deviation of
+    // 0.3/√500 = 0.013: random breaks set off slips with drops of some of that, in either case.
+    assert!((soft - 0.13).abs() < 0.04 && stiff < 0.05, "{soft} and {stiff}");
+}
+
+#[test]
+fn without_mass_and_damping_the_response_is_that_of_the_renewal_equation() {
+    let contacts = ageing();
+    let response = Transport::step_response(&contacts, VELOCITY, 30.0, 1e-5, &mut ()).unwrap();
+    let expected = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap().0;
+    // A spring in balance at every time, stiff enough for the first pull; softer ones would slip.
+    let stiff = model(contacts, 2.0, Slip::Reset);
+    let refused = stick_slip_stability(&stiff, Some(VELOCITY), RESOLUTION, &mut ()).unwrap_err();
+    assert!(refused.to_string().contains("damping"), "{refused}");
+    let little = model(ageing(), 0.05, Slip::Damped { damping: 1e-4 });
+    let found = stick_slip_stability(&little, Some(VELOCITY), 1.0, &mut ()).unwrap();
+    // A viscous force of 1e-7 changes K_c by next to nothing; the step response errs by 1e-3.
+    assert!((found.critical_stiffness_sliding - expected).abs() < 2e-3, "{found:?}, {expected}");
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let key = |error: Error| match error {
+        Error::Invalid { key, .. } => key,
+        other => panic!("{other}"),
+    };
+    let rigid = Model::new(ageing(), initial(&point(0.0)));
+    assert_eq!(key(stick_slip_stability(&rigid, Some(1.0), 0.1, &mut ()).unwrap_err()), "block");
+    let still = model(ageing(), 1.0, DAMPED);
+    assert_eq!(key(stick_slip_stability(&still, None, 0.1, &mut ()).unwrap_err()), "velocity");
+    let untimed = model(ageing(), 1.0, Slip::Overdamped);
+    assert_eq!(key(stick_slip_stability(&untimed, Some(1.0), 0.1, &mut ()).unwrap_err()), "block.slip");
+}
