@@ -8,7 +8,7 @@
 Lengths, forces and densities are in the units of the description: numbers are never converted.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping as _Mapping
 
 from asperity import exact
 from asperity._bridge import law
@@ -69,9 +69,25 @@ from asperity._core import (
     read_healing,
     read_velocity_step,
     run,
-    velocity_curve,
 )
 from asperity._events import Event, Events
+from asperity._tasks import (
+    Comparison,
+    DistributionDistance,
+    FirstBreaks,
+    HealingLaw,
+    HoldCurve,
+    StabilityCurve,
+    TaskResult,
+    VelocityCurve,
+    VelocityLimits,
+    compare,
+    healing,
+    hold_curve,
+    renormalisation,
+    stability,
+    velocity_curve,
+)
 from asperity._values import (
     Atoms,
     Correlation,
@@ -103,12 +119,14 @@ __all__ = [
     "Areas",
     "Atoms",
     "Block",
+    "Comparison",
     "Contacts",
     "Correlation",
     "Course",
     "Damped",
     "Deformable",
     "Description",
+    "DistributionDistance",
     "Drift",
     "Energy",
     "Ensemble",
@@ -119,6 +137,7 @@ __all__ = [
     "Event",
     "Events",
     "Exponential",
+    "FirstBreaks",
     "FreeForm",
     "FrictionEstimates",
     "FrictionGradient",
@@ -127,6 +146,8 @@ __all__ = [
     "Gaussian",
     "Gradient",
     "Healing",
+    "HealingLaw",
+    "HoldCurve",
     "Inertial",
     "Interface",
     "InterfaceEnergy",
@@ -158,6 +179,7 @@ __all__ = [
     "Sizes",
     "Smoluchowski",
     "Stability",
+    "StabilityCurve",
     "State",
     "StaticFriction",
     "SteadyEstimates",
@@ -166,23 +188,35 @@ __all__ = [
     "StickSlip",
     "StretchDensity",
     "Tabulated",
+    "TaskResult",
     "Temperature",
     "ThresholdResponse",
     "Transport",
+    "VelocityCurve",
+    "VelocityLimits",
     "VelocityStep",
     "Weibull",
     "WithError",
     "__version__",
+    "compare",
     "critical_coupling",
     "exact",
     "fit",
     "fit_steady",
+    "healing",
+    "hold_curve",
     "law",
     "open_result",
     "read_healing",
     "read_velocity_step",
+    "renormalisation",
     "run",
+    "stability",
     "velocity_curve",
 ]
 
-Mapping.register(Record)
+_Mapping.register(Record)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -492,7 +492,7 @@ fn columns(found: &asperity::fit::Estimates) -> record::Record {
     if curves.len() > 1 {
         let number = |(c, curve): (usize, &Measurement)| vec![c as f64; curve.positions.len()];
         let numbers = curves.iter().enumerate().flat_map(number).collect();
-        add("curve", "number of the curve", Quantity::Number, numbers);
+        add("curve", "number of the curve", Quantity::Count, numbers);
     }
     add("position", "measured position", Quantity::Length, measured(|curve| &curve.positions));
     let known = found.misfit.is_some();

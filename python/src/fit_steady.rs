@@ -227,7 +227,8 @@ impl SteadyEstimates {
         ax: Option<&Bound<'py, PyAny>>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("asperity._plot")?.call_method("fit_spectrum", (slf, ax), style)
+        let spectrum = slf.get().spectrum.bind(slf.py());
+        Record::plot(spectrum, ax, Some("periodogram"), style)
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

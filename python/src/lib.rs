@@ -15,6 +15,7 @@ mod interface;
 mod law;
 mod measured;
 mod model;
+mod pickle;
 mod posterior;
 mod pull;
 mod rate_state;
@@ -65,6 +66,8 @@ mod _core {
     };
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::pickle::restore_result;
     #[pymodule_export]
     use crate::posterior::Posterior;
     #[pymodule_export]
