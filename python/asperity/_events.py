@@ -3,11 +3,12 @@
 from collections import namedtuple
 from collections.abc import Callable, KeysView, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from asperity import _show
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
     from pandas import DataFrame
@@ -66,9 +67,12 @@ def _of_slider(names: tuple[str, ...], *values: Any) -> Event:
 
 def _kind(names: tuple[str, ...]) -> Any:
     """A class of rows with these fields, whose rows can be pickled."""
-    kind: Any = namedtuple("Event", names)
-    kind.__reduce__ = lambda event: (_again, (event._fields, tuple(event)))
-    return kind
+    fields: Any = namedtuple("Event", names)  # type: ignore[misc]
+
+    def reduced(event: Any) -> tuple[Any, ...]:
+        return _again, (event._fields, tuple(event))
+
+    return type("Event", (fields,), {"__slots__": (), "__reduce__": reduced, "__module__": __name__})
 
 
 def _again(names: tuple[str, ...], values: tuple[Any, ...]) -> Any:
@@ -164,7 +168,7 @@ class Events(Sequence[Event]):
     @overload
     def __getitem__(self, key: str) -> "NDArray[Any]": ...
     @overload
-    def __getitem__(self, key: SupportsIndex) -> Event: ...
+    def __getitem__(self, key: "int | np.integer[Any]") -> Event: ...
     @overload
     def __getitem__(self, key: "slice | NDArray[Any] | list[int] | list[bool]") -> "Events": ...
     def __getitem__(self, key: Any) -> "NDArray[Any] | Event | Events":

@@ -96,7 +96,13 @@ def sliding(record: "Record", ax: "Axes", **style: Any) -> None:
         force = "ensemble_spring_force" if "ensemble_spring_force" in record else "ensemble_force"
         of_force = record.labels["drive"].quantity == "force"
         x, y = ("ensemble_position", "ensemble_drive") if of_force else ("ensemble_drive", force)
-        dots = {"linestyle": "none", "marker": ".", "markersize": 2, "color": ink(), "zorder": 2.5}
+        dots: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": ".",
+            "markersize": 2,
+            "color": ink(),
+            "zorder": 2.5,
+        }
         ax.plot(few(record[x], 401), few(record[y], 401), **dots, label="ensemble")
         if "label" not in style:
             ax.lines[first].set_label("master equation")
@@ -160,7 +166,7 @@ def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     """Static friction against the logarithm of the hold time, with the fitted growth."""
     hold = record["hold"]
     told = getattr(record, "summary", {}).get("hold_curve", {})
-    dots = {"linestyle": "none", "marker": "o", "markersize": 5}
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5}
     (line,) = ax.plot(hold, record["static_friction"], **{**dots, "label": "master equation", **style})
     if "healing_per_decade" in told:
         times = np.geomspace(hold[0], hold[-1], 201)
@@ -179,7 +185,7 @@ def spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
     """The spectrum of the force, with the periodogram of the ensemble."""
     names = ("ensemble_wave_number", "ensemble_spectrum")
     if all(name in record for name in names):
-        dots = {"marker": ".", "linestyle": "none", "markersize": 3, "color": muted()}
+        dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3, "color": muted()}
         within = record[names[0]] <= record["wave_number"][-1]
         ax.plot(record[names[0]][within], record[names[1]][within], **dots, label="ensemble")
     (line,) = ax.plot(record["wave_number"], record["spectrum"], **style)
@@ -233,7 +239,7 @@ def measured_fit(record: "Record", ax: "Axes", **style: Any) -> None:
         low, high = y[of] - 2 * std[of], y[of] + 2 * std[of]
         ax.fill_between(x[of], low, high, color=line.get_color(), alpha=0.2, linewidth=0)
     if measured in record:
-        dots = {"marker": ".", "linestyle": "none", "markersize": 3, "zorder": 1.5}
+        dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3, "zorder": 1.5}
         ax.plot(x, record[measured], **dots, color=ink(), label="measured")
     named(record, ax, (place, "X"), (expected, "F"))
     ax.legend()
@@ -246,7 +252,7 @@ def residuals(record: "Record", ax: "Axes", **style: Any) -> None:
         if "whitened_residual" in record
         else ("whitened", "position")
     )
-    dots = {"marker": ".", "linestyle": "none", "markersize": 3}
+    dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3}
     (line,) = ax.plot(record[place], record[name], **{**dots, **style})
     ax.axhspan(-2, 2, color=line.get_color(), alpha=0.15, linewidth=0)
     ax.axhline(0.0, color=muted(), linewidth=0.6)
@@ -262,11 +268,16 @@ def fit_spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
     expected = record["fit_expected_periodogram" if prefix else "expected"]
     # A periodogram scatters as much as its mean: averages over a tenth of a decade show the mean.
     bins = np.floor(10 * np.log10(q)).astype(int)
-    at, mean, count = (
-        np.array([one(bins == b) for b in np.unique(bins)])
-        for one in (lambda of: q[of].mean(), lambda of: measured[of].mean(), lambda of: of.sum())
-    )
-    dots = {"marker": ".", "linestyle": "none", "markersize": 2, "color": muted(), "zorder": 1}
+    each = [bins == number for number in np.unique(bins)]
+    at, mean = (np.array([values[of].mean() for of in each]) for values in (q, measured))
+    count = np.array([of.sum() for of in each])
+    dots: dict[str, Any] = {
+        "marker": ".",
+        "linestyle": "none",
+        "markersize": 2,
+        "color": muted(),
+        "zorder": 1,
+    }
     ax.plot(q, measured, **dots, alpha=0.5, label="periodogram")
     errors(ax, at, mean, mean / np.sqrt(count), label="averages")
     ax.plot(q, expected, **{"label": "fit", "zorder": 3, **style})
@@ -298,7 +309,7 @@ def evolution(record: "Record", ax: "Axes", **style: Any) -> None:
         last = ax.lines[-len(record["snapshot"]) :]
         for line, counts in zip(last, record["ensemble_stretch_density"], strict=True):
             held = counts > 0.0
-            dots = {"marker": ".", "linestyle": "none", "markersize": 3}
+            dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3}
             ax.plot(record["bin"][held], counts[held], **dots, color=line.get_color(), zorder=1.5)
     named(record, ax, (place, "x"), (name, "Q"))
     if "stretch_atom_stretch" in record:
@@ -350,7 +361,7 @@ def covariance(record: "Record", ax: "Axes", **style: Any) -> None:
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = values / np.outer(std, std)
     at = record["covariance_position"]
-    map_style = {"cmap": "RdBu_r", "vmin": -1.0, "vmax": 1.0, "shading": "nearest"}
+    map_style: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -1.0, "vmax": 1.0, "shading": "nearest"}
     mesh = ax.pcolormesh(at, at, correlation, **{**map_style, **style})
     ax.set_aspect("equal")
     unit = record.labels["covariance_position"].units
@@ -394,7 +405,7 @@ def slip(record: "Record", ax: "Axes", **style: Any) -> None:
 
 def sizes(record: "Record", ax: "Axes", **style: Any) -> None:
     """The numbers of events of an ensemble by the number of contacts that break."""
-    dots = {"marker": "o", "linestyle": "none", "markersize": 4}
+    dots: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 4}
     ax.plot(record["size"], record["size_events"], **{**dots, **style})
     ax.set(xscale="log", yscale="log", xlabel="contacts broken in an event", ylabel="events")
 
@@ -454,7 +465,7 @@ def space_time(record: "Record", ax: "Axes", **style: Any) -> None:
     drives, cells = record["map_drive"], record["cell"]
     # Two maps at one drive, before and after an event, would be a cell of no height.
     different = np.append(np.diff(drives) > 0.0, True)
-    look = {"shading": "nearest", "rasterized": True}
+    look: dict[str, Any] = {"shading": "nearest", "rasterized": True}
     mesh = ax.pcolormesh(cells, drives[different], record["cell_force"][different], **{**look, **style})
     ax.set(xlabel="cell", ylabel=axis("X_T", record.labels["map_drive"].units))
     colorbar(ax, mesh, axis("", record.labels["cell_force"].units, "force of a cell"))

@@ -211,7 +211,7 @@ def relaxation(relaxation: "Relaxation", ax: "Axes | None" = None, **style: Any)
     if ax is None:
         ax = new_axes()
     roots = relaxation.roots
-    dots = {"linestyle": "none", "marker": "o", "markersize": 4}
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
     (line,) = ax.plot(roots.real, roots.imag, **{**dots, **style})
     ax.plot(roots.real, -roots.imag, **{**dots, "color": line.get_color()})
     ax.axhline(0.0, color=muted(), linewidth=0.6)
@@ -241,7 +241,7 @@ def events(events: "Events", ax: "Axes | None", x: str, y: str, **style: Any) ->
     """A column of events against another."""
     if ax is None:
         ax = new_axes()
-    dots = {"linestyle": "none", "marker": ".", "markersize": 4}
+    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4}
     ax.plot(events[x], events[y], **{**dots, **style})
     ax.set(xlabel=x.replace("_", " "), ylabel=y.replace("_", " "))
     return ax
@@ -257,7 +257,7 @@ def errors(ax: "Axes", x: Any, y: Any, error: Any, **style: Any) -> None:
     """Dots with error bars, in the ink of the present style."""
     import numpy as np
 
-    look = {"fmt": ".", "markersize": 4, "elinewidth": 0.8, "color": ink(), "zorder": 2.5}
+    look: dict[str, Any] = {"fmt": ".", "markersize": 4, "elinewidth": 0.8, "color": ink(), "zorder": 2.5}
     ax.errorbar(x, y, np.where(np.isfinite(error), error, 0.0), **{**look, **style})
 
 

@@ -470,7 +470,7 @@ def hold_curve(
     Raises
     ------
     ValueError
-        For invalid values, and for contacts that do not depend on time.
+        For invalid values.
 
     Examples
     --------
@@ -532,7 +532,7 @@ def healing(
     Raises
     ------
     ValueError
-        For invalid values, and for contacts that do not depend on time.
+        For invalid values.
 
     Examples
     --------
@@ -649,16 +649,16 @@ def compare(
     >>> round(asp.compare(theory, [0.1, 0.2], [0.1, 0.3], distance=2.0).residual_rms, 6)
     0.070711
     """
+    if not isinstance(model, MasterEquation | Ensemble):
+        raise TypeError(f"model: expected a MasterEquation or an Ensemble, got {type(model).__name__}")
     place, measured = (np.asarray(values, dtype=float).ravel() for values in (position, force))
     pull: dict[str, Any] = {"distance": distance, "points": points, "start": model.start}
     scenario: dict[str, Any] = {"contacts": model.contacts, "initial": model.initial, "pull": pull}
     if isinstance(model, Ensemble):
         scenario["ensemble"] = {"size": model.size, "seed": model.seed, "disorder": model.disorder}
-    elif isinstance(model, MasterEquation):
+    else:
         pull |= _given(velocity=model.velocity)
         scenario |= _solved(model.tolerance)
-    else:
-        raise TypeError(f"model: expected a MasterEquation or an Ensemble, got {type(model).__name__}")
     scenario["compare"] = {"position": place, "force": measured}
     result = run(scenario, progress=progress)
     found = result.summary["compare"]

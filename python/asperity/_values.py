@@ -205,7 +205,7 @@ class Sizes(NamedTuple):
         """
         from asperity import _plot
 
-        dots = {"linestyle": "none", "marker": "o", "markersize": 4}
+        dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
         curve = (self.contacts, self.events, None)
         ax = _plot.lines([curve], ("", ""), ax, **{**dots, **style})
         ax.set(xscale="log", yscale="log", xlabel="contacts broken in an event", ylabel="events")

@@ -30,7 +30,7 @@ def dataset(record: "Record") -> "Dataset":
         attributes["quantity"] = label.quantity
         if label.quantity == "flag":
             attributes |= FLAGS
-        values = record[name].astype(TYPES.get(label.quantity, np.float64), copy=False)
+        values: Any = record[name].astype(TYPES.get(label.quantity, np.float64), copy=False)
         (coordinates if name in known else variables)[name] = (label.dimensions, values, attributes)
     scenario = getattr(record, "scenario", None)
     if scenario is not None:

@@ -21,6 +21,7 @@ use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
 use crate::model::{built, interface};
+use crate::pickle::{self, Reduced};
 use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
@@ -455,6 +456,11 @@ impl Estimates {
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("asperity._plot")?.call_method("fit", (slf, axes), style)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Err(pickle::refused(slf))
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

@@ -16,6 +16,7 @@ use crate::equation::MasterEquation;
 use crate::fit::fitted_model;
 use crate::law::AnyLaw;
 use crate::model::interface;
+use crate::pickle::{self, Reduced};
 use crate::record::Record;
 use crate::watch::watched;
 use crate::{error, typed, values};
@@ -229,6 +230,11 @@ impl SteadyEstimates {
     ) -> PyResult<Bound<'py, PyAny>> {
         let spectrum = slf.get().spectrum.bind(slf.py());
         Record::plot(spectrum, ax, Some("periodogram"), style)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Err(pickle::refused(slf))
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

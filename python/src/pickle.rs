@@ -1,7 +1,7 @@
 //! Pickles of results: plain values and columns as bytes that end with a checksum. Only the version that wrote them reads
 //! them, as for descriptions.
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 use serde::Serialize;
@@ -85,6 +85,14 @@ pub fn reduced<'py>(
     static RESTORE: Import = Import::new("asperity._core", "_restore_result");
     let arguments = (VERSION, class, PyBytes::new(py, bytes), model).into_pyobject(py)?;
     Ok((RESTORE.get(py)?.clone(), arguments))
+}
+
+/// The refusal of a fit, whose search and likelihood are not written.
+pub fn refused<T>(fit: &Bound<'_, T>) -> PyErr {
+    let name = fit.as_any().get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
+    let hint = "pickle its params, contacts, model, and pull or spectrum";
+    let text = format!("pickle: expected a result, got {name}, which keeps its likelihood ({hint})");
+    PyTypeError::new_err(text)
 }
 
 /// A method of an object and its arguments, for a result that is fast to compute from the object.
