@@ -85,6 +85,24 @@ def with_list(_, __, ___, documented, ____, lines):
     lines[:] = "\n\n".join(paragraphs).splitlines()
 
 
+def with_sections(_, __, ___, ____, _____, lines):
+    """Makes the sections of numpydoc headings with lists: `name : type` above what it is, indented."""
+    sections = re.split(r"^(\w+)\n-{3,}\n", "\n".join(lines), flags=re.M)
+    made = [sections[0]]
+    for name, body in zip(sections[1::2], sections[2::2], strict=True):
+        if name != "Examples":
+            entries = re.findall(r"^(\S.*)\n((?:[ ]+\S.*(?:\n|$))+)", body, flags=re.M)
+            body = "\n".join(f"* {named(entry)}: {' '.join(what.split())}" for entry, what in entries)
+        made.append(f"**{name}**\n\n{body}")
+    lines[:] = "\n\n".join(made).splitlines()
+
+
+def named(entry: str) -> str:
+    """The names of an entry in bold, and its type, whose stars are no markup."""
+    names, _, kind = entry.replace("*", r"\*").partition(" : ")
+    return f"**{names}** ({kind})" if kind else f"**{names}**"
+
+
 def subclasses(line: re.Match) -> str:
     """Documents the classes that derive from the one named by `.. subclasses:: asperity.Name`."""
     base = getattr(import_module("asperity"), line[1])
@@ -100,3 +118,4 @@ def setup(app):
 
     app.connect("source-read", read)
     app.connect("autodoc-process-docstring", with_list)
+    app.connect("autodoc-process-docstring", with_sections)

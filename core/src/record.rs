@@ -33,11 +33,15 @@ pub enum Quantity {
     PerTime,
     /// A pure number.
     Number,
+    /// A whole number: an index or a count.
+    Count,
+    /// Whether something holds: 1, otherwise 0.
+    Flag,
 }
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Length,
         Self::Force,
         Self::ForceSquared,
@@ -51,6 +55,8 @@ impl Quantity {
         Self::Velocity,
         Self::PerTime,
         Self::Number,
+        Self::Count,
+        Self::Flag,
     ];
 
     /// Its name in files.
@@ -69,6 +75,8 @@ impl Quantity {
             Self::Velocity => "velocity",
             Self::PerTime => "per_time",
             Self::Number => "number",
+            Self::Count => "count",
+            Self::Flag => "flag",
         }
     }
 }

@@ -8,7 +8,7 @@
 Lengths, forces and densities are in the units of the description: numbers are never converted.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping as _Mapping
 
 from asperity import exact
 from asperity._bridge import law
@@ -70,10 +70,26 @@ from asperity._core import (
     read_healing,
     read_velocity_step,
     run,
-    velocity_curve,
 )
 from asperity._events import Event, Events
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
+from asperity._tasks import (
+    Comparison,
+    DistributionDistance,
+    FirstBreaks,
+    HealingLaw,
+    HoldCurve,
+    StabilityCurve,
+    TaskResult,
+    VelocityCurve,
+    VelocityLimits,
+    compare,
+    healing,
+    hold_curve,
+    renormalisation,
+    stability,
+    velocity_curve,
+)
 from asperity._values import (
     Atoms,
     Correlation,
@@ -112,6 +128,7 @@ __all__ = [
     "Areas",
     "Atoms",
     "Block",
+    "Comparison",
     "Contacts",
     "Correlation",
     "Course",
@@ -119,6 +136,7 @@ __all__ = [
     "Deformable",
     "Delta",
     "Description",
+    "DistributionDistance",
     "Drift",
     "Energy",
     "Ensemble",
@@ -129,6 +147,7 @@ __all__ = [
     "Event",
     "Events",
     "Exponential",
+    "FirstBreaks",
     "FreeForm",
     "FrictionEstimates",
     "FrictionGradient",
@@ -137,6 +156,8 @@ __all__ = [
     "Gaussian",
     "Gradient",
     "Healing",
+    "HealingLaw",
+    "HoldCurve",
     "Inertial",
     "Interface",
     "InterfaceEnergy",
@@ -172,6 +193,7 @@ __all__ = [
     "Sizes",
     "Smoluchowski",
     "Stability",
+    "StabilityCurve",
     "State",
     "StaticFriction",
     "SteadyEstimates",
@@ -181,26 +203,38 @@ __all__ = [
     "StickSlipStability",
     "StretchDensity",
     "Tabulated",
+    "TaskResult",
     "Temperature",
     "ThresholdResponse",
     "Transport",
     "Uniform",
+    "VelocityCurve",
+    "VelocityLimits",
     "VelocityStep",
     "Weibull",
     "WithError",
     "__version__",
+    "compare",
     "critical_coupling",
     "exact",
     "fit",
     "fit_steady",
     "fit_velocity_step",
+    "healing",
+    "hold_curve",
     "law",
     "open_result",
     "read_healing",
     "read_laboratory",
     "read_velocity_step",
+    "renormalisation",
     "run",
+    "stability",
     "velocity_curve",
 ]
 
-Mapping.register(Record)
+_Mapping.register(Record)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

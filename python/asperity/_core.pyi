@@ -114,6 +114,8 @@ __all__ = [
     "__version__",
     "_resolve",
     "_restore",
+    "_restore_result",
+    "_velocity_curve",
     "critical_coupling",
     "fit",
     "fit_steady",
@@ -126,7 +128,6 @@ __all__ = [
     "run",
     "steady_variance",
     "steady_variance_per_threshold",
-    "velocity_curve",
 ]
 __version__: Final[str]
 
@@ -432,6 +433,16 @@ class Contacts(Description):
         """The distribution R of the stretches at which contacts re-form."""
 
     @property
+    def stiffness(self, /) -> float | None:
+        """The stiffness ⟨k⟩ of a contact, force per length; None where it is proportional to the threshold."""
+
+    @property
+    def stiffness_per_threshold(self, /) -> float | None:
+        """The κ of stiffnesses k = κ x_s, force per length²; None where stiffness does not depend on the threshold, and for
+        contacts described by their areas.
+        """
+
+    @property
     def temperature(self, /) -> Temperature | None:
         """The temperature of thermally activated breaking, or None."""
 
@@ -456,9 +467,16 @@ class Damped(Description):
 class Deformable(Description):
     """What the kinds of interfaces have in common: a drive of their load point."""
 
+    def _first_breaks(
+        self, /, runs: SupportsIndex, points: SupportsIndex, *, progress: _Progress = None
+    ) -> Result: ...
     @property
     def cells(self, /) -> list[int]:
         """The length of a chain, or rows and columns of a lattice."""
+
+    @property
+    def connection(self, /) -> float:
+        """K_0, the stiffness of the spring between a cell, or a contact, and the drive."""
 
     @property
     def contacts(self, /) -> Contacts:
@@ -519,6 +537,21 @@ class Deformable(Description):
 
         Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
         """
+    @property
+    def edges(self, /) -> Literal["open", "periodic"]:
+        """The edges, "open" or "periodic"."""
+
+    @property
+    def initial(self, /) -> Law:
+        """The distribution Q_ini of the stretches of all contacts at X_T = 0."""
+
+    @property
+    def neighbours(self, /) -> float | None:
+        """K_int, the stiffness of the spring between two neighbours; None on a half-space."""
+
+    @property
+    def seed(self, /) -> int:
+        """The seed of the random numbers."""
 
     def simulation(
         self, /, *, velocity: _Number | None = None, tolerance: _Number | None = None
@@ -529,6 +562,10 @@ class Deformable(Description):
 
         Raises ValueError for invalid values.
         """
+
+    @property
+    def start(self, /) -> Literal["conditional", "relaxed", "steady"]:
+        """The kind of the initial state, "conditional", "relaxed" or "steady"."""
 
 @disjoint_base
 class Description:
@@ -639,6 +676,7 @@ class EnsemblePull(Record):
     n), per length.
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     @property
     def breaks(self, /) -> int:
         """The number of breaks up to the end, including those of a relaxed start at X = 0."""
@@ -658,6 +696,7 @@ class Estimates:
     Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     def _repr_html_(self, /) -> str: ...
     @property
@@ -903,6 +942,7 @@ class Exponential(Law):
 class FrictionGradient:
     """The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter."""
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     @property
     def critical_stiffness(self, /) -> float:
         """∂K_c/∂θ, force per length and unit of the parameter; nan if K_c is not finite, 0 if it is 0."""
@@ -928,6 +968,13 @@ class FrozenRank(Ageing):
     """
 
     def __new__(cls, /, mature: _AnyLaw, time: _Number) -> FrozenRank: ...
+    @property
+    def mature(self, /) -> Law:
+        """The distribution P_cf of mature thresholds."""
+
+    @property
+    def time(self, /) -> float:
+        """The time scale of maturing."""
 
 @final
 class Gamma(Law):
@@ -957,6 +1004,7 @@ class Gradient:
     def __call__(self, /, position: float) -> float: ...
     @overload
     def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     @property
     def parameter(self, /) -> str:
@@ -974,6 +1022,7 @@ class Healing:
     def __call__(self, /, hold: float) -> float: ...
     @overload
     def __call__(self, /, hold: ArrayLike) -> _Array: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     @property
     def at_one(self, /) -> Estimate:
@@ -1082,6 +1131,34 @@ class Interface(Deformable):
         quenched: bool = False,
         start: Literal["conditional", "relaxed", "steady"] = "conditional",
     ) -> Interface: ...
+    @property
+    def disorder(self, /) -> float | _Array | None:
+        """The standard deviation of the scale factors of cells, or these, shape (n,); None if there are none."""
+
+    @property
+    def drive_tolerance(self, /) -> float:
+        """The accuracy of the drive at which equilibrium is lost, in mean thresholds."""
+
+    @property
+    def half_space(self, /) -> tuple[float, float] | None:
+        """The modulus G* of a half-space and the side of a cell, or None."""
+
+    @property
+    def loading(self, /) -> Literal["uniform", "edge"]:
+        """The loading, "uniform" or "edge"."""
+
+    @property
+    def quenched(self, /) -> bool:
+        """Whether these keep their thresholds."""
+
+    @property
+    def size(self, /) -> int | None:
+        """The number of contacts in each cell where they are followed one by one, or None."""
+
+    @property
+    def slip(self, /) -> Literal["reset", "overdamped"]:
+        """The slip rule, "reset" or "overdamped"."""
+
     def stretch_density(
         self,
         /,
@@ -1109,6 +1186,10 @@ class Interface(Deformable):
 
         Raises ValueError for a cell that does not exist, and for invalid values.
         """
+
+    @property
+    def viscosity(self, /) -> float | None:
+        """The drag on a moving cell, force per velocity, or None."""
 
 @final
 class Lattice(Deformable):
@@ -1141,6 +1222,9 @@ class Lattice(Deformable):
         disorder: Literal["annealed", "quenched"] = "annealed",
         start: Literal["conditional", "relaxed"] = "conditional",
     ) -> Lattice: ...
+    @property
+    def disorder(self, /) -> Literal["annealed", "quenched"]:
+        """The kind of disorder, "annealed" or "quenched"."""
 
 @disjoint_base
 class Law(Description):
@@ -1234,6 +1318,13 @@ class Logarithmic(Ageing):
     """
 
     def __new__(cls, /, growth: _Number, time: _Number) -> Logarithmic: ...
+    @property
+    def growth(self, /) -> float:
+        """The growth β."""
+
+    @property
+    def time(self, /) -> float:
+        """The time τ_0."""
 
 @final
 class Lognormal(Law):
@@ -1324,6 +1415,13 @@ class MeanField(Ageing):
     """
 
     def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> MeanField: ...
+    @property
+    def diffusion(self, /) -> float:
+        """The diffusion coefficient D, stretch² per time."""
+
+    @property
+    def mature(self, /) -> Law:
+        """The distribution P_cf of mature thresholds."""
 
 @final
 class Mixture(Law):
@@ -1363,6 +1461,7 @@ class Posterior:
     among those that are drawn.
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     def _repr_html_(self, /) -> str: ...
     @property
@@ -1420,6 +1519,7 @@ class Pull(Record):
     def __call__(self, /, position: float) -> float: ...
     @overload
     def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     @property
     def accuracy(self, /) -> float:
         """The estimated error of F/(N_c⟨k⟩), a length."""
@@ -1597,7 +1697,10 @@ class Record(Mapping[str, _Array]):
     def __getitem__(self, name: str, /) -> _Array: ...
     def __iter__(self, /) -> Iterator[str]: ...
     def __len__(self, /) -> int: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
+    def _attributes(self, /) -> dict[str, Any]: ...
+    def _coordinates(self, /) -> list[str]: ...
     def _repr_html_(self, /) -> str: ...
     @property
     def force(self, /) -> _Array:
@@ -1621,12 +1724,35 @@ class Record(Mapping[str, _Array]):
     def labels(self, /) -> dict[str, Label]:
         """Dimensions, descriptive name and unit of each variable."""
 
-    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
-        """Plots the force along the pull or the drive (for an imposed force, the force against the position), with the
-        kinetic friction and, for a pull, the static friction, if they are known. Returns the axes. It needs
-        matplotlib.
+    @property
+    def pictures(self, /) -> tuple[str, ...]:
+        """The kinds of pictures that plot() draws of this result; the first is its default."""
 
-        ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
+    def plot(self, /, ax: Axes | None = None, *, kind: str | None = None, **style: Any) -> Axes:
+        """Plots the result; it needs matplotlib, whose styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        kind : str, optional
+            One of `pictures`; by default the first: the force of a pull or a drive, the friction of a velocity curve or a
+            hold curve, the spectrum, the fit, the thresholds of a renormalisation.
+        **style
+            Arguments of the plot() of the axes for the curve, or of pcolormesh or imshow for a map. A "map" also takes
+            `at`, the drive whose map is shown, by default the last.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        ValueError
+            For a kind that the result does not have.
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -1655,6 +1781,7 @@ class Relaxation:
     the Laplace transform of the breaking density of re-formed contacts.
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     @overload
     def force(self, /, position: float) -> float:
@@ -1673,6 +1800,22 @@ class Relaxation:
         """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. For time-dependent
         contacts, x̄ and σ are the mean and the standard deviation of the displacement between successive formations
         of a contact in steady sliding.
+        """
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the roots in the complex plane; it needs matplotlib, whose styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
         """
 
     @property
@@ -1706,21 +1849,27 @@ class Result(Record):
     The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
+    def _attributes(self, /) -> dict[str, Any]: ...
     @property
-    def critical_stiffness(self, /) -> float:
-        """The critical stiffness K_c, force per length; inf where the force jumps down."""
+    def critical_stiffness(self, /) -> float | _Array:
+        """The critical stiffness K_c, force per length; inf where the force jumps down; an array where the task has many
+        velocities; nan for tasks without it.
+        """
 
     @property
     def events(self, /) -> Events | None:
         """The events of a slider or an interface; None if the task has no events."""
 
     @property
-    def kinetic_friction(self, /) -> float:
-        """The kinetic friction F_k, the force of steady sliding; nan if the task does not have a single velocity."""
+    def kinetic_friction(self, /) -> float | _Array:
+        """The kinetic friction F_k, the force of steady sliding; an array where the task has many velocities; nan for tasks
+        without it.
+        """
 
     @property
-    def relaxation_length(self, /) -> float:
-        """The relaxation length X*; inf if the force never settles, nan if no root is found."""
+    def relaxation_length(self, /) -> float | _Array:
+        """The relaxation length X*; inf if the force never settles, nan if no root is found, and for tasks without it."""
 
     def save(self, /, folder: str | PathLike[str]) -> None:
         """Writes the folder that `asperity run` would write, without figures; open_result reads it.
@@ -1733,8 +1882,10 @@ class Result(Record):
         """The scenario, TOML, with all defaults filled in."""
 
     @property
-    def static_friction(self, /) -> StaticFriction | None:
-        """The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases."""
+    def static_friction(self, /) -> StaticFriction | _Array | None:
+        """The static friction F_s with its position X_s; the array of F_s for a hold curve, shape (holds,); None if the force still
+        rises at the end, or never decreases, and for tasks without it.
+        """
 
     @property
     def summary(self, /) -> dict[str, Any]:
@@ -1868,6 +2019,13 @@ class Smoluchowski(Ageing):
     """
 
     def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> Smoluchowski: ...
+    @property
+    def diffusion(self, /) -> float:
+        """The diffusion coefficient D, stretch² per time."""
+
+    @property
+    def mature(self, /) -> Law:
+        """The distribution P_cf of mature thresholds."""
 
 @final
 class SteadyEstimates:
@@ -1877,6 +2035,7 @@ class SteadyEstimates:
     Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     def _repr_html_(self, /) -> str: ...
     @property
@@ -1963,6 +2122,7 @@ class SteadyState:
     (Braun and Peyrard 2008, Eqs. 11a and 11d).
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     @overload
     def autocovariance(self, /, displacement: float, size: _Number | None = None) -> float:
@@ -1986,6 +2146,22 @@ class SteadyState:
     @property
     def kinetic_friction(self, /) -> float:
         """The kinetic friction F_k, a force."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the distribution of stretches, point masses as stems; it needs matplotlib, whose styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
 
     @overload
     def spectrum(self, /, wave_number: float, size: _Number | None = None) -> float:
@@ -2034,6 +2210,33 @@ class Step(Description):
         points: SupportsIndex = 201,
         pieces: SupportsIndex | None = None,
     ) -> Step: ...
+    @property
+    def distance(self, /) -> float | None:
+        """The displacement in the step, a length, or None."""
+
+    @property
+    def duration(self, /) -> float | None:
+        """The time that a step at a velocity takes, or None."""
+
+    @property
+    def hold(self, /) -> float | None:
+        """The time at rest, or None."""
+
+    @property
+    def pieces(self, /) -> int | None:
+        """The number of intervals of constant velocity that approximate a ramp; None where it was not given."""
+
+    @property
+    def points(self, /) -> int:
+        """The number of points of the trace in the step."""
+
+    @property
+    def velocity(self, /) -> float | None:
+        """The velocity, at the beginning of a ramp, a length per time, or None."""
+
+    @property
+    def velocity_to(self, /) -> float | None:
+        """The velocity at the end of a ramp, a length per time, or None."""
 
 @final
 class StickSlip(Record):
@@ -2046,6 +2249,7 @@ class StickSlip(Record):
     are no time course and no sizes.
     """
 
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     @property
     def block(self, /) -> Block:
         """The block that was driven."""
@@ -2151,6 +2355,17 @@ class Temperature(Description):
         *,
         barrier: Literal["elastic", "bell", "catastrophe"] = "elastic",
     ) -> Temperature: ...
+    @property
+    def attempt_rate(self, /) -> float:
+        """The attempt rate ω, per time."""
+
+    @property
+    def barrier(self, /) -> Literal["elastic", "bell", "catastrophe"]:
+        """The barrier ΔE, "elastic", "bell" or "catastrophe"."""
+
+    @property
+    def energy(self, /) -> float:
+        """The temperature T, an energy."""
 
 @final
 class ThresholdResponse:
@@ -2160,6 +2375,7 @@ class ThresholdResponse:
     """
 
     def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     def adjoint(self, /, position: ArrayLike, weights: ArrayLike) -> _Array:
         """The derivatives of a scalar by the probability of each threshold, shape (n,).
@@ -2210,6 +2426,10 @@ class Transport(Model):
         """
 
     @property
+    def tolerance(self, /) -> float | None:
+        """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default."""
+
+    @property
     def velocity(self, /) -> float | None:
         """The velocity of the steady sliding in which the contacts start, or None."""
 
@@ -2225,6 +2445,7 @@ class VelocityStep:
     def __call__(self, /, position: float) -> float: ...
     @overload
     def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     @property
     def a(self, /) -> Estimate:
@@ -2303,6 +2524,11 @@ class Weibull(Law):
 
 def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
 def _restore(version: str, description: str) -> Description: ...
+def _restore_result(version: str, kind: str, content: bytes, model: object = None) -> object: ...
+@overload
+def _velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float: ...
+@overload
+def _velocity_curve(contacts: Contacts, velocities: ArrayLike, *, progress: _Progress = None) -> _Array: ...
 def critical_coupling(law: _AnyLaw) -> float:
     """κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
     avalanche; 0 if some thresholds are identical.
@@ -2523,17 +2749,3 @@ def steady_variance(thresholds: _AnyLaw) -> float:
 
 def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""
-
-@overload
-def velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float:
-    """Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
-
-    velocities: numbers above 0, a length per time. Each is a separate computation; Ctrl-C stops between two of
-    them.
-    progress: as for MasterEquation.pull.
-
-    Raises ValueError for a velocity that is not above 0.
-    """
-
-@overload
-def velocity_curve(contacts: Contacts, velocities: ArrayLike, *, progress: _Progress = None) -> _Array: ...

@@ -1,6 +1,7 @@
 """Figures by matplotlib."""
 
 import math
+import re
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -12,18 +13,43 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
-    from asperity._core import Estimates, Healing, Posterior, Pull, Record, SteadyEstimates, VelocityStep
+    from asperity._core import (
+        Estimates,
+        Healing,
+        Posterior,
+        Pull,
+        Record,
+        Relaxation,
+        SteadyState,
+        VelocityStep,
+    )
+    from asperity._events import Events
+    from asperity._values import StretchDensity
 
 
-def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
-    """Plots the force along the pull or the drive, with the kinetic friction, if it is known."""
-    if ax is None:
-        ax = new_axes()
-    line = sliding(record, ax, **style) if "drive" in record else force(record, ax, **style)
+def friction(record: "Record", ax: "Axes", **style: Any) -> None:
+    """F(X) with the static friction as a dot and the kinetic friction as a dashed line, if they are known."""
+    line = curve(record, ax, {"position": "X", "force": "F"}, **style)
+    peak = getattr(record, "static_friction", None)
+    if peak is not None:
+        ax.plot(peak.position, peak.force, "o", color=line.get_color(), markersize=4)
+    level(record, ax, line)
+
+
+def sliding(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The force of the spring or the interface against the drive; an imposed force against the position."""
+    force = "spring_force" if "spring_force" in record else "force"
+    names = {"drive": "X_T", force: "F"}
+    if record.labels["drive"].quantity == "force":
+        names = {"position": "X", "drive": "F"}
+    level(record, ax, curve(record, ax, names, **style))
+
+
+def level(record: "Record", ax: "Axes", line: "Line2D") -> None:
+    """The kinetic friction as a dashed line, if it is one number."""
     steady = getattr(record, "kinetic_friction", None)
-    if steady is not None and math.isfinite(steady):
+    if isinstance(steady, float) and math.isfinite(steady):
         ax.axhline(steady, linestyle="--", linewidth=0.8, color=line.get_color())
-    return ax
 
 
 def pull(
@@ -37,7 +63,7 @@ def pull(
     if ax is None:
         ax = new_axes()
     first = len(ax.lines)
-    draw(pull, ax, **style)
+    friction(pull, ax, **style)
     color = ax.lines[first].get_color()
     if scatter is not None:
         low, high = pull.force - scatter, pull.force + scatter
@@ -68,28 +94,18 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
             alpha=0.2,
             linewidth=0,
         )
-    above.set_xlabel(axis("position", readings.labels["position"].units))
-    above.set_ylabel(axis("force", readings.labels["expected"].units))
+    above.set_xlabel(axis("X", readings.labels["position"].units))
+    above.set_ylabel(axis("F", readings.labels["expected"].units))
     if not measured:
         return axes[:1]
-    above.plot(position, readings["force"], "k.", markersize=2)
+    above.plot(position, readings["force"], ".", color=ink(), markersize=2, zorder=1.5)
     below = axes[1]
     below.axhspan(-2, 2, color=line.get_color(), alpha=0.2, linewidth=0)
-    below.plot(position, readings["whitened"], "k.", markersize=2)
+    below.plot(position, readings["whitened"], ".", color=ink(), markersize=2)
     above.set_xlabel("")
-    below.set_xlabel(axis("position", readings.labels["position"].units))
+    below.set_xlabel(axis("X", readings.labels["position"].units))
     below.set_ylabel("whitened residual")
     return axes
-
-
-def fit_spectrum(fit: "SteadyEstimates", ax: "Axes | None" = None, **style: Any) -> "Axes":
-    """The periodogram of a record with its expectation, on logarithmic axes."""
-    if ax is None:
-        ax = new_axes()
-    spectrum = fit.spectrum
-    ax.loglog(spectrum["wave_number"], spectrum["periodogram"], "k.", markersize=1)
-    curve(spectrum, ax, {"wave_number": "q", "expected": "S"}, **style)
-    return ax
 
 
 def corner(posterior: "Posterior") -> "NDArray[Any]":
@@ -105,32 +121,15 @@ def corner(posterior: "Posterior") -> "NDArray[Any]":
                 ax.set_axis_off()
                 continue
             if column == row:
-                ax.hist(values, bins=30, color="tab:blue")
+                ax.hist(values, bins=30)
                 ax.set_yticks([])
             else:
-                ax.plot(values, heights, ".", markersize=1, color="tab:blue", alpha=0.4)
+                ax.plot(values, heights, ".", markersize=1, alpha=0.4)
                 if column == 0:
                     ax.set_ylabel(below)
             if row == count - 1:
                 ax.set_xlabel(left)
     return axes
-
-
-def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
-    """F(X), with its maximum as a dot, if it is known."""
-    line = curve(record, ax, {"position": "X", "force": "F"}, **style)
-    peak = getattr(record, "static_friction", None)
-    if peak is not None:
-        ax.plot(peak.position, peak.force, "o", color=line.get_color())
-    return line
-
-
-def sliding(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
-    """The force of the spring or the interface against the drive; an imposed force against the position."""
-    if record.labels["drive"].quantity == "force":
-        return curve(record, ax, {"position": "X", "drive": "F"}, **style)
-    force = "spring_force" if "spring_force" in record else "force"
-    return curve(record, ax, {"drive": "$X_T$", force: "F"}, **style)
 
 
 def curve(record: "Record", ax: "Axes", names: dict[str, str], **style: Any) -> "Line2D":
@@ -147,13 +146,13 @@ def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) 
     if ax is None:
         ax = new_axes()
     position, fitted = step.position, step.fitted
-    ax.plot(position, step.force, ".", markersize=3, color="0.6")
-    style = {"color": "tab:red", **style}
+    ax.plot(position, step.force, ".", markersize=3, color=muted(), label="measured")
     after = position >= 0.0
-    for part in (~after, after):
-        ax.plot(position[part], fitted[part], **style)
-    ax.set_xlabel("Displacement since the step")
-    ax.set_ylabel("F")
+    (line,) = ax.plot(position[~after], fitted[~after], **{"label": "fit", **style})
+    ax.plot(position[after], fitted[after], **{**style, "color": line.get_color()})
+    ax.set_xlabel("displacement since the step")
+    ax.set_ylabel("$F$")
+    ax.legend()
     return ax
 
 
@@ -161,14 +160,130 @@ def healing(healing: "Healing", ax: "Axes | None" = None, **style: Any) -> "Axes
     """Static friction against the logarithm of the hold time, with the fit at 200 hold times."""
     if ax is None:
         ax = new_axes()
-    ax.plot(healing.hold, healing.force, "o", color="0.4")
+    ax.plot(healing.hold, healing.force, "o", color=ink(), markersize=4, label="measured")
     low, high = math.log10(min(healing.hold)), math.log10(max(healing.hold))
     times = [10 ** (low + (high - low) * i / 199) for i in range(200)]
-    ax.plot(times, healing(times), **{"color": "tab:red", **style})
+    ax.plot(times, healing(times), **{"label": "fit", **style})
     ax.set_xscale("log")
-    ax.set_xlabel("Hold time")
+    ax.set_xlabel(axis("t_{hold}", ""))
     ax.set_ylabel("$F_s$")
+    ax.legend()
     return ax
+
+
+def steady_state(steady: "SteadyState", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The distribution of stretches in steady sliding."""
+    return stretches(steady.stretch_density(), ax, **style)
+
+
+def stretches(found: "StretchDensity", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """Densities of stretches, point masses as stems with their weights on the right."""
+    if ax is None:
+        ax = new_axes()
+    rows = found.density if found.density.ndim == 2 else found.density[None, :]
+    several = len(rows) > 1
+    atoms = found.atoms if isinstance(found.atoms, list) else [found.atoms]
+    colors = shades(len(rows)) if several else [None]
+    stems = []
+    for row, one, color in zip(rows, atoms, colors, strict=True):
+        own = style if color is None else {"color": color, **style}
+        (line,) = ax.plot(found.stretch, row, **own)
+        stems.append((one.position, one.weight, line.get_color()))
+    ax.set_ylim(bottom=0.0)
+    masses(ax, stems)
+    ax.set(xlabel=axis("x", ""), ylabel=axis("Q", ""))
+    return ax
+
+
+def masses(ax: "Axes", stems: "Sequence[tuple[NDArray[Any], NDArray[Any], Any]]") -> None:
+    """Point masses as stems, with their weights on the right: positions, weights and colours."""
+    if not any(len(at) for at, _, _ in stems):
+        return
+    ends = ax.get_xlim()
+    right = ax.twinx()
+    for at, weights, color in stems:
+        right.vlines(at, 0.0, weights, colors=color, linewidth=2)
+    right.set(xlim=ends, ylim=(0.0, 1.05), ylabel="point masses, fraction")
+
+
+def relaxation(relaxation: "Relaxation", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The roots of the characteristic equation in the complex plane."""
+    if ax is None:
+        ax = new_axes()
+    roots = relaxation.roots
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
+    (line,) = ax.plot(roots.real, roots.imag, **{**dots, **style})
+    ax.plot(roots.real, -roots.imag, **{**dots, "color": line.get_color()})
+    ax.axhline(0.0, color=muted(), linewidth=0.6)
+    ax.axvline(0.0, color=muted(), linewidth=0.6)
+    ax.set(xlabel=r"$\mathrm{Re}\,s$", ylabel=r"$\mathrm{Im}\,s$")
+    return ax
+
+
+def lines(
+    curves: "Sequence[tuple[NDArray[Any], NDArray[Any], str | None]]",
+    names: "tuple[str, str]",
+    ax: "Axes | None" = None,
+    **style: Any,
+) -> "Axes":
+    """Curves with labels, and the symbols of the axes."""
+    if ax is None:
+        ax = new_axes()
+    for x, y, label in curves:
+        ax.plot(x, y, **{"label": label, **style})
+    ax.set(xlabel=axis(names[0], ""), ylabel=axis(names[1], ""))
+    if any(label for _, _, label in curves):
+        ax.legend()
+    return ax
+
+
+def events(events: "Events", ax: "Axes | None", x: str, y: str, **style: Any) -> "Axes":
+    """A column of events against another."""
+    if ax is None:
+        ax = new_axes()
+    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4}
+    ax.plot(events[x], events[y], **{**dots, **style})
+    ax.set(xlabel=x.replace("_", " "), ylabel=y.replace("_", " "))
+    return ax
+
+
+def legend_above(ax: "Axes") -> None:
+    """A legend above the axes, where it hides nothing."""
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+    ax.legend(**place, ncols=3, frameon=False, borderaxespad=0.2)
+
+
+def errors(ax: "Axes", x: Any, y: Any, error: Any, **style: Any) -> None:
+    """Dots with error bars, in the ink of the present style."""
+    import numpy as np
+
+    look: dict[str, Any] = {"fmt": ".", "markersize": 4, "elinewidth": 0.8, "color": ink(), "zorder": 2.5}
+    ax.errorbar(x, y, np.where(np.isfinite(error), error, 0.0), **{**look, **style})
+
+
+def fit_ends(ax: "Axes", x: Any) -> None:
+    """Ends the axis where the data end."""
+    ax.set_xlim(float(x[0]), float(x[-1]))
+
+
+def ink() -> str:
+    """The colour of text in the present style: for what is measured."""
+    color: str = pyplot().rcParams["text.color"]
+    return color
+
+
+def muted() -> str:
+    """The colour of what stands behind, in the present style."""
+    color: str = pyplot().rcParams["grid.color"]
+    return color
+
+
+def shades(count: int) -> "list[Any]":
+    """Colours from the present map, in order, without its lightest end."""
+    import numpy as np
+
+    shown = pyplot().get_cmap()
+    return [shown(share) for share in np.linspace(0.0, 0.85, count)]
 
 
 def new_axes() -> "Axes":
@@ -191,5 +306,12 @@ def pyplot() -> ModuleType:
     return plt
 
 
-def axis(name: str, units: str) -> str:
-    return name if units == "1" else f"{name} ({units})"
+def axis(symbol: str, units: str, words: str = "") -> str:
+    """A label: words, a symbol of mathematics, and a unit."""
+    name = f"{words} ${upright(symbol)}$".strip() if symbol else words
+    return name if units in ("", "1") else f"{name} ({units})"
+
+
+def upright(symbol: str) -> str:
+    """Subscripts that are words are upright."""
+    return re.sub(r"_\{(\w\w+)\}", r"_{\\mathrm{\1}}", symbol)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -64,31 +64,71 @@ def record_html(record: "Record") -> str:
 
 
 def rows(record: "Record") -> dict[str, str]:
-    """The summary, and the variables with their shapes."""
-    rows: dict[str, str] = {}
-    summary = getattr(record, "summary", {})
-    for name in (
-        "title",
-        "static_friction",
-        "kinetic_friction",
-        "relaxation_length",
-        "critical_stiffness",
-        "breaks",
-        "reason",
-        "period",
-        "mean_drop",
-        "mean_slip",
-    ):
-        value = getattr(record, name, summary.get(name, ""))
-        if value is None and name == "static_friction":
-            rows[name] = "not reached"
-        elif value is not None and value != "":
-            rows[name] = number(value)
+    """What is known of the task, and the variables with their shapes."""
+    summary = getattr(record, "summary", None)
+    rows = numbers_of(record) if summary is None else told(summary)
     for name, label in record.labels.items():
         sizes = zip(label.dimensions, record[name].shape, strict=True)
         shape = ", ".join(f"{dimension}: {length}" for dimension, length in sizes)
         rows[name] = f"({shape}) {label.long_name} [{label.units}]"
     return rows
+
+
+NUMBERS = (
+    "static_friction",
+    "kinetic_friction",
+    "relaxation_length",
+    "critical_stiffness",
+    "breaks",
+    "regime",
+    "reason",
+    "period",
+    "mean_drop",
+    "mean_slip",
+)
+"""Numbers and words that records without a summary may have."""
+
+
+def numbers_of(record: "Record") -> dict[str, str]:
+    """Those of the numbers that a record has."""
+    rows = {}
+    for name in NUMBERS:
+        value = getattr(record, name, math.nan)
+        if value is None and name == "static_friction":
+            rows[name] = "not reached"
+        elif value is not None and not is_nan(value):
+            rows[name] = number(value)
+    return rows
+
+
+def is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+APART = ("title", "version", "units", "warnings", "numbers")
+"""Entries of a summary that are not shown as they are."""
+
+
+def told(summary: Mapping[str, Any]) -> dict[str, str]:
+    """The entries of a summary, without lists; those of its tables after the name of the table."""
+    rows = {"title": summary["title"]} if summary["title"] else {}
+    for name, entry in summary.items():
+        if isinstance(entry, dict) and set(entry) == {"force", "position"}:
+            rows[name] = number((entry["force"], entry["position"]))
+        elif isinstance(entry, dict) and name not in APART:
+            found = {key: value for key, value in entry.items() if simple(value)}
+            rows |= {f"{name}.{key}": number(value) for key, value in found.items()}
+            for one in entry.get("numbers", []):
+                rows[one["key"]] = f"{one['value']:.6g} ± {one['error'] or 0.0:.2g}"
+        elif name not in APART and simple(entry):
+            rows[name] = number(entry)
+    for place, warning in enumerate(summary.get("warnings", [])):
+        rows[f"warning {place + 1}"] = warning
+    return rows
+
+
+def simple(value: object) -> bool:
+    return value is not None and not isinstance(value, dict | list)
 
 
 def velocity_step(step: "VelocityStep") -> str:

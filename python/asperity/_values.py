@@ -1,9 +1,10 @@
 """Small results: named tuples."""
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:
     import numpy as np
+    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
     from asperity._core import Series
@@ -38,6 +39,25 @@ class StretchDensity(NamedTuple):
     """Point masses: stretches that many contacts share, with the fractions of contacts; one for each position
     of a list.
     """
+
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the density, one curve for each position, point masses as stems; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        return _plot.stretches(self, ax, **style)
 
 
 class Label(NamedTuple):
@@ -204,6 +224,29 @@ class Sizes(NamedTuple):
     drop: "NDArray[np.float64]"
     """The mean force drop, shape (n,)."""
 
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the numbers of events by size, on logarithmic axes; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
+        curve = (self.contacts, self.events, None)
+        ax = _plot.lines([curve], ("", ""), ax, **{**dots, **style})
+        ax.set(xscale="log", yscale="log", xlabel="contacts broken in an event", ylabel="events")
+        return ax
+
 
 class Course(NamedTuple):
     """The time course of an inertial slip: arrays of shape (n,)."""
@@ -219,6 +262,26 @@ class Course(NamedTuple):
     spring_force: "NDArray[np.float64]"
     """The spring force K(X_T - X)."""
 
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the forces against time; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        curves = [(self.time, self.force, "friction"), (self.time, self.spring_force, "spring")]
+        return _plot.lines(curves, ("t", "F"), ax, **style)
+
 
 class Equilibria(NamedTuple):
     """Equilibria of a slider: arrays of shape (n,), in order of increasing position."""
@@ -232,6 +295,33 @@ class Equilibria(NamedTuple):
     stable: "NDArray[np.bool_]"
     """Whether the equilibrium is stable."""
 
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the force against the drive, unstable equilibria dashed; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        import numpy as np
+
+        from asperity import _plot
+
+        held = np.where(self.stable, self.force, np.nan)
+        ax = _plot.lines([(self.drive, held, "stable")], ("X_T", "F"), ax, **style)
+        color = ax.lines[-1].get_color()
+        loose = np.where(self.stable, np.nan, self.force)
+        ax.plot(self.drive, loose, "--", color=color, linewidth=0.9, label="unstable")
+        ax.legend()
+        return ax
+
 
 class Potential(NamedTuple):
     """The potential energy of a slider and its contacts at one drive or several."""
@@ -240,6 +330,27 @@ class Potential(NamedTuple):
     """Positions X, shape (n,), a length."""
     energy: "NDArray[np.float64]"
     """The potential V(X_T, X): shape (n,), or (m, n) for a list of m drives."""
+
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the potential, one curve for each drive; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        rows = self.energy if self.energy.ndim == 2 else self.energy[None, :]
+        curves = [(self.position, row, None) for row in rows]
+        return _plot.lines(curves, ("X", "V"), ax, **style)
 
 
 class Correlation(NamedTuple):
@@ -323,6 +434,29 @@ class FreeForm(NamedTuple):
     cumulative_error: "NDArray[np.float64]"
     """Its standard error."""
 
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the density with its interval of 95 %; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        ax = _plot.lines([(self.threshold, self.density, None)], ("x", "P_c"), ax, **style)
+        color = ax.lines[-1].get_color()
+        ax.fill_between(self.threshold, self.low, self.high, color=color, alpha=0.2, linewidth=0)
+        ax.set_ylim(bottom=0.0)
+        return ax
+
 
 class Prediction(NamedTuple):
     """Readings expected of fitted contacts: arrays of shape (n,)."""
@@ -363,3 +497,25 @@ class Profile(NamedTuple):
     """By how much -2 ln L, lowest in all other free numbers, is above its minimum; 3.84 at the ends of the
     interval of 95 %. inf where there is no curve.
     """
+
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the rise, with that at the ends of the interval of 95 %; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        ax = _plot.lines([(self.values, self.rise, None)], ("", ""), ax, **style)
+        ax.axhline(3.84, linestyle="--", linewidth=0.8, color=_plot.muted())
+        ax.set(xlabel="value", ylabel=r"rise of $-2\ln L$")
+        return ax

@@ -176,6 +176,21 @@ impl Contacts {
         Self::plain(slf).count
     }
 
+    /// The stiffness ⟨k⟩ of a contact, force per length; None where it is proportional to the threshold.
+    #[getter]
+    fn stiffness(slf: &Bound<'_, Self>) -> Option<f64> {
+        let own = Self::plain(slf);
+        let proportional = own.areas.is_some() || own.stiffness_per_threshold.is_some();
+        own.stiffness.or((!proportional).then_some(1.0))
+    }
+
+    /// The κ of stiffnesses k = κ x_s, force per length²; None where stiffness does not depend on the threshold, and for
+    /// contacts described by their areas.
+    #[getter]
+    fn stiffness_per_threshold(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).stiffness_per_threshold
+    }
+
     /// The normal load, a force, or None.
     #[getter]
     fn normal_load(slf: &Bound<'_, Self>) -> Option<f64> {

@@ -7,11 +7,12 @@ use std::hash::{Hash as _, Hasher as _};
 use asperity::scenario::{self, Areas, Contacts, Law, Slip, TaskStart};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple, PyType};
+use pyo3::types::{PyDict, PyType};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::interface::Surface;
+use crate::pickle::{Reduced, VERSION, check_version};
 use crate::{block, contacts, ensemble, equation, interface, law, rules, transport, typed};
 
 /// The plain values of a description, as in a scenario.
@@ -196,7 +197,7 @@ impl Description {
     }
 
     #[pyo3(signature = () -> "tuple[Any, tuple[str, str]]")]
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let restore = slf.py().import("asperity._core")?.getattr("_restore")?;
         Ok((restore, (VERSION, slf.get().json()?).into_pyobject(slf.py())?))
     }
@@ -209,18 +210,11 @@ fn show(description: &Bound<'_, Description>, layout: &str) -> PyResult<String> 
     description.py().import("asperity._show")?.call_method1(layout, (name, arguments))?.extract()
 }
 
-/// The version that writes pickles; only this version reads them.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-
 /// The description that was pickled.
 #[pyfunction(name = "_restore")]
 #[pyo3(signature = (version, description) -> "Description")]
 pub fn restore<'py>(py: Python<'py>, version: &str, description: &str) -> PyResult<Bound<'py, PyAny>> {
-    if version != VERSION {
-        let text =
-            format!("pickle: expected one written by asperity {VERSION}, got one of asperity {version}");
-        return Err(PyValueError::new_err(text));
-    }
+    check_version(version)?;
     let plain: Plain = serde_json::from_str(description)
         .map_err(|error| PyValueError::new_err(format!("pickle: expected a description, got {error}")))?;
     plain.object(py)

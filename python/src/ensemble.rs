@@ -14,6 +14,7 @@ use crate::convert::{self, Seed, Whole};
 use crate::description::{Interface, Plain};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, built, interface_arguments, steady_interface};
+use crate::pickle::{self, Reduced};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::transport::{self, Step};
@@ -247,5 +248,21 @@ impl EnsemblePull {
     #[getter]
     fn breaks(&self) -> u64 {
         self.breaks
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, Self { ensemble, breaks }) = (slf.py(), slf.get());
+        let bytes = slf.as_super().get().packed(py, breaks)?;
+        pickle::reduced(py, "EnsemblePull", &bytes, Some(ensemble.bind(py).clone().into_any()))
+    }
+}
+
+impl EnsemblePull {
+    /// The pull of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8], model: Option<Bound<'_, PyAny>>) -> PyResult<Py<PyAny>> {
+        let ensemble = pickle::of_model::<Ensemble>(model)?.unbind();
+        let (breaks, record) = Record::unpacked(py, bytes)?;
+        Ok(Py::new(py, record.add_subclass(Self { ensemble, breaks }))?.into_any())
     }
 }

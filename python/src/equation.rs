@@ -7,13 +7,14 @@ use asperity::scenario;
 use asperity::task::Grid;
 use numpy::ToPyArray as _;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Whole, evaluate, evaluate_all};
 use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, built, interface_arguments, steady_interface};
+use crate::pickle::{Reduced, again};
 use crate::pull::Pull;
 use crate::simulation::Simulation;
 use crate::watch::watched;
@@ -113,9 +114,10 @@ impl MasterEquation {
     }
 
     /// The relaxation to steady sliding.
-    fn relaxation(&self, py: Python<'_>) -> PyResult<Relaxation> {
-        let relaxation = watched(None, py, |monitor| self.equation.relaxation_with(monitor))?;
-        Ok(Relaxation { relaxation })
+    fn relaxation(slf: &Bound<'_, Self>) -> PyResult<Relaxation> {
+        let solver = &slf.get().equation;
+        let relaxation = watched(None, slf.py(), |monitor| solver.relaxation_with(monitor))?;
+        Ok(Relaxation { relaxation, equation: slf.clone().unbind() })
     }
 }
 
@@ -253,6 +255,33 @@ impl SteadyState {
         values::stretches(py, stretches, found)
     }
 
+    /// Plots the distribution of stretches, point masses as stems; it needs matplotlib, whose styles it follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("steady_state", (slf, ax), style)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        again(self.equation.bind(py), "steady_state", PyTuple::empty(py))
+    }
+
     fn __repr__(&self) -> String {
         format!("<steady sliding: F_k = {}>", self.steady.kinetic_friction())
     }
@@ -271,6 +300,7 @@ impl SteadyState {
 #[pyclass(frozen, module = "asperity")]
 pub struct Relaxation {
     relaxation: master::Relaxation,
+    equation: Py<MasterEquation>,
 }
 
 #[pymethods]
@@ -316,6 +346,33 @@ impl Relaxation {
         }
         let domain = Domain { low: valid, high: f64::MAX, what: "a position" };
         evaluate("position", position, &domain, |x| self.relaxation.force(x))
+    }
+
+    /// Plots the roots in the complex plane; it needs matplotlib, whose styles it follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("relaxation", (slf, ax), style)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        again(self.equation.bind(py), "relaxation", PyTuple::empty(py))
     }
 
     fn __repr__(&self) -> String {

@@ -21,6 +21,7 @@ use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
 use crate::model::{built, interface};
+use crate::pickle::{self, Reduced};
 use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
@@ -457,6 +458,11 @@ impl Estimates {
         slf.py().import("asperity._plot")?.call_method("fit", (slf, axes), style)
     }
 
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Err(pickle::refused(slf))
+    }
+
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._fit")?.call_method1("text", (slf,))?.extract()
     }
@@ -492,7 +498,7 @@ fn columns(found: &asperity::fit::Estimates) -> record::Record {
     if curves.len() > 1 {
         let number = |(c, curve): (usize, &Measurement)| vec![c as f64; curve.positions.len()];
         let numbers = curves.iter().enumerate().flat_map(number).collect();
-        add("curve", "number of the curve", Quantity::Number, numbers);
+        add("curve", "number of the curve", Quantity::Count, numbers);
     }
     add("position", "measured position", Quantity::Length, measured(|curve| &curve.positions));
     let known = found.misfit.is_some();

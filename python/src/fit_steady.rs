@@ -16,6 +16,7 @@ use crate::equation::MasterEquation;
 use crate::fit::fitted_model;
 use crate::law::AnyLaw;
 use crate::model::interface;
+use crate::pickle::{self, Reduced};
 use crate::record::Record;
 use crate::watch::watched;
 use crate::{error, typed, values};
@@ -227,7 +228,13 @@ impl SteadyEstimates {
         ax: Option<&Bound<'py, PyAny>>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("asperity._plot")?.call_method("fit_spectrum", (slf, ax), style)
+        let spectrum = slf.get().spectrum.bind(slf.py());
+        Record::plot(spectrum, ax, Some("periodogram"), style)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        Err(pickle::refused(slf))
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

@@ -1,15 +1,17 @@
 //! Deformable interfaces: cells on an elastic slider, and contacts coupled one by one.
 
 use asperity::scenario::{
-    self, CellLoading, CellSlip, Disorder, Drive, Edges, Elasticity, PerCell, Scales, Scenario,
+    self, CellLoading, CellSlip, Disorder, Drive, Edges, Elasticity, PerCell, Renormalisation, Scales,
+    Scenario,
 };
+use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Seed, Whole};
 use crate::description::{Description, Plain};
-use crate::law::{AnyLaw, given};
+use crate::law::{AnyLaw, Law, given};
 use crate::model::{interface, interface_arguments, steady_interface};
 use crate::result::{self, Result};
 use crate::simulation::Simulation;
@@ -33,6 +35,18 @@ impl Surface {
         Scenario {
             initial,
             drive: Some(Drive { start, ..drive }),
+            interface: Some(self.own.clone()),
+            ensemble: self.ensemble.clone(),
+            ..Scenario::new(contacts)
+        }
+    }
+
+    /// The scenario of first breaks.
+    fn first_breaks(&self, asked: Renormalisation) -> Scenario {
+        let description::Interface { contacts, initial, .. } = self.contacts.clone();
+        Scenario {
+            initial,
+            renormalisation: Some(asked),
             interface: Some(self.own.clone()),
             ensemble: self.ensemble.clone(),
             ..Scenario::new(contacts)
@@ -121,6 +135,23 @@ impl Deformable {
         outcome(slf.py(), scenario, tolerance, (catalogue_from, slip_rates), progress)
     }
 
+    /// The distribution of the drives at which contacts break for the first time: what renormalisation calls.
+    #[pyo3(signature = (runs, points, *, progress: "_Progress" = None))]
+    fn _first_breaks(
+        slf: &Bound<'_, Self>,
+        runs: Whole,
+        points: Whole,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Result>> {
+        let asked = Renormalisation { runs: runs.get("runs")?, points: points.get("points")? };
+        let scenario = Self::plain(slf).first_breaks(asked);
+        let outcome = watched(progress, slf.py(), |monitor| {
+            scenario.build()?;
+            asperity_runner::run(&scenario, monitor)
+        })?;
+        result::object(slf.py(), outcome)
+    }
+
     /// Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
     ///
     /// velocity, tolerance: as for drive.
@@ -143,6 +174,47 @@ impl Deformable {
     #[getter]
     fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Contacts>> {
         Plain::Contacts(Self::plain(slf).contacts.contacts.clone()).instance(slf.py())
+    }
+
+    /// The distribution Q_ini of the stretches of all contacts at X_T = 0.
+    #[getter]
+    fn initial<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Plain::Law(Self::plain(slf).contacts.initial.clone()).instance(slf.py())
+    }
+
+    /// The kind of the initial state, "conditional", "relaxed" or "steady".
+    #[getter]
+    fn start(slf: &Bound<'_, Self>) -> typed::StartWord {
+        typed::StartWord(convert::start(Self::plain(slf).contacts.start))
+    }
+
+    /// K_0, the stiffness of the spring between a cell, or a contact, and the drive.
+    #[getter]
+    fn connection(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).own.connection
+    }
+
+    /// K_int, the stiffness of the spring between two neighbours; None on a half-space.
+    #[getter]
+    fn neighbours(slf: &Bound<'_, Self>) -> Option<f64> {
+        match Self::plain(slf).own.coupling {
+            Elasticity::Neighbours { stiffness } => Some(stiffness),
+            _ => None,
+        }
+    }
+
+    /// The edges, "open" or "periodic".
+    #[getter]
+    fn edges(slf: &Bound<'_, Self>) -> typed::EdgesWord {
+        typed::EdgesWord(if Self::plain(slf).own.edges == Edges::Periodic { "periodic" } else { "open" })
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(slf: &Bound<'_, Self>) -> u64 {
+        let Surface { own, ensemble, .. } = Self::plain(slf);
+        let of_cells = own.disorder.as_ref().and_then(|scales| scales.seed);
+        ensemble.as_ref().map(|ensemble| ensemble.seed).or(of_cells).unwrap_or(1)
     }
 
     /// The length of a chain, or rows and columns of a lattice.
@@ -257,6 +329,65 @@ impl Interface {
         let ensemble = few(size, seed.0, quenched)?;
         let surface = Surface { contacts: steady_interface(contacts, initial, start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
+    }
+
+    /// The modulus G* of a half-space and the side of a cell, or None.
+    #[getter]
+    fn half_space(slf: &Bound<'_, Self>) -> Option<(f64, f64)> {
+        match Deformable::plain(slf.as_super()).own.coupling {
+            Elasticity::HalfSpace { modulus, cell } => Some((modulus, cell)),
+            _ => None,
+        }
+    }
+
+    /// The loading, "uniform" or "edge".
+    #[getter]
+    fn loading(slf: &Bound<'_, Self>) -> typed::LoadingWord {
+        let edge = Deformable::plain(slf.as_super()).own.loading == CellLoading::Edge;
+        typed::LoadingWord(if edge { "edge" } else { "uniform" })
+    }
+
+    /// The slip rule, "reset" or "overdamped".
+    #[getter]
+    fn slip(slf: &Bound<'_, Self>) -> typed::CellSlipWord {
+        let overdamped = Deformable::plain(slf.as_super()).own.slip == Some(CellSlip::Overdamped);
+        typed::CellSlipWord(if overdamped { "overdamped" } else { "reset" })
+    }
+
+    /// The drag on a moving cell, force per velocity, or None.
+    #[getter]
+    fn viscosity(slf: &Bound<'_, Self>) -> Option<f64> {
+        Deformable::plain(slf.as_super()).own.viscosity
+    }
+
+    /// The standard deviation of the scale factors of cells, or these, shape (n,); None if there are none.
+    #[getter]
+    fn disorder<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::NumberOrArray<'py>>> {
+        let Some(scales) = &Deformable::plain(slf.as_super()).own.disorder else { return Ok(None) };
+        let found = match (&scales.scale, scales.std) {
+            (Some(scale), _) => convert::row(slf.py(), scale.clone())?,
+            (None, std) => std.into_bound_py_any(slf.py())?,
+        };
+        Ok(Some(typed::NumberOrArray(found)))
+    }
+
+    /// The accuracy of the drive at which equilibrium is lost, in mean thresholds.
+    #[getter]
+    fn drive_tolerance(slf: &Bound<'_, Self>) -> f64 {
+        Deformable::plain(slf.as_super()).own.drive_tolerance
+    }
+
+    /// The number of contacts in each cell where they are followed one by one, or None.
+    #[getter]
+    fn size(slf: &Bound<'_, Self>) -> Option<usize> {
+        Deformable::plain(slf.as_super()).ensemble.as_ref().and_then(|ensemble| ensemble.size)
+    }
+
+    /// Whether these keep their thresholds.
+    #[getter]
+    fn quenched(slf: &Bound<'_, Self>) -> bool {
+        let ensemble = Deformable::plain(slf.as_super()).ensemble.as_ref();
+        ensemble.is_some_and(|ensemble| ensemble.disorder == Disorder::Quenched)
     }
 
     /// The distribution of the stretches of the contacts of a cell, per length, after the interface has been driven
@@ -399,6 +530,13 @@ impl Lattice {
         let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });
         let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
+    }
+
+    /// The kind of disorder, "annealed" or "quenched".
+    #[getter]
+    fn disorder(slf: &Bound<'_, Self>) -> typed::DisorderWord {
+        let ensemble = Deformable::plain(slf.as_super()).ensemble.as_ref();
+        typed::DisorderWord(convert::disorder(ensemble.map_or(Disorder::Annealed, |own| own.disorder)))
     }
 }
 

@@ -17,6 +17,7 @@ mod law;
 mod machine_step;
 mod measured;
 mod model;
+mod pickle;
 mod posterior;
 mod pull;
 mod rate_state;
@@ -71,6 +72,8 @@ mod _core {
     use crate::machine_step::fit_velocity_step;
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::pickle::restore_result;
     #[pymodule_export]
     use crate::posterior::Posterior;
     #[pymodule_export]

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::array;
+use crate::pickle::{self, Reduced, damaged};
 use crate::{typed, values};
 
 /// Draws from the posterior of a fit by the No-U-turn sampler.
@@ -24,6 +25,19 @@ impl Posterior {
     pub fn new(drawn: posterior::Posterior) -> Self {
         let told = drawn.summary(str::to_owned);
         Self { drawn, told }
+    }
+
+    /// The draws of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8]) -> PyResult<Py<PyAny>> {
+        let (drawn, _): (posterior::Posterior, _) = pickle::unpack(bytes)?;
+        let FitPosterior { draws, chains, .. } = drawn.sampling;
+        let whole = |length: usize| draws.checked_mul(chains) == Some(length);
+        let lengths = drawn.values.iter().map(Vec::len).chain([drawn.log_density.len()]);
+        let mut all = lengths.chain([drawn.diverging.len(), drawn.steps.len()]);
+        if !all.all(whole) || drawn.names.len() != drawn.values.len() {
+            return Err(damaged("draws of other numbers"));
+        }
+        Ok(Py::new(py, Self::new(drawn))?.into_any())
     }
 
     /// An array of shape (chains, draws).
@@ -101,6 +115,11 @@ impl Posterior {
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._posterior")?.call_method1("text", (slf,))?.extract()
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        pickle::reduced(py, "Posterior", &pickle::pack(&self.drawn, &[])?, None)
     }
 
     fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {

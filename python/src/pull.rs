@@ -1,5 +1,7 @@
 //! The result of a pull of the slider's base.
 
+use std::sync::OnceLock;
+
 use asperity::Error;
 use asperity::master::{self, Covariance};
 use asperity::monitor::{Monitor, Part};
@@ -7,10 +9,11 @@ use asperity::record;
 use asperity::scenario::{self, Units};
 use asperity::task;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::convert::{self, Domain, Seed, Whole, evaluate};
 use crate::equation::MasterEquation;
+use crate::pickle::{self, Reduced, again};
 use crate::record::Record;
 use crate::watch::{detached, watched};
 use crate::{error, typed, values};
@@ -22,7 +25,9 @@ use crate::{error, typed, values};
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct Pull {
     equation: Py<MasterEquation>,
-    pull: master::Pull,
+    distance: f64,
+    /// A pull that was pickled is solved again once its record is not enough.
+    pull: OnceLock<master::Pull>,
 }
 
 impl Pull {
@@ -44,7 +49,7 @@ impl Pull {
             Ok((pull, record))
         })?;
         let record = Record::new(py, record, Units::default())?;
-        Py::new(py, record.add_subclass(Self { equation: equation.unbind(), pull }))
+        Py::new(py, record.add_subclass(Self::solved(equation, pull)))
     }
 
     /// A pull that was computed, with the default number of positions.
@@ -53,11 +58,34 @@ impl Pull {
         let asked = scenario::Pull { distance: pull.distance(), ..scenario::Pull::default() };
         let record = watched(None, py, |monitor| recorded(&pull, asked.positions(), monitor))?;
         let record = Record::new(py, record, Units::default())?;
-        Py::new(py, record.add_subclass(Self { equation: equation.unbind(), pull }))
+        Py::new(py, record.add_subclass(Self::solved(equation, pull)))
+    }
+
+    fn solved(equation: Bound<'_, MasterEquation>, pull: master::Pull) -> Self {
+        Self { equation: equation.unbind(), distance: pull.distance(), pull: OnceLock::from(pull) }
+    }
+
+    /// The pull of a pickle: its record, its distance and its equation.
+    pub fn restored(py: Python<'_>, bytes: &[u8], model: Option<Bound<'_, PyAny>>) -> PyResult<Py<PyAny>> {
+        let equation = pickle::of_model::<MasterEquation>(model)?.unbind();
+        let (distance, record) = Record::unpacked(py, bytes)?;
+        let pull = Self { equation, distance, pull: OnceLock::new() };
+        Ok(Py::new(py, record.add_subclass(pull))?.into_any())
+    }
+
+    /// The solution.
+    fn solution(&self, py: Python<'_>) -> PyResult<&master::Pull> {
+        if let Some(known) = self.pull.get() {
+            return Ok(known);
+        }
+        let equation = self.equation.bind(py);
+        let (solver, tolerance) = (&equation.get().equation, MasterEquation::plain(equation).tolerance());
+        let pull = watched(None, py, |monitor| solver.pull_with(self.distance, tolerance, monitor))?;
+        Ok(self.pull.get_or_init(|| pull))
     }
 
     fn positions(&self) -> Domain {
-        Domain::positions(self.pull.distance())
+        Domain::positions(self.distance)
     }
 
     fn covariance_at(
@@ -69,7 +97,8 @@ impl Pull {
         let at = convert::list_within("at", at, &self.positions())?;
         let count = self.equation.get().equation.contacts().count;
         let size = size.map_or(Ok(count), |size| convert::contacts("size", size))?;
-        watched(None, py, |monitor| self.pull.covariance_with(&at, size, monitor))
+        let pull = self.solution(py)?;
+        watched(None, py, |monitor| pull.covariance_with(&at, size, monitor))
     }
 
     /// Evenly spaced positions, shape (m,), and sample paths there, shape (n, m).
@@ -85,11 +114,11 @@ impl Pull {
         let missing = || Error::invalid("seed", "a seed for the sample paths", "none");
         let seed = seed.ok_or_else(missing).map_err(error::core)?;
         let asked =
-            scenario::Pull { distance: self.pull.distance(), points: POSITIONS, ..scenario::Pull::default() };
-        let at = asked.positions();
+            scenario::Pull { distance: self.distance, points: POSITIONS, ..scenario::Pull::default() };
+        let (at, pull) = (asked.positions(), self.solution(py)?);
         let paths = watched(None, py, |monitor| {
             let part = &mut Part::new(monitor, 0.0, 0.5);
-            let covariance = self.pull.covariance_with(&at, size, part)?;
+            let covariance = pull.covariance_with(&at, size, part)?;
             covariance.sample_paths_with(count, seed.0, &mut Part::new(monitor, 0.5, 0.5))
         })?;
         Ok([convert::array(py, &[POSITIONS], at)?, convert::array(py, &[count, POSITIONS], paths.concat())?])
@@ -124,20 +153,21 @@ impl Pull {
     /// Positions at which contacts break simultaneously, and the fractions that do, each of shape (n,).
     #[getter]
     fn breaking_atoms<'py>(&self, py: Python<'py>) -> PyResult<typed::Atoms<'py>> {
-        values::atoms(py, self.pull.breaking_atoms())
+        values::atoms(py, self.solution(py)?.breaking_atoms())
     }
 
     /// The distance of the pull, a length.
     #[getter]
     fn distance(&self) -> f64 {
-        self.pull.distance()
+        self.distance
     }
 
     /// The static friction F_s, the highest force of the pull, with its position X_s; None if the force still rises
     /// at the end, or never decreases.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::StaticFriction<'py>>> {
-        let peak = detached(py, || self.pull.static_friction());
+        let pull = self.solution(py)?;
+        let peak = detached(py, || pull.static_friction());
         peak.map(|peak| values::static_friction(py, peak.value, peak.position)).transpose()
     }
 
@@ -150,8 +180,9 @@ impl Pull {
     /// The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
     /// where the force jumps down, and 0 if the force decreases by no more than ten times the tolerance.
     #[getter]
-    fn critical_stiffness(&self, py: Python<'_>) -> f64 {
-        detached(py, || self.pull.critical_stiffness())
+    fn critical_stiffness(&self, py: Python<'_>) -> PyResult<f64> {
+        let pull = self.solution(py)?;
+        Ok(detached(py, || pull.critical_stiffness()))
     }
 
     /// The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
@@ -164,14 +195,16 @@ impl Pull {
 
     /// The estimated error of F/(N_c⟨k⟩), a length.
     #[getter]
-    fn accuracy(&self, py: Python<'_>) -> f64 {
-        detached(py, || self.pull.error_estimate())
+    fn accuracy(&self, py: Python<'_>) -> PyResult<f64> {
+        let pull = self.solution(py)?;
+        Ok(detached(py, || pull.error_estimate()))
     }
 
     /// F(X), for positions from 0 to the distance.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("position", position, &self.positions(), |x| self.pull.force(x))
+        let pull = self.solution(position.py())?;
+        evaluate("position", position, &self.positions(), |x| pull.force(x))
     }
 
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -182,13 +215,15 @@ impl Pull {
     /// dF/dX from the right, force per length, for positions from 0 to the distance.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("position", position, &self.positions(), |x| self.pull.slope(x))
+        let pull = self.solution(position.py())?;
+        evaluate("position", position, &self.positions(), |x| pull.slope(x))
     }
 
     /// The fraction of contacts breaking per length, for positions from 0 to the distance.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn breaking_rate_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("position", position, &self.positions(), |x| self.pull.breaking_rate(x))
+        let pull = self.solution(position.py())?;
+        evaluate("position", position, &self.positions(), |x| pull.breaking_rate(x))
     }
 
     /// The standard deviation of the force of `size` random contacts, scaled to N_c.
@@ -203,7 +238,7 @@ impl Pull {
     ) -> PyResult<Bound<'py, PyAny>> {
         let size = convert::contacts("size", size)?;
         let at = at.cloned().map_or_else(|| slf.get_item("position"), Ok)?;
-        let Self { pull, .. } = slf.get();
+        let pull = slf.get().solution(slf.py())?;
         let std = watched(None, slf.py(), |monitor| pull.force_std_with(size, monitor))?;
         evaluate("at", &at, &slf.get().positions(), std)
     }
@@ -294,7 +329,7 @@ impl Pull {
     #[pyo3(signature = () -> "dict[str, float]")]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
-        for parameter in self.pull.parameters() {
+        for parameter in self.solution(py)?.parameters() {
             parameters.set_item(parameter.name.as_ref(), parameter.value)?;
         }
         Ok(parameters)
@@ -304,28 +339,31 @@ impl Pull {
     ///
     /// parameter: `thresholds.mean`, `reforming.std`, `stiffness`, `temperature.energy`, and so on. The position of a
     /// point mass has no derivative.
-    fn gradient(&self, py: Python<'_>, parameter: String) -> PyResult<Gradient> {
-        let gradient = watched(None, py, |monitor| self.pull.gradient_with(&parameter, monitor))?;
-        Ok(Gradient { gradient, parameter, distance: self.pull.distance() })
+    fn gradient(slf: &Bound<'_, Self>, parameter: String) -> PyResult<Gradient> {
+        let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
+        let gradient = watched(None, py, |monitor| pull.gradient_with(&parameter, monitor))?;
+        Ok(Gradient { gradient, parameter, pull: slf.clone().unbind() })
     }
 
     /// The derivatives of the force by several of `parameters()`, at little more than half the cost of one after the
     /// other.
     ///
     /// parameters: a list of names, as for `gradient`.
-    fn gradients(&self, py: Python<'_>, parameters: Vec<String>) -> PyResult<Vec<Gradient>> {
+    fn gradients(slf: &Bound<'_, Self>, parameters: Vec<String>) -> PyResult<Vec<Gradient>> {
+        let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
-        let gradients = watched(None, py, |monitor| self.pull.gradients_with(&names, monitor))?;
-        let distance = self.pull.distance();
+        let gradients = watched(None, py, |monitor| pull.gradients_with(&names, monitor))?;
         let named = gradients.into_iter().zip(parameters);
-        Ok(named.map(|(gradient, parameter)| Gradient { gradient, parameter, distance }).collect())
+        let own = || slf.clone().unbind();
+        Ok(named.map(|(gradient, parameter)| Gradient { gradient, parameter, pull: own() }).collect())
     }
 
     /// The derivatives of F_s, F_k, X* and K_c by one of `parameters()`, for the propagation of errors.
     ///
     /// parameter: as in `gradient`.
     fn friction_gradient(&self, py: Python<'_>, parameter: &str) -> PyResult<FrictionGradient> {
-        let gradient = watched(None, py, |monitor| self.pull.friction_gradient_with(parameter, monitor))?;
+        let pull = self.solution(py)?;
+        let gradient = watched(None, py, |monitor| pull.friction_gradient_with(parameter, monitor))?;
         Ok(FrictionGradient { gradient })
     }
 
@@ -334,7 +372,8 @@ impl Pull {
     /// parameters: a list of names, as for `gradient`.
     fn friction_gradients(&self, py: Python<'_>, parameters: Vec<String>) -> PyResult<Vec<FrictionGradient>> {
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
-        let gradients = watched(None, py, |monitor| self.pull.friction_gradients_with(&names, monitor))?;
+        let pull = self.solution(py)?;
+        let gradients = watched(None, py, |monitor| pull.friction_gradients_with(&names, monitor))?;
         Ok(gradients.into_iter().map(|gradient| FrictionGradient { gradient }).collect())
     }
 
@@ -347,13 +386,13 @@ impl Pull {
     /// ageing or a delay, or whose stiffness depends on the threshold, are refused.
     #[pyo3(signature = (thresholds: "ArrayLike"))]
     fn threshold_response(
-        &self,
-        py: Python<'_>,
+        slf: &Bound<'_, Self>,
         thresholds: &Bound<'_, PyAny>,
     ) -> PyResult<ThresholdResponse> {
         let thresholds = convert::list("thresholds", thresholds)?;
-        let response = watched(None, py, |monitor| self.pull.threshold_response_with(&thresholds, monitor))?;
-        Ok(ThresholdResponse { response, distance: self.pull.distance() })
+        let pull = slf.get().solution(slf.py())?;
+        let response = watched(None, slf.py(), |monitor| pull.threshold_response_with(&thresholds, monitor))?;
+        Ok(ThresholdResponse { response, pull: slf.clone().unbind() })
     }
 
     /// The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
@@ -372,16 +411,23 @@ impl Pull {
     ) -> PyResult<typed::StretchDensity<'py>> {
         let (positions, single) = convert::one_or_list("at", at, &self.positions())?;
         let stretches = self.equation.get().stretches(stretches, &positions)?;
+        let pull = self.solution(py)?;
         let mut found = Vec::with_capacity(positions.len());
         for &position in &positions {
-            let at =
-                |monitor: &mut dyn Monitor| self.pull.stretch_density_with(position, &stretches, monitor);
+            let at = |monitor: &mut dyn Monitor| pull.stretch_density_with(position, &stretches, monitor);
             found.push(watched(None, py, at)?);
         }
         match found.pop() {
             Some(only) if single => values::stretches(py, stretches, only),
             last => values::evolution(py, stretches, found.into_iter().chain(last).collect()),
         }
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, Self { equation, distance, .. }) = (slf.py(), slf.get());
+        let bytes = slf.as_super().get().packed(py, distance)?;
+        pickle::reduced(py, "Pull", &bytes, Some(equation.bind(py).clone().into_any()))
     }
 }
 
@@ -390,7 +436,7 @@ impl Pull {
 pub struct Gradient {
     gradient: master::Gradient,
     parameter: String,
-    distance: f64,
+    pull: Py<Pull>,
 }
 
 #[pymethods]
@@ -404,7 +450,12 @@ impl Gradient {
     /// The derivative at positions from 0 to the distance of the pull: force per unit of the parameter.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn __call__<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("position", position, &Domain::positions(self.distance), |x| self.gradient.at(x))
+        evaluate("position", position, &self.pull.get().positions(), |x| self.gradient.at(x))
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        again(self.pull.bind(py), "gradient", PyTuple::new(py, [&self.parameter])?)
     }
 
     fn __repr__(&self) -> String {
@@ -418,12 +469,12 @@ impl Gradient {
 #[pyclass(frozen, module = "asperity")]
 pub struct ThresholdResponse {
     response: master::ThresholdResponse,
-    distance: f64,
+    pull: Py<Pull>,
 }
 
 impl ThresholdResponse {
     fn positions(&self) -> Domain {
-        Domain::positions(self.distance)
+        self.pull.get().positions()
     }
 }
 
@@ -457,6 +508,12 @@ impl ThresholdResponse {
         let weights = convert::list("weights", weights)?;
         let found = watched(None, py, |monitor| self.response.adjoint_with(&positions, &weights, monitor))?;
         convert::row(py, found).map(typed::Array)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let thresholds: Vec<f64> = self.response.thresholds().collect();
+        again(self.pull.bind(py), "threshold_response", PyTuple::new(py, [thresholds])?)
     }
 
     fn __repr__(&self) -> String {
@@ -497,5 +554,18 @@ impl FrictionGradient {
     #[getter]
     fn critical_stiffness(&self) -> f64 {
         self.gradient.critical_stiffness
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        pickle::reduced(py, "FrictionGradient", &pickle::pack(&self.gradient, &[])?, None)
+    }
+}
+
+impl FrictionGradient {
+    /// The derivatives of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8]) -> PyResult<Py<PyAny>> {
+        let (gradient, _) = pickle::unpack(bytes)?;
+        Ok(Py::new(py, Self { gradient })?.into_any())
     }
 }

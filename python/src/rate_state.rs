@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 use serde::Deserialize;
 
 use crate::convert::{self, Domain, Whole, evaluate};
+use crate::pickle::{self, Reduced};
 use crate::watch::watched;
 use crate::{error, typed, values};
 
@@ -135,6 +136,19 @@ impl VelocityStep {
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._show")?.call_method1("velocity_step", (slf,))?.extract()
     }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        pickle::reduced(py, "VelocityStep", &pickle::pack(&self.read, &[])?, None)
+    }
+}
+
+impl VelocityStep {
+    /// The step of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8]) -> PyResult<Py<PyAny>> {
+        let (read, _) = pickle::unpack(bytes)?;
+        Ok(Py::new(py, Self { read })?.into_any())
+    }
 }
 
 /// Reads the rate-and-state parameters of a measured velocity step.
@@ -259,6 +273,20 @@ impl Healing {
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._show")?.call_method1("healing", (slf,))?.extract()
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let Self { read, hold, force } = self;
+        pickle::reduced(py, "Healing", &pickle::pack(&(read, hold, force), &[])?, None)
+    }
+}
+
+impl Healing {
+    /// The healing of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8]) -> PyResult<Py<PyAny>> {
+        let ((read, hold, force), _) = pickle::unpack(bytes)?;
+        Ok(Py::new(py, Self { read, hold, force })?.into_any())
     }
 }
 

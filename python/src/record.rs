@@ -2,11 +2,17 @@
 
 use asperity::record::{self, Quantity, Variable};
 use asperity::scenario::Units;
+use asperity::task::is_coordinate;
+use asperity_runner::output::{self, Attribute};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
+use crate::pickle::{self, Reduced, VERSION, damaged};
+use crate::result::attributes;
 use crate::{convert, typed, values};
 
 /// Description of the values of a column, and the array that owns them.
@@ -61,10 +67,76 @@ impl Record {
         Ok(record::Record { variables })
     }
 
+    /// The bytes of a pickle: `content`, and the record.
+    pub fn packed(&self, py: Python<'_>, content: &impl Serialize) -> PyResult<Vec<u8>> {
+        let arrays: Vec<PyReadonlyArrayDyn<'_, f64>> =
+            self.columns.iter().map(|column| column.values.bind(py).extract()).collect::<PyResult<_>>()?;
+        let values: Vec<&[f64]> =
+            arrays.iter().map(|array| Ok(array.as_slice()?)).collect::<PyResult<_>>()?;
+        let described = self.columns.iter().zip(&values).map(|(column, values)| {
+            let Column { name, long_name, quantity, dimensions, .. } = column;
+            let without_values = Variable {
+                name: name.clone(),
+                long_name: long_name.clone(),
+                quantity: *quantity,
+                dimensions: dimensions.clone(),
+                values: Vec::new(),
+            };
+            (without_values, values.len())
+        });
+        let head = Head { content, units: self.units.clone(), variables: described.collect() };
+        pickle::pack(&head, &values)
+    }
+
+    /// What [`Self::packed`] was given, and the record.
+    pub fn unpacked<T: DeserializeOwned>(
+        py: Python<'_>,
+        bytes: &[u8],
+    ) -> PyResult<(T, PyClassInitializer<Self>)> {
+        let (head, values) = pickle::unpack::<Head<T>>(bytes)?;
+        let mut left = values.as_slice();
+        let mut variables = Vec::with_capacity(head.variables.len());
+        for (without_values, count) in head.variables {
+            let (own, rest) = left.split_at_checked(count).ok_or_else(|| damaged("fewer"))?;
+            variables.push(Variable { values: own.to_vec(), ..without_values });
+            left = rest;
+        }
+        let record = Self::new(py, record::Record { variables }, head.units).map_err(damaged)?;
+        Ok((head.content, record))
+    }
+
+    /// The record that was pickled.
+    pub fn restored(py: Python<'_>, bytes: &[u8]) -> PyResult<Py<PyAny>> {
+        let ((), record) = Self::unpacked(py, bytes)?;
+        Ok(Py::new(py, record)?.into_any())
+    }
+
+    /// The columns of events by name; whole numbers as such.
+    pub fn events_into(&self, columns: &Bound<'_, PyDict>) -> PyResult<()> {
+        for column in &self.columns {
+            if let Some(name) = column.name.strip_prefix("event_") {
+                let values = column.values.bind(columns.py());
+                let count = column.quantity == Quantity::Count;
+                let whole = || values.call_method1("astype", ("int64",));
+                columns.set_item(name, if count { whole()? } else { values.clone() })?;
+            }
+        }
+        Ok(())
+    }
+
     /// The names of the variables.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|column| column.name.as_str())
     }
+}
+
+/// A record without its values, and what belongs to it.
+#[derive(Serialize, Deserialize)]
+struct Head<T> {
+    content: T,
+    units: Units,
+    /// Each with the number of its values.
+    variables: Vec<(Variable, usize)>,
 }
 
 #[pymethods]
@@ -138,18 +210,56 @@ impl Record {
         slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))
     }
 
-    /// Plots the force along the pull or the drive (for an imposed force, the force against the position), with the
-    /// kinetic friction and, for a pull, the static friction, if they are known. Returns the axes. It needs
-    /// matplotlib.
+    /// Plots the result; it needs matplotlib, whose styles it follows.
     ///
-    /// ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
-    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
-    fn plot<'py>(
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// kind : str, optional
+    ///     One of `pictures`; by default the first: the force of a pull or a drive, the friction of a velocity curve or a
+    ///     hold curve, the spectrum, the fit, the thresholds of a renormalisation.
+    /// **style
+    ///     Arguments of the plot() of the axes for the curve, or of pcolormesh or imshow for a map. A "map" also takes
+    ///     `at`, the drive whose map is shown, by default the last.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a kind that the result does not have.
+    /// ImportError
+    ///     If matplotlib is not installed.
+    #[pyo3(signature = (ax: "Axes | None" = None, *, kind: "str | None" = None, **style: "Any") -> "Axes")]
+    pub fn plot<'py>(
         slf: &Bound<'py, Self>,
         ax: Option<&Bound<'py, PyAny>>,
+        kind: Option<&str>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("asperity._plot")?.call_method("draw", (slf, ax), style)
+        slf.py().import("asperity._pictures")?.call_method("draw", (slf, ax, kind), style)
+    }
+
+    /// The kinds of pictures that plot() draws of this result; the first is its default.
+    #[getter]
+    fn pictures(slf: &Bound<'_, Self>) -> PyResult<typed::Words> {
+        let kinds = slf.py().import("asperity._pictures")?.call_method1("kinds", (slf,))?;
+        kinds.extract().map(typed::Words)
+    }
+
+    /// The names of the variables that are coordinates of the others.
+    fn _coordinates(&self) -> Vec<&str> {
+        let known = |column: &&Column| is_coordinate(&column.name, &column.dimensions);
+        self.columns.iter().filter(known).map(|column| column.name.as_str()).collect()
+    }
+
+    fn _attributes<'py>(&self, py: Python<'py>) -> PyResult<typed::Values<'py>> {
+        let version = ("version".to_owned(), Attribute::Text(VERSION.to_owned()));
+        attributes(py, output::common().into_iter().chain([version]).collect())
     }
 
     /// Dimensions, descriptive name and unit of each variable.
@@ -162,6 +272,12 @@ impl Record {
             labels.set_item(&column.name, label)?;
         }
         Ok(typed::Labels(labels.into_any()))
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let bytes = slf.get().packed(slf.py(), &())?;
+        pickle::reduced(slf.py(), "Record", &bytes, None)
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use asperity::scenario::Scenario;
-use asperity::task::summary::{Friction, StaticFriction, Summary};
+use asperity::task::summary::{FitFriction, Friction, StaticFriction, Summary, Uncertain};
 use asperity_runner::checkpoint::{Checkpoints, Every};
 use asperity_runner::input;
-use asperity_runner::output::{self, Outcome};
+use asperity_runner::output::{self, Attribute, Outcome};
+use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
+use crate::pickle::{self, Reduced, damaged};
 use crate::record::Record;
 use crate::watch::{detached, watched};
 use crate::{convert, error, typed, values};
@@ -42,8 +44,7 @@ impl Result {
     /// The summary: static and kinetic friction, relaxation length, …, as in `summary.json`.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<typed::Values<'py>> {
-        let json = serde_json::to_string(&self.summary).expect("a summary is plain data");
-        py.import("json")?.call_method1("loads", (json,)).map(typed::Values)
+        py.import("json")?.call_method1("loads", (self.json(),)).map(typed::Values)
     }
 
     /// The title of the scenario.
@@ -52,44 +53,71 @@ impl Result {
         &self.summary.title
     }
 
-    /// The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases.
+    /// The static friction F_s with its position X_s; the array of F_s for a hold curve, shape (holds,); None if the force still
+    /// rises at the end, or never decreases, and for tasks without it.
     #[getter]
-    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::StaticFriction<'py>>> {
-        match self.summary.numbers.friction().map(|friction| friction.static_friction) {
+    fn static_friction<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::StaticFrictionOrArray<'py>>> {
+        const NAME: &str = "static_friction";
+        let (py, numbers) = (slf.py(), &slf.get().summary.numbers);
+        if slf.contains(NAME)? {
+            return slf.get_item(NAME).map(typed::StaticFrictionOrArray).map(Some);
+        }
+        match numbers.friction().map(|friction| friction.static_friction) {
             None | Some(StaticFriction::NotReached) => Ok(None),
             Some(StaticFriction::Reached { force, position }) => {
-                values::static_friction(py, force, position).map(Some)
+                let found = values::static_friction(py, force, position)?;
+                Ok(Some(typed::StaticFrictionOrArray(found.0)))
             }
         }
     }
 
-    /// The kinetic friction F_k, the force of steady sliding; nan if the task does not have a single velocity.
+    /// The kinetic friction F_k, the force of steady sliding; an array where the task has many velocities; nan for tasks
+    /// without it.
     #[getter]
-    fn kinetic_friction(&self) -> f64 {
-        self.friction(|friction| friction.kinetic_friction)
+    fn kinetic_friction<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::NumberOrArray<'py>> {
+        let numbers = &slf.get().summary.numbers;
+        let of_curve = numbers.hold_curve().map(|curve| curve.kinetic_friction);
+        let of_noise = numbers.noise().map(|noise| noise.kinetic_friction);
+        let number = of_curve.or(of_noise);
+        slf.get().known(
+            slf,
+            "kinetic_friction",
+            number,
+            |friction| friction.kinetic_friction,
+            |fit| fit.kinetic_friction,
+        )
     }
 
-    /// The critical stiffness K_c, force per length; inf where the force jumps down.
+    /// The critical stiffness K_c, force per length; inf where the force jumps down; an array where the task has many
+    /// velocities; nan for tasks without it.
     #[getter]
-    fn critical_stiffness(&self) -> f64 {
-        self.friction(|friction| friction.critical_stiffness.0)
+    fn critical_stiffness<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::NumberOrArray<'py>> {
+        slf.get().known(
+            slf,
+            "critical_stiffness",
+            None,
+            |friction| friction.critical_stiffness.0,
+            |fit| fit.critical_stiffness,
+        )
     }
 
-    /// The relaxation length X*; inf if the force never settles, nan if no root is found.
+    /// The relaxation length X*; inf if the force never settles, nan if no root is found, and for tasks without it.
     #[getter]
-    fn relaxation_length(&self) -> f64 {
-        self.friction(|friction| friction.relaxation_length.0)
+    fn relaxation_length<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::NumberOrArray<'py>> {
+        slf.get().known(
+            slf,
+            "relaxation_length",
+            None,
+            |friction| friction.relaxation_length.0,
+            |fit| fit.relaxation_length,
+        )
     }
 
     /// The events of a slider or an interface; None if the task has no events.
     #[getter]
     fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Events<'py>>> {
         let columns = PyDict::new(slf.py());
-        for name in slf.as_super().get().names() {
-            if let Some(column) = name.strip_prefix("event_") {
-                columns.set_item(column, slf.get_item(name)?)?;
-            }
-        }
+        slf.as_super().get().events_into(&columns)?;
         if columns.is_empty() { Ok(None) } else { values::events(slf.py(), columns).map(Some) }
     }
 
@@ -102,12 +130,61 @@ impl Result {
         let outcome = Outcome { scenario: scenario.clone(), summary: summary.clone(), record };
         detached(slf.py(), || output::write(&folder, &outcome, &[])).map(drop).map_err(error::files)
     }
+
+    fn _attributes<'py>(&self, py: Python<'py>) -> PyResult<typed::Values<'py>> {
+        attributes(py, output::attributes(&self.summary))
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let bytes = slf.as_super().get().packed(slf.py(), &(&slf.get().scenario, slf.get().json()))?;
+        pickle::reduced(slf.py(), "Result", &bytes, None)
+    }
+}
+
+/// Attributes of a result by name.
+pub fn attributes(py: Python<'_>, found: Vec<(String, Attribute)>) -> PyResult<typed::Values<'_>> {
+    let attributes = PyDict::new(py);
+    for (name, attribute) in found {
+        match attribute {
+            Attribute::Text(text) => attributes.set_item(name, text),
+            Attribute::Whole(number) => attributes.set_item(name, number),
+            Attribute::Seed(number) => attributes.set_item(name, number),
+            Attribute::Number(number) => attributes.set_item(name, number),
+        }?;
+    }
+    Ok(typed::Values(attributes.into_any()))
 }
 
 impl Result {
-    /// A number that exists only for a pull at one velocity; nan for other tasks.
-    fn friction(&self, number: impl Fn(&Friction) -> f64) -> f64 {
-        self.summary.numbers.friction().map_or(f64::NAN, number)
+    /// The array called `name`, or the number of a pull or of a fit, or `other`, or nan.
+    fn known<'py>(
+        &self,
+        result: &Bound<'py, Self>,
+        name: &str,
+        other: Option<f64>,
+        of_pull: impl Fn(&Friction) -> f64,
+        of_fit: impl Fn(&FitFriction) -> Uncertain,
+    ) -> PyResult<typed::NumberOrArray<'py>> {
+        if result.contains(name)? {
+            return result.get_item(name).map(typed::NumberOrArray);
+        }
+        let numbers = &self.summary.numbers;
+        let of_fit = || numbers.fit().map(|fit| of_fit(&fit.friction).value.0);
+        let number = numbers.friction().map(of_pull).or_else(of_fit).or(other).unwrap_or(f64::NAN);
+        number.into_bound_py_any(result.py()).map(typed::NumberOrArray)
+    }
+
+    /// The result of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8]) -> PyResult<Py<PyAny>> {
+        let ((scenario, summary), record): ((String, String), _) = Record::unpacked(py, bytes)?;
+        let summary = serde_json::from_str(&summary).map_err(damaged)?;
+        Ok(Py::new(py, record.add_subclass(Self { scenario, summary }))?.into_any())
+    }
+
+    /// The summary as in `summary.json`.
+    fn json(&self) -> String {
+        serde_json::to_string(&self.summary).expect("a summary is plain data")
     }
 }
 

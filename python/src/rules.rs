@@ -6,7 +6,8 @@ use pyo3::types::{PyDict, PyType};
 
 use crate::convert;
 use crate::description::{Description, Plain};
-use crate::law::AnyLaw;
+use crate::law::{AnyLaw, Law, given};
+use crate::typed;
 
 /// Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
 ///
@@ -28,6 +29,24 @@ impl Temperature {
         let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });
         Ok(Description::new(plain).add_subclass(Self))
     }
+
+    /// The temperature T, an energy.
+    #[getter]
+    fn energy(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).energy
+    }
+
+    /// The attempt rate ω, per time.
+    #[getter]
+    fn attempt_rate(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).attempt_rate
+    }
+
+    /// The barrier ΔE, "elastic", "bell" or "catastrophe".
+    #[getter]
+    fn barrier(slf: &Bound<'_, Self>) -> typed::BarrierWord {
+        typed::BarrierWord(word(Self::plain(slf).barrier))
+    }
 }
 
 impl Temperature {
@@ -47,6 +66,23 @@ pub struct Ageing;
 impl Ageing {
     fn described(ageing: scenario::Ageing) -> PyClassInitializer<Self> {
         Description::new(Plain::Ageing(ageing)).add_subclass(Self)
+    }
+
+    /// The mature distribution, diffusion coefficient or time scale, and growth, of those rules that have them.
+    fn parts(ageing: &Bound<'_, Self>) -> (Option<scenario::Law>, f64, f64) {
+        match Self::plain(ageing) {
+            scenario::Ageing::Smoluchowski { mature, diffusion: scale }
+            | scenario::Ageing::MeanField { mature, diffusion: scale }
+            | scenario::Ageing::FrozenRank { mature, time: scale } => (Some(mature), scale, f64::NAN),
+            scenario::Ageing::Logarithmic { growth, time } => (None, time, growth),
+            _ => unreachable!("a rule of ageing without a class"),
+        }
+    }
+
+    /// The mature distribution of a rule that has one.
+    fn mature<'py>(ageing: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        let (mature, ..) = Self::parts(ageing);
+        Plain::Law(mature.expect("a rule with a mature distribution")).instance(ageing.py())
     }
 
     pub fn plain(ageing: &Bound<'_, Self>) -> scenario::Ageing {
@@ -71,6 +107,18 @@ impl Smoluchowski {
     fn new(mature: AnyLaw, diffusion: f64) -> PyClassInitializer<Self> {
         Ageing::described(scenario::Ageing::Smoluchowski { mature: mature.0, diffusion }).add_subclass(Self)
     }
+
+    /// The distribution P_cf of mature thresholds.
+    #[getter]
+    fn mature<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Ageing::mature(slf.as_super())
+    }
+
+    /// The diffusion coefficient D, stretch² per time.
+    #[getter]
+    fn diffusion(slf: &Bound<'_, Self>) -> f64 {
+        Ageing::parts(slf.as_super()).1
+    }
 }
 
 /// The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
@@ -86,6 +134,18 @@ impl FrozenRank {
     fn new(mature: AnyLaw, time: f64) -> PyClassInitializer<Self> {
         Ageing::described(scenario::Ageing::FrozenRank { mature: mature.0, time }).add_subclass(Self)
     }
+
+    /// The distribution P_cf of mature thresholds.
+    #[getter]
+    fn mature<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Ageing::mature(slf.as_super())
+    }
+
+    /// The time scale of maturing.
+    #[getter]
+    fn time(slf: &Bound<'_, Self>) -> f64 {
+        Ageing::parts(slf.as_super()).1
+    }
 }
 
 /// Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
@@ -100,6 +160,18 @@ impl Logarithmic {
     #[new]
     fn new(growth: f64, time: f64) -> PyClassInitializer<Self> {
         Ageing::described(scenario::Ageing::Logarithmic { growth, time }).add_subclass(Self)
+    }
+
+    /// The growth β.
+    #[getter]
+    fn growth(slf: &Bound<'_, Self>) -> f64 {
+        Ageing::parts(slf.as_super()).2
+    }
+
+    /// The time τ_0.
+    #[getter]
+    fn time(slf: &Bound<'_, Self>) -> f64 {
+        Ageing::parts(slf.as_super()).1
     }
 }
 
@@ -119,6 +191,18 @@ impl MeanField {
     fn new(mature: AnyLaw, diffusion: f64) -> PyClassInitializer<Self> {
         Ageing::described(scenario::Ageing::MeanField { mature: mature.0, diffusion }).add_subclass(Self)
     }
+
+    /// The distribution P_cf of mature thresholds.
+    #[getter]
+    fn mature<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Ageing::mature(slf.as_super())
+    }
+
+    /// The diffusion coefficient D, stretch² per time.
+    #[getter]
+    fn diffusion(slf: &Bound<'_, Self>) -> f64 {
+        Ageing::parts(slf.as_super()).1
+    }
 }
 
 /// The class of a model of ageing.
@@ -136,13 +220,18 @@ pub fn class<'py>(ageing: &scenario::Ageing, py: Python<'py>) -> Bound<'py, PyTy
 pub fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'_, PyDict>) -> PyResult<()> {
     into.set_item("energy", temperature.energy)?;
     into.set_item("attempt_rate", temperature.attempt_rate)?;
-    let word = match temperature.barrier {
-        scenario::Barrier::Elastic => return Ok(()),
+    let other = temperature.barrier != scenario::Barrier::Elastic;
+    given(into, "barrier", other.then(|| word(temperature.barrier)))
+}
+
+/// A barrier as a word.
+fn word(barrier: scenario::Barrier) -> &'static str {
+    match barrier {
+        scenario::Barrier::Elastic => "elastic",
         scenario::Barrier::Bell => "bell",
         scenario::Barrier::Catastrophe => "catastrophe",
         _ => unreachable!("a barrier without a word"),
-    };
-    into.set_item("barrier", word)
+    }
 }
 
 /// The arguments that create a model of ageing.

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use crate::block::Block;
 use crate::convert;
 use crate::model::Model;
+use crate::pickle::{self, Reduced};
 use crate::record::Record;
 use crate::watch::watched;
 use crate::{error, typed, values};
@@ -80,6 +81,15 @@ impl StickSlip {
     }
 }
 
+impl StickSlip {
+    /// The result of a pickle.
+    pub fn restored(py: Python<'_>, bytes: &[u8], model: Option<Bound<'_, PyAny>>) -> PyResult<Py<PyAny>> {
+        let block = pickle::of_model::<Block>(model)?.unbind();
+        let ((sliding, energy), record) = Record::unpacked(py, bytes)?;
+        Ok(Py::new(py, record.add_subclass(Self { block, sliding, energy }))?.into_any())
+    }
+}
+
 #[pymethods]
 impl StickSlip {
     /// The block that was driven.
@@ -104,11 +114,7 @@ impl StickSlip {
     #[getter]
     fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Events<'py>> {
         let columns = PyDict::new(slf.py());
-        for name in slf.as_super().get().names() {
-            if let Some(column) = name.strip_prefix("event_") {
-                columns.set_item(column, slf.get_item(name)?)?;
-            }
-        }
+        slf.as_super().get().events_into(&columns)?;
         values::events(slf.py(), columns)
     }
 
@@ -182,6 +188,13 @@ impl StickSlip {
     fn slip_course<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Course<'py>>> {
         let names = ["slip_time", "slip_position", "slip_velocity", "slip_force", "slip_spring_force"];
         columns(slf, names)?.map(|columns| values::course(slf.py(), columns)).transpose()
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, Self { block, sliding, energy }) = (slf.py(), slf.get());
+        let bytes = slf.as_super().get().packed(py, &(sliding, energy))?;
+        pickle::reduced(py, "StickSlip", &bytes, Some(block.bind(py).clone().into_any()))
     }
 }
 

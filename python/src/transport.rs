@@ -60,6 +60,48 @@ impl Step {
         step.check().map_err(|e| error::core(e.under("step")))?;
         Ok(Description::new(Plain::Step(step)).add_subclass(Self))
     }
+
+    /// The velocity, at the beginning of a ramp, a length per time, or None.
+    #[getter]
+    fn velocity(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).velocity
+    }
+
+    /// The displacement in the step, a length, or None.
+    #[getter]
+    fn distance(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).distance
+    }
+
+    /// The time that a step at a velocity takes, or None.
+    #[getter]
+    fn duration(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).duration
+    }
+
+    /// The time at rest, or None.
+    #[getter]
+    fn hold(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).hold
+    }
+
+    /// The velocity at the end of a ramp, a length per time, or None.
+    #[getter]
+    fn velocity_to(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).velocity_to
+    }
+
+    /// The number of points of the trace in the step.
+    #[getter]
+    fn points(slf: &Bound<'_, Self>) -> usize {
+        Self::plain(slf).points
+    }
+
+    /// The number of intervals of constant velocity that approximate a ramp; None where it was not given.
+    #[getter]
+    fn pieces(slf: &Bound<'_, Self>) -> Option<usize> {
+        Self::plain(slf).pieces
+    }
 }
 
 impl Step {
@@ -137,6 +179,12 @@ impl Transport {
     #[getter]
     fn velocity(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::solved(slf).velocity
+    }
+
+    /// The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default.
+    #[getter]
+    fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).tolerance
     }
 
     /// Follows the contacts from t = 0 through the steps, one after the other.
@@ -251,14 +299,8 @@ pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
     record
 }
 
-/// Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
-///
-/// velocities: numbers above 0, a length per time. Each is a separate computation; Ctrl-C stops between two of
-/// them.
-/// progress: as for MasterEquation.pull.
-///
-/// Raises ValueError for a velocity that is not above 0.
-#[pyfunction]
+/// Kinetic friction F_k of contacts at velocities, each a separate computation: what velocity_curve calls.
+#[pyfunction(name = "_velocity_curve")]
 #[pyo3(signature = (contacts, velocities: "float; ArrayLike", *, progress: "_Progress" = None) -> "float; _Array")]
 pub fn velocity_curve<'py>(
     contacts: &Bound<'py, Contacts>,

@@ -6,7 +6,7 @@
 use std::convert::Infallible;
 
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyString, PyTuple};
 
 /// Declares the type of an argument, in its `FromPyObject`.
 macro_rules! argument_type {
@@ -27,6 +27,21 @@ macro_rules! result_type {
 }
 
 pub(crate) use argument_type;
+
+/// A tuple of words.
+pub struct Words(pub Vec<String>);
+
+impl<'py> IntoPyObject<'py> for Words {
+    type Target = PyTuple;
+    type Output = Bound<'py, PyTuple>;
+    type Error = PyErr;
+
+    result_type!("tuple[str, ...]");
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        PyTuple::new(py, self.0)
+    }
+}
 
 /// Results that are objects of Python, each with its type.
 macro_rules! objects {
@@ -103,10 +118,16 @@ objects! {
     BlockModel: "MasterEquation | Transport | Ensemble",
     SimulatedModel: "Deformable | Block | Model",
     Same: "Self",
+    NumberOrArray: "float | _Array",
+    StaticFrictionOrArray: "StaticFriction | _Array",
 }
 
 words! {
     StartWord: "Literal['conditional', 'relaxed', 'steady']",
     DisorderWord: "Literal['annealed', 'quenched']",
+    BarrierWord: "Literal['elastic', 'bell', 'catastrophe']",
+    EdgesWord: "Literal['open', 'periodic']",
+    LoadingWord: "Literal['uniform', 'edge']",
+    CellSlipWord: "Literal['reset', 'overdamped']",
     RegimeWord: "Literal['smooth', 'transient', 'persistent', 'runaway', 'undecided']",
 }

@@ -266,8 +266,8 @@ def test_pictures_of_drives(run: asp.StickSlip) -> None:
     pytest.importorskip("matplotlib")
     creep = asp.Block(THEORY, None).drive(force_to=1.0)
     for shown, names, x, y in (
-        (run, ("$X_T$", "F"), run.drive, run.spring_force),
-        (creep, ("X", "F"), creep.position, creep.drive),
+        (run, ("$X_T$", "$F$"), run.drive, run.spring_force),
+        (creep, ("$X$", "$F$"), creep.position, creep.drive),
     ):
         axes = shown.plot()
         (line,) = axes.lines

@@ -74,7 +74,7 @@ def test_a_fit_is_told_as_a_table_and_plotted() -> None:
     assert "<table" in FOUND._repr_html_()
     pytest.importorskip("matplotlib").use("agg")
     axes = FOUND.plot()
-    assert (axes.get_xscale(), axes.get_yscale(), len(axes.lines)) == ("log", "log", 2)
+    assert (axes.get_xscale(), axes.get_yscale(), len(axes.lines)) == ("log", "log", 3)
 
 
 def test_what_a_record_does_not_determine_is_refused() -> None:

@@ -220,7 +220,10 @@ def test_labelled_arrays(pull: asp.Pull) -> None:
     pytest.importorskip("xarray")
     data = pull.to_xarray()
     assert data["force"].dims == ("position",)
-    assert data["force"].attrs == {"long_name": "friction force", "units": "1"}
+    described = {"long_name": "friction force", "units": "1", "quantity": "force"}
+    assert data["force"].attrs == described
+    assert data.attrs["version"] == asp.__version__
+    assert data.attrs["kinetic_friction"] == pull.kinetic_friction
     assert "position" in data.coords
     np.testing.assert_array_equal(data["force"].values, pull.force)
 
@@ -233,7 +236,7 @@ def test_pictures(pull: asp.Pull) -> None:
     assert pull.static_friction is not None
     assert tuple(peak[0]) == (pull.static_friction.position, pull.static_friction.force)
     assert steady[0, 1] == pull.kinetic_friction
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("X", "F")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$X$", "$F$")
     sample = asp.Ensemble(FIGURE_2.contacts, size=10).pull(5.0, 11)
     assert sample.plot(axes) is axes
     assert len(axes.lines) == 4

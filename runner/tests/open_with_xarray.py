@@ -73,7 +73,8 @@ def check(folder: Path, engine: str) -> None:
             assert variable.attrs["long_name"], name
             assert name == "scenario" or (name, variable.attrs["long_name"]) in declared, name
             if name != "scenario":
-                assert variable.dtype == np.float64, name
+                kind = {"count": np.int64, "flag": np.bool_}.get(variable.attrs["quantity"], np.float64)
+                assert variable.dtype == kind, name
                 assert variable.attrs["units"], name
         assert data.attrs["version"] == summary["version"]
         assert data.attrs["title"] == summary["title"]

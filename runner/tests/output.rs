@@ -146,7 +146,7 @@ fn files_of_others_stay_in_a_folder_that_is_replaced() {
     fs::write(dir.join("notes.txt"), "seen").unwrap();
     fs::create_dir(dir.join("drafts")).unwrap();
     fs::write(dir.join("drafts/force.svg"), "<svg></svg>").unwrap();
-    let renamed = output::write(&dir, &outcome(2), &[]).unwrap();
+    let renamed = output::write(&dir, &outcome(2), &[]).unwrap().renamed;
     assert_eq!(renamed, []);
     assert_eq!(output::read(&dir).unwrap(), outcome(2));
     assert_eq!(fs::read_to_string(dir.join("notes.txt")).unwrap(), "seen");
@@ -161,7 +161,7 @@ fn files_that_were_changed_get_another_name() {
     output::write(&dir, &outcome(1), &[]).unwrap();
     for (text, kept) in [("edited", "summary.json.kept"), ("again", "summary.json.kept2")] {
         fs::write(dir.join("summary.json"), text).unwrap();
-        let renamed = output::write(&dir, &outcome(1), &[]).unwrap();
+        let renamed = output::write(&dir, &outcome(1), &[]).unwrap().renamed;
         let names: Vec<_> = renamed.iter().map(|file| (file.from.file_name(), file.to.file_name())).collect();
         assert_eq!(names, [(Some("summary.json".as_ref()), Some(kept.as_ref()))]);
         assert_eq!(fs::read_to_string(dir.join(kept)).unwrap(), text);

@@ -79,7 +79,7 @@ pub(super) fn record(events: &[Event], area: Option<f64>) -> Record {
         record.push(name, long_name, quantity, &["event"], events.iter().map(value).collect());
     };
     let (length, force) = (Quantity::Length, Quantity::Force);
-    let (energy, number) = (Quantity::Energy, Quantity::Number);
+    let (energy, number, count) = (Quantity::Energy, Quantity::Number, Quantity::Count);
     column("drive", "drive at the event", length, &|e| e.drive);
     column("position_before", "mean position of the cells before", length, &|e| e.position_before);
     column("position_after", "mean position of the cells after", length, &|e| e.position_after);
@@ -91,8 +91,8 @@ pub(super) fn record(events: &[Event], area: Option<f64>) -> Record {
     column("dissipated_breaks", "energy lost in breaks", energy, &|e| e.dissipated_breaks);
     column("dissipated_slip", "energy lost by the slider", energy, &|e| e.dissipated_slip);
     column("time", "time", Quantity::Time, &|e| e.time);
-    column("epicentre", "cell that slipped first", number, &|e| e.epicentre as f64);
-    column("cells", "cells that slipped", number, &|e| e.cells as f64);
+    column("epicentre", "cell that slipped first", count, &|e| e.epicentre as f64);
+    column("cells", "cells that slipped", count, &|e| e.cells as f64);
     let (area, moment) = area.map_or((number, length), |_| (Quantity::Area, Quantity::Volume));
     column("area", "area that slipped", area, &|e| e.area);
     column("moment", "slip times area", moment, &|e| e.moment);

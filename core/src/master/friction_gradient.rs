@@ -1,6 +1,7 @@
 //! The derivatives of static and kinetic friction, relaxation length and critical stiffness by parameters.
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::life_change::LifeChange;
 use super::pull::Pull;
@@ -14,7 +15,7 @@ use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
 /// The derivatives of friction by a parameter θ; NaN where a quantity is not finite or not known.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrictionGradient {
     /// ∂F_s/∂θ; `None` if the static friction is not reached.
     pub static_friction: Option<f64>,

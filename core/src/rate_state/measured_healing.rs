@@ -2,6 +2,8 @@
 
 use std::f64::consts::LN_10;
 
+use serde::{Deserialize, Serialize};
+
 use super::MeasuredValue;
 use super::generalised::{GeneralisedFit, ScaledCurve, straight};
 use super::healing::{FEWEST, LONGEST, SHORTEST, ends};
@@ -10,7 +12,7 @@ use crate::{Error, Result};
 
 /// Healing in measured slide–hold–slide tests: static friction grows with the logarithm of the hold time,
 /// from a cutoff time on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredHealing {
     /// Healing rate β ln 10, per factor of ten in hold time in the logarithmic regime, a force.
     pub per_decade: MeasuredValue,

@@ -1,6 +1,7 @@
 //! Rate-and-state parameters of a measured velocity step, with errors from its drift and white noise.
 
 use puruspe::gammq;
+use serde::{Deserialize, Serialize};
 
 use super::drift::MeasuredNoise;
 use super::generalised::{GeneralisedFit, ScaledCurve};
@@ -39,7 +40,7 @@ impl Default for StepReading {
 }
 
 /// Rate-and-state parameters of a measured velocity step; forces in the unit of the curve.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredVelocityStep {
     /// v/v₀.
     pub ratio: f64,

@@ -44,7 +44,7 @@ impl Units {
             Quantity::Time => over(&self.time, ""),
             Quantity::Velocity => over(&self.length, &self.time),
             Quantity::PerTime => over("", &self.time),
-            Quantity::Number => over("", ""),
+            Quantity::Number | Quantity::Count | Quantity::Flag => over("", ""),
         }
     }
 }

@@ -29,7 +29,7 @@ const BRANCH_DRIVE: Column =
 const BRANCH_FORCE: Column =
     Column::new("branch_force", "friction force at that position", Quantity::Force, &["branch"]);
 const BRANCH_STABLE: Column =
-    Column::new("branch_stable", "whether the equilibrium is stable", Quantity::Number, &["branch"]);
+    Column::new("branch_stable", "whether the equilibrium is stable", Quantity::Flag, &["branch"]);
 const POTENTIAL_DRIVE: Column = Column::new(
     "potential_drive",
     "drive at which the potential is given: before, at and after the first slip",

@@ -11,7 +11,7 @@ use crate::scenario::{self, FitKeys, FitThresholds, Model};
 use crate::{Error, Result};
 
 const CURVE: Column =
-    Column::new("reading_curve", "number of the curve", Quantity::Number, &["reading_position"]);
+    Column::new("reading_curve", "number of the curve", Quantity::Count, &["reading_position"]);
 const POSITION: Column =
     Column::new("reading_position", "measured position", Quantity::Length, &["reading_position"]);
 const SLIDER: Column =

@@ -22,6 +22,7 @@
 mod accuracy;
 mod background;
 mod checkpoint;
+mod coordinates;
 mod distribution;
 mod drive;
 mod ensemble;
@@ -56,6 +57,7 @@ use crate::scenario::{Compare, Contacts, Model, Scenario, Task};
 use crate::{Error, Result};
 
 pub use checkpoint::{Checkpoint, Checkpoints};
+pub use coordinates::{COORDINATES, is_coordinate};
 pub use drive::first_loading_distance;
 pub use fit::KeyedEstimates;
 pub use grid::Grid;

@@ -5,11 +5,11 @@ use crate::record::{Column, Quantity, Record};
 const NUMBER: Column = Column::new(
     "posterior_number",
     "place of the number among those of fit.posterior in the summary",
-    Quantity::Number,
+    Quantity::Count,
     &["posterior_number"],
 );
-const CHAIN: Column = Column::new("chain", "number of the chain", Quantity::Number, &["chain"]);
-const DRAW: Column = Column::new("draw", "number of the draw in its chain", Quantity::Number, &["draw"]);
+const CHAIN: Column = Column::new("chain", "number of the chain", Quantity::Count, &["chain"]);
+const DRAW: Column = Column::new("draw", "number of the draw in its chain", Quantity::Count, &["draw"]);
 const VALUE: Column = Column::new(
     "posterior_value",
     "number in a draw from the posterior, in its own unit",
@@ -25,11 +25,11 @@ const LOG_DENSITY: Column = Column::new(
 const DIVERGING: Column = Column::new(
     "posterior_diverging",
     "1 where the path to a draw diverged",
-    Quantity::Number,
+    Quantity::Flag,
     &["chain", "draw"],
 );
 const STEPS: Column =
-    Column::new("posterior_steps", "steps of the sampler to a draw", Quantity::Number, &["chain", "draw"]);
+    Column::new("posterior_steps", "steps of the sampler to a draw", Quantity::Count, &["chain", "draw"]);
 
 pub(super) const COLUMNS: [Column; 7] = [NUMBER, CHAIN, DRAW, VALUE, LOG_DENSITY, DIVERGING, STEPS];
 

@@ -11,7 +11,7 @@ const SLIP_VELOCITY: Column =
 const SLIP_FORCE: Column = course_column("slip_force", "friction force in the first slip", Quantity::Force);
 const SLIP_SPRING_FORCE: Column =
     course_column("slip_spring_force", "force of the spring in the first slip", Quantity::Force);
-const SIZE_EVENTS: Column = size_column("size_events", "number of events", Quantity::Number);
+const SIZE_EVENTS: Column = size_column("size_events", "number of events", Quantity::Count);
 const SIZE_SLIP: Column = size_column("size_slip", "mean slip of an event", Quantity::Length);
 const SIZE_DROP: Column = size_column("size_drop", "mean force drop of an event", Quantity::Force);
 const SIZE: Column = size_column("size", "number of contacts broken in an event", Quantity::Number);

@@ -1,5 +1,6 @@
 //! Writing of results: one folder, written under a temporary name and then moved into place.
 
+mod attributes;
 mod csv;
 mod directory;
 mod error;
@@ -14,6 +15,7 @@ use std::path::Path;
 use asperity::record::Record;
 use asperity::task::summary::Summary;
 
+pub use attributes::{Attribute, attributes, common};
 pub use csv::shortest;
 pub use directory::{Renamed, check};
 pub use error::{Error, Result};

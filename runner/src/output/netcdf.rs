@@ -1,10 +1,11 @@
 //! `result.nc`: the record as NetCDF-4, with labels, units and the scenario that reproduces it.
 
-use asperity::record::{LARGEST, Variable};
+use asperity::record::{LARGEST, Quantity, Record, Variable};
 use asperity::scenario::Units;
+use asperity::task::is_coordinate;
 use netcdf_writer::{NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
 
-use super::{Error, Outcome, Result};
+use super::{Attribute, Error, Outcome, Result, attributes};
 
 /// Refuses results that are too large for one file.
 ///
@@ -34,19 +35,17 @@ pub(super) fn encode(outcome: &Outcome) -> Result<Vec<u8>> {
             .iter()
             .filter_map(|d| dimensions.iter().find(|(name, _)| name == d).map(|&(_, id)| id))
             .collect();
-        add(&mut file, variable, &along, &outcome.summary.units)?;
+        let places = places(&outcome.record, variable);
+        add(&mut file, variable, &along, (&outcome.summary.units, &places))?;
     }
     Ok(file.to_vec(NcWriteOptions { format: NcWriteFormat::Nc4 })?.1)
 }
 
-/// Title, version, seed, and the scenario. The scenario is a variable, because attributes are limited in length.
+/// Title, version, seed, the numbers of the summary, and the scenario. The scenario is a variable, because attributes are
+/// limited in length.
 fn describe(file: &mut NcFileBuilder, outcome: &Outcome) -> Result<()> {
-    let summary = &outcome.summary;
-    file.add_attribute("title", text(&summary.title))?;
-    file.add_attribute("source", text("asperity"))?;
-    file.add_attribute("version", text(&summary.version))?;
-    if let Some(seed) = summary.seed {
-        file.add_attribute("seed", NcAttrValue::UInt64s(vec![seed]))?;
+    for (name, attribute) in attributes(&outcome.summary) {
+        file.add_attribute(name, value(attribute))?;
     }
     let scenario = file.add_string_variable("scenario", &[])?;
     file.write_string_variable(scenario, &[&outcome.scenario])?;
@@ -54,18 +53,65 @@ fn describe(file: &mut NcFileBuilder, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
+/// The coordinates at which a variable is given, beside those named like its dimensions; none for a coordinate.
+fn places(record: &Record, variable: &Variable) -> String {
+    if is_coordinate(&variable.name, &variable.dimensions) {
+        return String::new();
+    }
+    let there = |place: &&Variable| {
+        is_coordinate(&place.name, &place.dimensions)
+            && place.dimensions[0] != place.name
+            && variable.dimensions.contains(&place.dimensions[0])
+    };
+    let names: Vec<&str> = record.variables.iter().filter(there).map(|place| place.name.as_str()).collect();
+    names.join(" ")
+}
+
 fn add(
     file: &mut NcFileBuilder,
     variable: &Variable,
     along: &[netcdf_writer::DimensionId],
-    units: &Units,
+    (units, places): (&Units, &str),
 ) -> Result<()> {
-    let id = file.add_variable::<f64>(&variable.name, along)?;
-    file.write_variable(id, &variable.values)?;
+    let id = match variable.quantity {
+        Quantity::Count => {
+            let id = file.add_variable::<i64>(&variable.name, along)?;
+            let values: Vec<i64> = variable.values.iter().map(|value| *value as i64).collect();
+            file.write_variable(id, &values)?;
+            id
+        }
+        Quantity::Flag => {
+            let id = file.add_variable::<i8>(&variable.name, along)?;
+            let values: Vec<i8> = variable.values.iter().map(|value| i8::from(*value != 0.0)).collect();
+            file.write_variable(id, &values)?;
+            file.add_variable_attribute(id, "flag_values", NcAttrValue::Bytes(vec![0, 1]))?;
+            file.add_variable_attribute(id, "flag_meanings", text("false true"))?;
+            // What xarray writes beside bytes that are truth values, and reads.
+            file.add_variable_attribute(id, "dtype", text("bool"))?;
+            id
+        }
+        _ => {
+            let id = file.add_variable::<f64>(&variable.name, along)?;
+            file.write_variable(id, &variable.values)?;
+            id
+        }
+    };
+    if !places.is_empty() {
+        file.add_variable_attribute(id, "coordinates", text(places))?;
+    }
     file.add_variable_attribute(id, "long_name", text(&variable.long_name))?;
     file.add_variable_attribute(id, "units", text(&units.label(variable.quantity)))?;
     file.add_variable_attribute(id, "quantity", text(variable.quantity.name()))?;
     Ok(())
+}
+
+fn value(attribute: Attribute) -> NcAttrValue {
+    match attribute {
+        Attribute::Text(text) => NcAttrValue::Chars(text),
+        Attribute::Whole(number) => NcAttrValue::Int64s(vec![number]),
+        Attribute::Seed(number) => NcAttrValue::UInt64s(vec![number]),
+        Attribute::Number(number) => NcAttrValue::Doubles(vec![number]),
+    }
 }
 
 fn text(value: &str) -> NcAttrValue {

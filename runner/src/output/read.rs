@@ -68,7 +68,7 @@ fn variable(file: &NcFile, found: &NcVariable) -> netcdf_reader::Result<Variable
         quantity: quantity.ok_or_else(unknown)?,
         long_name: attribute(found, "long_name").unwrap_or_default(),
         dimensions: found.dimensions().iter().map(|d| d.name.clone()).collect(),
-        values: file.read_variable::<f64>(&name)?.into_iter().collect(),
+        values: file.read_variable_as_f64(&name)?.into_iter().collect(),
         name,
     })
 }

@@ -19,6 +19,7 @@ use asperity::scenario::FitPosterior;
 use asperity::task::summary::{Extended, PosteriorNumber, PosteriorSummary};
 use asperity::{Error, Result};
 use nuts_rs::{Chain, CpuMath, DiagNutsSettings, Settings};
+use serde::{Deserialize, Serialize};
 
 pub use convergence::{effective_size, r_hat};
 use density::{Density, Evaluations};
@@ -33,7 +34,7 @@ const QUANTILES: [f64; 3] = [0.025, 0.5, 0.975];
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Draws from the posterior of a fit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Posterior {
     /// The names of the numbers; those that are known only by a limit keep their estimates and are not among them.
     pub names: Vec<String>,

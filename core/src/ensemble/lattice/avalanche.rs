@@ -38,12 +38,12 @@ pub fn record(avalanches: &[Avalanche]) -> Record {
     let mut column = |name: &str, long_name: &str, quantity, value: &dyn Fn(&Avalanche) -> f64| {
         record.push(name, long_name, quantity, &["event"], avalanches.iter().map(value).collect());
     };
-    let (number, force) = (Quantity::Number, Quantity::Force);
+    let (count, force) = (Quantity::Count, Quantity::Force);
     column("drive", "drive at the avalanche", Quantity::Length, &|a| a.drive);
-    column("epicentre", "contact that broke first", number, &|a| a.epicentre as f64);
-    column("size", "breaks", number, &|a| a.size as f64);
-    column("area", "contacts that broke", number, &|a| a.area as f64);
-    column("duration", "generations of breaks", number, &|a| a.duration as f64);
+    column("epicentre", "contact that broke first", count, &|a| a.epicentre as f64);
+    column("size", "breaks", count, &|a| a.size as f64);
+    column("area", "contacts that broke", count, &|a| a.area as f64);
+    column("duration", "generations of breaks", count, &|a| a.duration as f64);
     column("released", "force let go", force, &|a| a.released);
     column("force_before", "force before", force, &|a| a.force_before);
     column("force_after", "force after", force, &|a| a.force_after);

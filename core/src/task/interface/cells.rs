@@ -114,9 +114,9 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
         let values = events.iter().zip(first..).flat_map(cells).collect();
         record.push(name, words, quantity, &["slipped"], values);
     };
-    let number = Quantity::Number;
-    add("slipped_event", "event in which cells slipped", number, &|event, _| event as f64);
-    add("slipped_cell", "cells that slipped in it", number, &|_, slipped| slipped.cell as f64);
+    let count = Quantity::Count;
+    add("slipped_event", "event in which cells slipped", count, &|event, _| event as f64);
+    add("slipped_cell", "cells that slipped in it", count, &|_, slipped| slipped.cell as f64);
     add("slipped_by", "slip of these cells", Quantity::Length, &|_, slipped| slipped.slip);
     if timed {
         let words = "time at which they began to slip, since the event began";

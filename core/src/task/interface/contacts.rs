@@ -124,7 +124,7 @@ pub fn broken_columns(events: &[BrokenContacts], first: usize) -> Record {
     let mut record = Record::default();
     let numbered = || events.iter().zip(first..);
     let number = |(event, number): (&BrokenContacts, usize)| vec![number as f64; event.scar.len()];
-    let mut add = |name, words, values| record.push(name, words, Quantity::Number, &["slipped"], values);
+    let mut add = |name, words, values| record.push(name, words, Quantity::Count, &["slipped"], values);
     add("slipped_event", "event in which contacts broke", numbered().flat_map(number).collect());
     let scars = events.iter().flat_map(|event| &event.scar);
     add("slipped_cell", "contacts that broke in it", scars.map(|&cell| cell as f64).collect());

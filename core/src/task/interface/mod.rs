@@ -25,9 +25,9 @@ use output_points::{OutputPoint, output_points, points_in_time};
 use run::{Found, InterfaceRun};
 
 const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]);
-const CELL: Column = Column::new("cell", "cell, counted from 0", Quantity::Number, &["cell"]);
-const ROW: Column = Column::new("row", "row, counted from 0", Quantity::Number, &["row"]);
-const COLUMN: Column = Column::new("column", "column, counted from 0", Quantity::Number, &["column"]);
+const CELL: Column = Column::new("cell", "cell, counted from 0", Quantity::Count, &["cell"]);
+const ROW: Column = Column::new("row", "row, counted from 0", Quantity::Count, &["row"]);
+const COLUMN: Column = Column::new("column", "column, counted from 0", Quantity::Count, &["column"]);
 const MAP_DRIVE: Column = Column::new(
     "map_drive",
     "drive at which the state of the cells is given",

@@ -1,0 +1,502 @@
+"""Pictures of records by matplotlib: each kind is drawn from the variables that a record has."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, TypeAlias
+
+import numpy as np
+
+from asperity import _plot
+from asperity._plot import axis, errors, fit_ends, ink, muted, new_axes
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from asperity._core import Record
+
+Draw: TypeAlias = Callable[Concatenate["Record", "Axes", ...], None]
+
+
+class Kind(NamedTuple):
+    """A kind of picture: what draws it, the variables that it needs, those with which there is none,
+    and the least number of their values.
+    """
+
+    draw: Draw
+    needed: tuple[str, ...]
+    refused: tuple[str, ...] = ()
+    least: int = 1
+
+
+def kinds(record: "Record") -> tuple[str, ...]:
+    """The pictures that a record has, the one of plot() first."""
+    return tuple(
+        name
+        for name, kind in KINDS.items()
+        if all(one in record and record[one].size >= kind.least for one in kind.needed)
+        and not any(one in record for one in kind.refused)
+    )
+
+
+def draw(record: "Record", ax: "Axes | None" = None, kind: str | None = None, **style: Any) -> "Axes":
+    """Draws a kind of picture, by default the first that the record has."""
+    known = kinds(record)
+    if kind is None and known:
+        kind = known[0]
+    if kind is None or kind not in known:
+        expected = f"one of {', '.join(known)}" if known else "a record of a task"
+        raise ValueError(f"plot.kind: expected {expected}, got {kind}")
+    if ax is None:
+        ax = new_axes()
+    KINDS[kind].draw(record, ax, **style)
+    return ax
+
+
+def named(record: "Record", ax: "Axes", x: tuple[str, str], y: tuple[str, str]) -> None:
+    """Labels of the axes: variables with their symbols."""
+    ax.set_xlabel(axis(x[1], record.labels[x[0]].units))
+    ax.set_ylabel(axis(y[1], record.labels[y[0]].units))
+
+
+def force(record: "Record", ax: "Axes", **style: Any) -> None:
+    """F(X) with static and kinetic friction, the ensemble and the measured curve."""
+    first = len(ax.lines)
+    _plot.friction(record, ax, **style)
+    color = ax.lines[first].get_color()
+    with_others = False
+    if "ensemble_force" in record:
+        columns = (record[name] for name in ("position", "ensemble_force", "ensemble_error"))
+        errors(ax, *(few(column, 201) for column in columns), markersize=2, label="ensemble")
+        with_others = True
+    elif "force_error" in record:
+        low, high = (record["force"] + sign * record["force_error"] for sign in (-1, 1))
+        ax.fill_between(record["position"], low, high, color=color, alpha=0.2, linewidth=0)
+    if "compared_position" in record:
+        points = (record["compared_position"], record["compared_force"])
+        ax.plot(*points, ".", color=ink(), markersize=4, zorder=1.5, label="measured")
+        with_others = True
+    if with_others and "label" not in style:
+        ax.lines[first].set_label("master equation")
+        _plot.legend_above(ax)
+
+
+def few(values: "NDArray[Any]", most: int) -> "NDArray[Any]":
+    """At most as many values, at equal distances."""
+    return values[:: max(1, math.ceil(len(values) / most))]
+
+
+def sliding(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The force of the spring against the drive, that of the ensemble behind it."""
+    first = len(ax.lines)
+    _plot.sliding(record, ax, **style)
+    if "ensemble_drive" in record:
+        force = "ensemble_spring_force" if "ensemble_spring_force" in record else "ensemble_force"
+        of_force = record.labels["drive"].quantity == "force"
+        x, y = ("ensemble_position", "ensemble_drive") if of_force else ("ensemble_drive", force)
+        dots: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": ".",
+            "markersize": 2,
+            "color": ink(),
+            "zorder": 2.5,
+        }
+        ax.plot(few(record[x], 401), few(record[y], 401), **dots, label="ensemble")
+        if "label" not in style:
+            ax.lines[first].set_label("master equation")
+        _plot.legend_above(ax)
+
+
+def motion(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The force against time, with that of the ensemble."""
+    (line,) = ax.plot(record["time"], record["force"], **style)
+    named(record, ax, ("time", "t"), ("force", "F"))
+    if "ensemble_force" in record:
+        columns = (record[name] for name in ("time", "ensemble_force", "ensemble_error"))
+        errors(ax, *(few(column, 201) for column in columns), markersize=2, label="ensemble")
+        if "label" not in style:
+            line.set_label("master equation")
+        _plot.legend_above(ax)
+
+
+def velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
+    """F_k against the velocity, a curve for each temperature."""
+    velocity, friction = record["velocity"], np.atleast_2d(record["kinetic_friction"])
+    temperatures = record["temperature"] if "temperature" in record else [None] * len(friction)
+    unit = record.labels["temperature"].units if "temperature" in record else ""
+    several = "ensemble_force" in record or len(friction) > 1
+    for row, (curve, temperature) in enumerate(zip(friction, temperatures, strict=True)):
+        label = "master equation" if temperature is None else f"$T$ = {temperature:g}{unit_of(unit)}"
+        (line,) = ax.plot(velocity, curve, **{"label": label if several else None, **style})
+        color = line.get_color()
+        for name in ("creep_friction", "viscous_friction"):
+            if name in record:
+                limit = np.atleast_2d(record[name])[row]
+                near = np.where(np.abs(limit - curve) <= 0.3 * curve, limit, np.nan)
+                ax.plot(velocity, near, ":", color=color, linewidth=0.9, zorder=1.5)
+        if "ensemble_force" in record:
+            sample = (np.atleast_2d(record[name])[row] for name in ("ensemble_force", "ensemble_error"))
+            errors(ax, velocity, *sample, color=color, label=None if row else "ensemble")
+    ax.set_xscale("log")
+    named(record, ax, ("velocity", "v"), ("kinetic_friction", "F_k"))
+    if several:
+        ax.legend()
+
+
+def unit_of(unit: str) -> str:
+    return "" if unit in ("", "1") else f" {unit}"
+
+
+def stability(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The critical stiffnesses against the velocity; those that are 0 or infinite are left out."""
+    names = {"critical_stiffness": "first loading", "critical_stiffness_sliding": "steady sliding"}
+    for name, label in names.items():
+        if name in record:
+            values = record[name].astype(float)
+            values = np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
+            ax.plot(record["velocity"], values, **{"marker": ".", "label": label, **style})
+    ax.set_xscale("log")
+    named(record, ax, ("velocity", "v"), ("critical_stiffness", "K_c"))
+    ax.legend()
+
+
+def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:
+    """Static friction against the logarithm of the hold time, with the fitted growth."""
+    hold = record["hold"]
+    told = getattr(record, "summary", {}).get("hold_curve", {})
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5}
+    (line,) = ax.plot(hold, record["static_friction"], **{**dots, "label": "master equation", **style})
+    if "healing_per_decade" in told:
+        times = np.geomspace(hold[0], hold[-1], 201)
+        beta, cutoff = told["healing_per_decade"] / math.log(10), told.get("healing_cutoff")
+        grown = np.log(times) if cutoff is None else np.log1p(times / cutoff) - np.log1p(1 / cutoff)
+        fitted = told["at_one"] + beta * grown
+        ax.plot(times, fitted, color=line.get_color(), linewidth=0.9, label="fitted growth")
+    if "ensemble_force" in record:
+        errors(ax, hold, record["ensemble_force"], record["ensemble_error"], label="ensemble")
+    ax.set_xscale("log")
+    named(record, ax, ("hold", "t_{hold}"), ("static_friction", "F_s"))
+    ax.legend()
+
+
+def spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The spectrum of the force, with the periodogram of the ensemble."""
+    names = ("ensemble_wave_number", "ensemble_spectrum")
+    if all(name in record for name in names):
+        dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3, "color": muted()}
+        within = record[names[0]] <= record["wave_number"][-1]
+        ax.plot(record[names[0]][within], record[names[1]][within], **dots, label="ensemble")
+    (line,) = ax.plot(record["wave_number"], record["spectrum"], **style)
+    ax.set_yscale("log")
+    fit_ends(ax, record["wave_number"])
+    named(record, ax, ("wave_number", "q"), ("spectrum", "S"))
+    if names[0] in record and "label" not in style:
+        line.set_label("master equation")
+        ax.legend()
+
+
+def autocovariance(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The autocovariance of the force against the displacement."""
+    ax.axhline(0.0, color=muted(), linewidth=0.6)
+    ax.plot(record["displacement"], record["autocovariance"], **style)
+    fit_ends(ax, record["displacement"])
+    named(record, ax, ("displacement", "u"), ("autocovariance", "c"))
+
+
+def thresholds(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The distribution of first breaks with those of the thresholds and of mean field."""
+    drive, measured = record["drive"], record["measured_density"]
+    felt = measured > 0.0
+    curves = {"free_density": ("thresholds", "--"), "mean_field_density": ("mean field", "-")}
+    for name, (label, dashes) in curves.items():
+        if name in record:
+            ax.plot(drive, record[name], **{"linestyle": dashes, "label": label, **style})
+            felt = felt | (record[name] > 1e-3 * np.nanmax(record[name]))
+    errors(ax, drive[felt], measured[felt], record["measured_error"][felt], label="first breaks")
+    fit_ends(ax, drive[felt])
+    ax.set_ylim(bottom=0.0)
+    unit = record.labels["measured_density"].units
+    ax.set_xlabel(axis("x", record.labels["drive"].units, "threshold, drive"))
+    ax.set_ylabel(axis("", unit, "probability density"))
+    ax.legend()
+
+
+def measured_fit(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The readings with the fitted curve and two standard deviations of a reading."""
+    names = (
+        ("reading_position", "measured_force", "expected_force", "reading_std", "reading_curve")
+        if "reading_position" in record
+        else ("position", "force", "expected", "std", "curve")
+    )
+    place, measured, expected, scatter, number = names
+    numbers = record[number] if number in record else np.zeros(len(record[place]))
+    x, y, std = record[place], record[expected], record[scatter]
+    for one in np.unique(numbers):
+        of = numbers == one
+        (line,) = ax.plot(x[of], y[of], **{"label": "fit" if one == numbers[0] else None, **style})
+        low, high = y[of] - 2 * std[of], y[of] + 2 * std[of]
+        ax.fill_between(x[of], low, high, color=line.get_color(), alpha=0.2, linewidth=0)
+    if measured in record:
+        dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3, "zorder": 1.5}
+        ax.plot(x, record[measured], **dots, color=ink(), label="measured")
+    named(record, ax, (place, "X"), (expected, "F"))
+    ax.legend()
+
+
+def residuals(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The whitened residuals with the band of two standard deviations."""
+    name, place = (
+        ("whitened_residual", "reading_position")
+        if "whitened_residual" in record
+        else ("whitened", "position")
+    )
+    dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3}
+    (line,) = ax.plot(record[place], record[name], **{**dots, **style})
+    ax.axhspan(-2, 2, color=line.get_color(), alpha=0.15, linewidth=0)
+    ax.axhline(0.0, color=muted(), linewidth=0.6)
+    ax.set_xlabel(axis("X", record.labels[place].units))
+    ax.set_ylabel("whitened residual")
+
+
+def fit_spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The averaged periodogram of a record with its expectation."""
+    prefix = "fit_" if "fit_wave_number" in record else ""
+    q = record[f"{prefix}wave_number"]
+    measured = record[f"{prefix}periodogram"]
+    expected = record["fit_expected_periodogram" if prefix else "expected"]
+    # A periodogram scatters as much as its mean: averages over a tenth of a decade show the mean.
+    bins = np.floor(10 * np.log10(q)).astype(int)
+    each = [bins == number for number in np.unique(bins)]
+    at, mean = (np.array([values[of].mean() for of in each]) for values in (q, measured))
+    count = np.array([of.sum() for of in each])
+    dots: dict[str, Any] = {
+        "marker": ".",
+        "linestyle": "none",
+        "markersize": 2,
+        "color": muted(),
+        "zorder": 1,
+    }
+    ax.plot(q, measured, **dots, alpha=0.5, label="periodogram")
+    errors(ax, at, mean, mean / np.sqrt(count), label="averages")
+    ax.plot(q, expected, **{"label": "fit", "zorder": 3, **style})
+    ax.set(xscale="log", yscale="log", ylim=(0.2 * np.min(expected), 20 * np.max(measured)))
+    named(record, ax, (f"{prefix}wave_number", "q"), (f"{prefix}periodogram", "S"))
+    ax.legend()
+
+
+def free_form(record: "Record", ax: "Axes", **style: Any) -> None:
+    """Thresholds of free form with the interval of 95 %."""
+    x = record["free_form_threshold"]
+    (line,) = ax.plot(x, record["free_form_density"], **style)
+    band = (record["free_form_density_low"], record["free_form_density_high"])
+    ax.fill_between(x, *band, color=line.get_color(), alpha=0.2, linewidth=0)
+    ax.set_ylim(bottom=0.0)
+    named(record, ax, ("free_form_threshold", "x"), ("free_form_density", "P_c"))
+
+
+def evolution(record: "Record", ax: "Axes", **style: Any) -> None:
+    """Q(x; X) at the snapshots, one curve for each position, those of the ensemble as dots."""
+    place, name = ("stretch", "stretch_density") if "stretch" in record else ("bin", "stretch_density")
+    densities(
+        ax,
+        (record[place], record[name]),
+        [f"$X$ = {position:g}" for position in record["snapshot"]],
+        **style,
+    )
+    if "ensemble_stretch_density" in record:
+        last = ax.lines[-len(record["snapshot"]) :]
+        for line, counts in zip(last, record["ensemble_stretch_density"], strict=True):
+            held = counts > 0.0
+            dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3}
+            ax.plot(record["bin"][held], counts[held], **dots, color=line.get_color(), zorder=1.5)
+    named(record, ax, (place, "x"), (name, "Q"))
+    if "stretch_atom_stretch" in record:
+        at, weights = record["stretch_atom_stretch"], record["stretch_atom_weight"]
+        of = [int(np.argmin(np.abs(record["snapshot"] - x))) for x in record["stretch_atom_position"]]
+        colors = _plot.shades(len(record["snapshot"]))
+        _plot.masses(ax, [(at, weights, [colors[number] for number in of])])
+    ax.legend()
+
+
+def densities(
+    ax: "Axes",
+    curve: "tuple[NDArray[Any], NDArray[Any]]",
+    labels: "Sequence[str]",
+    **style: Any,
+) -> None:
+    """Curves in an order, with colours from dark to light of the map of the present style."""
+    x, rows = curve
+    shades = _plot.shades(len(labels))
+    for row, label, shade in zip(np.atleast_2d(rows), labels, shades, strict=True):
+        ax.plot(x, row, **{"color": shade, "label": label, **style})
+    ax.set_ylim(bottom=0.0)
+
+
+def distribution(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The stretches in steady sliding with the thresholds."""
+    names = {"steady": "$Q_s$", "threshold": "$P_c$"}
+    top, stems = 0.0, []
+    for prefix, label in names.items():
+        name = {"steady": "steady_stretch_density", "threshold": "threshold_density"}[prefix]
+        (line,) = ax.plot(record["stretch"], record[name], **{"label": label, **style})
+        top = max(top, float(np.nanmax(record[name], initial=0.0)))
+        if f"{prefix}_atom_stretch" in record:
+            at, weights = record[f"{prefix}_atom_stretch"], record[f"{prefix}_atom_weight"]
+            stems.append((at, weights, line.get_color()))
+    if "hazard" in record and (np.isfinite(record["hazard"]) & (record["hazard"] > 0.0)).any():
+        ax.plot(record["stretch"], record["hazard"], **{"linestyle": "--", "label": "$P$", **style})
+        ax.set_ylim(0.0, 1.1 * top)
+    _plot.masses(ax, stems)
+    named(record, ax, ("stretch", "x"), ("steady_stretch_density", ""))
+    ax.set_ylabel(axis("", record.labels["steady_stretch_density"].units, "density, hazard"))
+    ax.legend()
+
+
+def covariance(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The correlation coefficient of the force at two positions."""
+    values = record["covariance"]
+    std = np.sqrt(np.diag(values))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = values / np.outer(std, std)
+    at = record["covariance_position"]
+    map_style: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -1.0, "vmax": 1.0, "shading": "nearest"}
+    mesh = ax.pcolormesh(at, at, correlation, **{**map_style, **style})
+    ax.set_aspect("equal")
+    unit = record.labels["covariance_position"].units
+    ax.set(xlabel=axis("X_1", unit), ylabel=axis("X_2", unit))
+    colorbar(ax, mesh, "correlation coefficient")
+
+
+def colorbar(ax: "Axes", mesh: Any, label: str) -> None:
+    """A colour bar beside a map and as tall."""
+    figure: Any = ax.figure
+    figure.colorbar(mesh, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)
+
+
+def equilibrium(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The equilibria of the slider on first loading: stable ones solid, unstable ones dashed."""
+    drive, force, stable = (record[f"branch_{name}"] for name in ("drive", "force", "stable"))
+    (line,) = ax.plot(drive, np.where(stable, force, np.nan), **{"label": "stable", **style})
+    unstable = np.where(stable, np.nan, force)
+    ax.plot(drive, unstable, "--", color=line.get_color(), linewidth=0.9, label="unstable")
+    named(record, ax, ("branch_drive", "X_T"), ("branch_force", "F"))
+    ax.legend()
+
+
+def potential(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The potential of the slider before, at and after its first slip."""
+    rows = [f"$X_T$ = {drive:.4g}" for drive in record["potential_drive"]]
+    for row, label in zip(record["potential"], rows, strict=True):
+        ax.plot(record["branch_position"], row, **{"label": label, **style})
+    named(record, ax, ("branch_position", "X"), ("potential", "V"))
+    ax.legend()
+
+
+def slip(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The forces during the first inertial slip."""
+    for name, label in (("slip_force", "friction"), ("slip_spring_force", "spring")):
+        ax.plot(record["slip_time"], record[name], **{"label": label, **style})
+    fit_ends(ax, record["slip_time"])
+    named(record, ax, ("slip_time", "t"), ("slip_force", "F"))
+    ax.legend()
+
+
+def sizes(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The numbers of events of an ensemble by the number of contacts that break."""
+    dots: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 4}
+    ax.plot(record["size"], record["size_events"], **{**dots, **style})
+    ax.set(xscale="log", yscale="log", xlabel="contacts broken in an event", ylabel="events")
+
+
+def magnitudes(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The probability density of the magnitudes of events, in five bins per decade, with the fitted law."""
+    name = "event_size" if "event_size" in record else "event_moment"
+    values = record[name][record[name] > 0.0].astype(float)
+    low, high = np.floor(5 * np.log10(values.min())), np.ceil(5 * np.log10(values.max()))
+    edges = 10.0 ** (np.arange(low, max(high, low + 1) + 1) / 5)
+    counts = np.histogram(values, edges)[0]
+    held = counts > 0
+    middle, width = np.sqrt(edges[:-1] * edges[1:])[held], np.diff(edges)[held]
+    density = counts[held] / (len(values) * width)
+    errors(ax, middle, density, density / np.sqrt(counts[held]), **style)
+    law = getattr(record, "summary", {}).get("catalogue", {}).get("law")
+    if law is not None:
+        beyond = middle[middle >= law["from"]]
+        cut = law["cut_off"] if isinstance(law["cut_off"], float) else math.inf
+        shape = beyond ** -law["exponent"]["value"] * np.exp(-beyond / cut)
+        at = middle >= law["from"]
+        if at.any():
+            scale = float(np.exp(np.average(np.log(density[at] / shape), weights=counts[held][at])))
+            label = rf"$\tau$ = {law['exponent']['value']:.2f}"
+            ax.plot(beyond, scale * shape, label=label)
+            ax.legend()
+    ax.set(xscale="log", yscale="log")
+    symbol = ("", "breaks in an event") if name == "event_size" else ("", "moment")
+    ax.set_xlabel(axis(symbol[0], record.labels[name].units, symbol[1]))
+    ax.set_ylabel("probability density")
+
+
+def slips(record: "Record", ax: "Axes", **style: Any) -> None:
+    """Events against the drive."""
+    name = "event_size" if "event_size" in record else "event_drop"
+    (stems,) = ax.plot([], [], **style)
+    ax.vlines(record["event_drive"], 0.0, record[name], color=stems.get_color(), linewidth=0.8)
+    ax.set_ylim(bottom=0.0)
+    words = "breaks" if name == "event_size" else "force drop"
+    ax.set_xlabel(axis("X_T", record.labels["event_drive"].units))
+    ax.set_ylabel(axis("", record.labels[name].units, words))
+
+
+def stress_map(record: "Record", ax: "Axes", *, at: float | None = None, **style: Any) -> None:
+    """The forces of the cells of a lattice at one of the drives of the maps, by default the last."""
+    drives = record["map_drive"]
+    number = len(drives) - 1 if at is None else int(np.argmin(np.abs(drives - at)))
+    image = ax.imshow(
+        record["cell_force"][number], **{"origin": "lower", "interpolation": "nearest", **style}
+    )
+    ax.set(xlabel="column", ylabel="row", title=f"$X_T$ = {drives[number]:.4g}")
+    colorbar(ax, image, axis("", record.labels["cell_force"].units, "force of a cell"))
+
+
+def space_time(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The forces of the cells of a chain along the drive."""
+    drives, cells = record["map_drive"], record["cell"]
+    # Two maps at one drive, before and after an event, would be a cell of no height.
+    different = np.append(np.diff(drives) > 0.0, True)
+    look: dict[str, Any] = {"shading": "nearest", "rasterized": True}
+    mesh = ax.pcolormesh(cells, drives[different], record["cell_force"][different], **{**look, **style})
+    ax.set(xlabel="cell", ylabel=axis("X_T", record.labels["map_drive"].units))
+    colorbar(ax, mesh, axis("", record.labels["cell_force"].units, "force of a cell"))
+
+
+KINDS: Mapping[str, Kind] = {
+    "fit": Kind(measured_fit, ("reading_position", "expected_force")),
+    "readings": Kind(measured_fit, ("position", "expected", "std")),
+    "fit_spectrum": Kind(fit_spectrum, ("fit_wave_number", "fit_periodogram")),
+    "periodogram": Kind(fit_spectrum, ("wave_number", "periodogram", "expected")),
+    "velocity_curve": Kind(velocity_curve, ("velocity", "kinetic_friction")),
+    "hold_curve": Kind(hold_curve, ("hold", "static_friction")),
+    "spectrum": Kind(spectrum, ("wave_number", "spectrum")),
+    "thresholds": Kind(thresholds, ("drive", "measured_density")),
+    "motion": Kind(motion, ("time", "force"), ("event_drive",)),
+    "trace": Kind(sliding, ("drive", "force")),
+    "force": Kind(force, ("position", "force"), ("drive", "time", "expected")),
+    "residuals": Kind(residuals, ("reading_position", "whitened_residual")),
+    "whitened": Kind(residuals, ("position", "whitened")),
+    "free_form": Kind(free_form, ("free_form_threshold", "free_form_density")),
+    "evolution": Kind(evolution, ("snapshot", "stretch_density")),
+    "distribution": Kind(distribution, ("stretch", "steady_stretch_density")),
+    "covariance": Kind(covariance, ("covariance_position", "covariance")),
+    "stability": Kind(stability, ("velocity", "critical_stiffness")),
+    "autocovariance": Kind(autocovariance, ("displacement", "autocovariance")),
+    "equilibrium": Kind(equilibrium, ("branch_drive", "branch_stable")),
+    "potential": Kind(potential, ("branch_position", "potential")),
+    "slip": Kind(slip, ("slip_time", "slip_force")),
+    "sizes": Kind(sizes, ("size", "size_events"), least=3),
+    "events": Kind(slips, ("event_drive", "event_drop")),
+    "magnitudes": Kind(magnitudes, ("event_drive", "event_epicentre"), least=30),
+    "map": Kind(stress_map, ("map_drive", "row", "cell_force")),
+    "space_time": Kind(space_time, ("map_drive", "cell", "cell_force")),
+}

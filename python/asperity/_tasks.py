@@ -1,0 +1,668 @@
+"""Tasks as functions of descriptions, with results that have their numbers as fields.
+
+Each is the task of a scenario, computed by what `asperity.run` uses.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+import numpy as np
+
+from asperity import _pictures, _show
+from asperity._core import Block, Ensemble, MasterEquation, _velocity_curve, run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from typing import TypeAlias
+
+    from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike, NDArray
+    from xarray import Dataset
+
+    from asperity._core import Contacts, Interface, Lattice, Result
+
+    _Array: TypeAlias = NDArray[np.float64]
+    _Progress: TypeAlias = Callable[[float], object] | bool | None
+
+
+class VelocityLimits(NamedTuple):
+    """The limits of a curve of kinetic friction against velocity."""
+
+    temperature: float | None
+    """The temperature of the curve, an energy; None where there is one curve."""
+    fast: float
+    """F_k for v → ∞."""
+    slow: float | None
+    """F_k for v → 0; None where there is no plateau."""
+    viscosity: float | None
+    """F_k/v for v → 0; None for contacts without temperature."""
+
+
+class HealingLaw(NamedTuple):
+    """The growth of static friction with the logarithm of the hold time: F_s = F_s(0) + β ln(1 + t/t_c)."""
+
+    per_decade: float | None
+    """β ln 10, the growth per factor of ten in hold time, a force; None where it is not logarithmic."""
+    relative: float | None
+    """That growth divided by the kinetic friction."""
+    cutoff: float | None
+    """The cutoff time t_c; None where all holds are much longer."""
+    at_one: float | None
+    """The fitted static friction after a hold of 1, a force."""
+    residual_relative: float | None
+    """The root-mean-square residual of the fit, relative to the range of static friction."""
+
+
+class DistributionDistance(NamedTuple):
+    """A distribution compared with that of the first breaks."""
+
+    mean: float
+    """Its mean, a length."""
+    std: float
+    """Its standard deviation, a length."""
+    distance: float
+    """Its Kolmogorov–Smirnov distance from the distribution of first breaks."""
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """The result of a task, with its numbers as fields."""
+
+    result: "Result"
+    """All variables and the summary, as `asperity.run` returns them."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The summary, as in `summary.json`."""
+        return self.result.summary
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about valid but surprising input or results."""
+        found: list[str] = self.result.summary.get("warnings", [])
+        return found
+
+    @property
+    def pictures(self) -> tuple[str, ...]:
+        """The kinds of pictures that plot() draws; the first is its default."""
+        return self.result.pictures
+
+    def plot(self, ax: "Axes | None" = None, *, kind: str | None = None, **style: Any) -> "Axes":
+        """Plots the result as Result.plot does.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        kind : str, optional
+            One of `pictures`.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        return _pictures.draw(self.result, ax, kind, **style)
+
+    def to_xarray(self) -> "Dataset":
+        """The variables as an xarray.Dataset.
+
+        Returns
+        -------
+        xarray.Dataset
+            As Result.to_xarray.
+        """
+        return self.result.to_xarray()
+
+    def save(self, folder: "str | Path") -> None:
+        """Writes the folder that `asperity run` would write, without figures.
+
+        Parameters
+        ----------
+        folder : str or Path
+            The folder; open_result reads it.
+        """
+        self.result.save(folder)
+
+    def __repr__(self) -> str:
+        rows = _show.rows(self.result)
+        return _show.listed(f"<asperity.{type(self).__name__}>", rows)
+
+    def _repr_html_(self) -> str:
+        return _show.table(type(self).__name__, _show.rows(self.result))
+
+
+@dataclass(frozen=True, repr=False)
+class VelocityCurve(TaskResult):
+    """Kinetic friction against velocity, as velocity_curve returns it for a range of velocities."""
+
+    velocity: "_Array"
+    """The velocities, shape (n,)."""
+    kinetic_friction: "_Array"
+    """F_k, a force, shape (n,), or (temperatures, n)."""
+    temperature: "_Array | None"
+    """The temperatures, an energy, shape (temperatures,); None where there is one curve."""
+    limits: tuple[VelocityLimits, ...]
+    """The limits of each curve."""
+    ensemble_force: "_Array | None"
+    """F_k of the ensemble, shape of `kinetic_friction`; None without one."""
+    ensemble_error: "_Array | None"
+    """Its standard error."""
+
+
+@dataclass(frozen=True, repr=False)
+class StabilityCurve(TaskResult):
+    """Stability of steady sliding against velocity."""
+
+    velocity: "_Array"
+    """The velocities, shape (n,)."""
+    kinetic_friction: "_Array"
+    """F_k, a force, shape (n,)."""
+    critical_stiffness: "_Array"
+    """-min F' of a pull at each velocity from the initial state, force per length, shape (n,)."""
+    critical_stiffness_sliding: "_Array"
+    """Stiffness above which steady sliding is stable, shape (n,): 0 where it always is, inf where never."""
+    growth_rate: "_Array | None"
+    """Growth rate of deviations from steady sliding of the block, per time, shape (n,); None without one."""
+    growth_frequency: "_Array | None"
+    """The angular frequency at which they grow, per time, shape (n,); None without a block."""
+    unstable: int | None
+    """The number of velocities at which steady sliding of the block is unstable; None without a block."""
+
+
+@dataclass(frozen=True, repr=False)
+class HoldCurve(TaskResult):
+    """Static friction against hold time in slide–hold–slide tests."""
+
+    hold: "_Array"
+    """The hold times, shape (n,)."""
+    static_friction: "_Array"
+    """The highest force after each hold, shape (n,)."""
+    peak_position: "_Array"
+    """The displacement from the hold to that force, a length, shape (n,)."""
+    held_force: "_Array"
+    """The force at the end of each hold, shape (n,)."""
+    velocity: float
+    """The velocity before and after the holds."""
+    kinetic_friction: float
+    """F_k at that velocity."""
+    healing: HealingLaw
+    """The growth with the logarithm of the hold time."""
+    ensemble_force: "_Array | None"
+    """The force of the ensemble at the peaks, shape (n,); None without one."""
+    ensemble_error: "_Array | None"
+    """Its standard error."""
+
+
+@dataclass(frozen=True, repr=False)
+class FirstBreaks(TaskResult):
+    """The distribution of the drives at which coupled contacts break for the first time."""
+
+    drive: "_Array"
+    """Middles of n equal intervals of the drive, a length, shape (n,)."""
+    density: "_Array"
+    """The probability density of first breaks, per length, shape (n,)."""
+    error: "_Array"
+    """Its standard error, shape (n,)."""
+    thresholds: "_Array"
+    """The density of the thresholds, which is that of first breaks without coupling, shape (n,)."""
+    mean_field: "_Array | None"
+    """Density of thresholds renormalised in mean field, shape (n,); None from the critical coupling on."""
+    coupling: float
+    """κ, the fraction of its stretch that a breaking contact passes on."""
+    critical_coupling: float
+    """κ_c of the thresholds."""
+    mean: float
+    """The mean drive of first breaks, a length."""
+    mean_error: float
+    """Its standard error."""
+    std: float
+    """The standard deviation of the drives of first breaks, a length."""
+    std_error: float
+    """Its standard error."""
+    of_thresholds: DistributionDistance
+    """The distribution of the thresholds compared with that of first breaks."""
+    of_mean_field: DistributionDistance | None
+    """The mean-field distribution compared with it; None from the critical coupling on."""
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(TaskResult):
+    """A measured curve of force compared with a computed pull."""
+
+    position: "_Array"
+    """The measured positions, a length, shape (n,)."""
+    force: "_Array"
+    """The measured forces, shape (n,)."""
+    points: int
+    """The number of measured points within the pull."""
+    residual_rms: float | None
+    """The root mean square of measured minus computed force at these points; None if there are none."""
+
+
+def _array(result: "Result", name: str) -> "_Array | None":
+    return result.get(name)
+
+
+def _given(**tables: Any) -> dict[str, Any]:
+    return {name: value for name, value in tables.items() if value is not None}
+
+
+def _sampled(ensemble: "Mapping[str, Any] | None") -> dict[str, Any]:
+    return {} if ensemble is None else {"ensemble": dict(ensemble)}
+
+
+def _solved(tolerance: float | None) -> dict[str, Any]:
+    return {} if tolerance is None else {"master_equation": {"tolerance": tolerance}}
+
+
+def _between(span: "tuple[float, float]") -> dict[str, float]:
+    try:
+        low, high = span
+    except (TypeError, ValueError):
+        raise TypeError(f"span: expected the lowest and the highest value, got {span!r}") from None
+    return {"from": low, "to": high}
+
+
+@overload
+def velocity_curve(
+    contacts: "Contacts", velocities: float, *, span: None = None, progress: "_Progress" = None
+) -> float: ...
+@overload
+def velocity_curve(
+    contacts: "Contacts", velocities: "ArrayLike", *, span: None = None, progress: "_Progress" = None
+) -> "_Array": ...
+@overload
+def velocity_curve(
+    contacts: "Contacts",
+    velocities: None = None,
+    *,
+    span: "tuple[float, float]",
+    points: int = 41,
+    temperatures: "list[float] | None" = None,
+    ensemble: "Mapping[str, Any] | None" = None,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
+) -> VelocityCurve: ...
+def velocity_curve(
+    contacts: "Contacts",
+    velocities: "ArrayLike | None" = None,
+    *,
+    span: "tuple[float, float] | None" = None,
+    points: int = 41,
+    temperatures: "list[float] | None" = None,
+    ensemble: "Mapping[str, Any] | None" = None,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
+) -> "float | _Array | VelocityCurve":
+    """Kinetic friction F_k of contacts against velocity.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The contacts.
+    velocities : float or array_like, optional
+        Velocities above 0; only the friction of the contacts at these velocities is then returned, without a
+        background force.
+    span : (float, float), optional
+        Instead of velocities, the lowest and the highest one, for a curve with its limits.
+    points : int
+        The number of velocities of the span, evenly spaced in their logarithm, with both ends.
+    temperatures : list of float, optional
+        With a span: temperatures, a curve for each, instead of that of the contacts.
+    ensemble : mapping, optional
+        With a span: `size`, `seed` and `disorder` of an ensemble beside the master equation.
+    tolerance : float, optional
+        With a span: as for MasterEquation.
+    progress : callable or bool, optional
+        As for MasterEquation.pull.
+
+    Returns
+    -------
+    float, numpy.ndarray or VelocityCurve
+        A number for one velocity, an array for a list of them, a VelocityCurve for a span.
+
+    Raises
+    ------
+    ValueError
+        For a velocity that is not above 0, and for invalid values.
+    TypeError
+        For velocities and a span, or neither.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> warm = asp.Contacts(asp.Gaussian(1.0, 0.05), temperature=asp.Temperature(0.02, 1.0))
+    >>> round(asp.velocity_curve(warm, 1e-2), 4)
+    0.4876
+    >>> curve = asp.velocity_curve(warm, span=(1e-4, 1e-1), points=4)
+    >>> curve.kinetic_friction.round(3).tolist()
+    [0.437, 0.463, 0.488, 0.499]
+    >>> round(curve.limits[0].fast, 5)
+    0.50125
+    """
+    if (velocities is None) == (span is None):
+        found = "neither" if span is None else "both"
+        raise TypeError(f"velocities: expected either velocities or a span, got {found}")
+    if span is None:
+        if temperatures is not None or ensemble is not None or tolerance is not None:
+            raise TypeError("temperatures, ensemble, tolerance: expected beside a span, got velocities")
+        return _velocity_curve(contacts, velocities, progress=progress)  # type: ignore[arg-type]
+    curve = _between(span) | {"points": points} | _given(temperatures=temperatures)
+    scenario = {"contacts": contacts, "velocity_curve": curve} | _sampled(ensemble) | _solved(tolerance)
+    result = run(scenario, progress=progress)
+    limits = [
+        VelocityLimits(one.get("temperature"), one["fast"], one.get("slow"), one.get("viscosity"))
+        for one in result.summary["limits"]
+    ]
+    return VelocityCurve(
+        result,
+        result["velocity"],
+        result["kinetic_friction"],
+        _array(result, "temperature"),
+        tuple(limits),
+        _array(result, "ensemble_force"),
+        _array(result, "ensemble_error"),
+    )
+
+
+def stability(
+    contacts: "Contacts",
+    span: "tuple[float, float]",
+    *,
+    points: int = 41,
+    block: "Block | None" = None,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
+) -> StabilityCurve:
+    """Critical stiffnesses of contacts against velocity, and the growth of deviations from steady sliding.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The contacts.
+    span : (float, float)
+        The lowest and the highest velocity, above 0.
+    points : int
+        The number of velocities, evenly spaced in their logarithm; each takes about a second.
+    block : Block, optional
+        A block with Damped or Inertial slips: critical stiffnesses are those for its mass and damping,
+        and the growth of deviations is that at its stiffness. Its model is not used.
+    tolerance : float, optional
+        As for MasterEquation.
+    progress : callable or bool, optional
+        As for MasterEquation.pull.
+
+    Returns
+    -------
+    StabilityCurve
+        The critical stiffnesses at the velocities.
+
+    Raises
+    ------
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> ageing = asp.Logarithmic(growth=0.1, time=1.0)
+    >>> curve = asp.stability(asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=ageing), (0.1, 1.0), points=2)
+    >>> curve.critical_stiffness_sliding.shape
+    (2,)
+    """
+    curve = _between(span) | {"points": points, "stability": True}
+    scenario: dict[str, Any] = {"contacts": contacts, "velocity_curve": curve} | _solved(tolerance)
+    if block is not None:
+        if not isinstance(block, Block):
+            raise TypeError(f"block: expected a Block, got {type(block).__name__}")
+        scenario["block"] = {"stiffness": block.stiffness, "slip": block.slip}
+    result = run(scenario, progress=progress)
+    return StabilityCurve(
+        result,
+        result["velocity"],
+        result["kinetic_friction"],
+        result["critical_stiffness"],
+        result["critical_stiffness_sliding"],
+        _array(result, "growth_rate"),
+        _array(result, "growth_frequency"),
+        result.summary["stability"].get("unstable"),
+    )
+
+
+def hold_curve(
+    contacts: "Contacts",
+    span: "tuple[float, float]",
+    velocity: float,
+    *,
+    points: int = 13,
+    ensemble: "Mapping[str, Any] | None" = None,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
+) -> HoldCurve:
+    """Static friction against hold time: slide–hold–slide tests of contacts under a rigid slider.
+
+    The slider slides until sliding is steady, is held, and slides again until the force has peaked.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The contacts.
+    span : (float, float)
+        The shortest and the longest hold time, above 0.
+    velocity : float
+        The velocity before and after the holds, above 0.
+    points : int
+        The number of hold times, evenly spaced in their logarithm, with both ends.
+    ensemble : mapping, optional
+        `size`, `seed` and `disorder` of an ensemble of single contacts beside the master equation.
+    tolerance : float, optional
+        As for Transport.
+    progress : callable or bool, optional
+        As for MasterEquation.pull.
+
+    Returns
+    -------
+    HoldCurve
+        Static friction after the holds, and its growth.
+
+    Raises
+    ------
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> ageing = asp.Logarithmic(growth=0.02, time=1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=ageing)
+    >>> curve = asp.hold_curve(contacts, (10.0, 1e4), velocity=0.1, points=4)
+    >>> curve.hold.round(6).tolist()
+    [10.0, 100.0, 1000.0, 10000.0]
+    >>> bool((curve.static_friction > curve.kinetic_friction).all())
+    True
+    """
+    holds = _between(span) | {"points": points, "velocity": velocity}
+    scenario = {"contacts": contacts, "hold_curve": holds} | _sampled(ensemble) | _solved(tolerance)
+    result = run(scenario, progress=progress)
+    found = result.summary["hold_curve"]
+    growth = HealingLaw(
+        found.get("healing_per_decade"),
+        found.get("healing_relative"),
+        found.get("healing_cutoff"),
+        found.get("at_one"),
+        found.get("residual_relative"),
+    )
+    return HoldCurve(
+        result,
+        result["hold"],
+        result["static_friction"],
+        result["peak_position"],
+        result["held_force"],
+        found["velocity"],
+        found["kinetic_friction"],
+        growth,
+        _array(result, "ensemble_force"),
+        _array(result, "ensemble_error"),
+    )
+
+
+def healing(
+    contacts: "Contacts",
+    span: "tuple[float, float]",
+    velocity: float,
+    *,
+    points: int = 13,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
+) -> HealingLaw:
+    """The growth of static friction with the logarithm of the hold time, fitted to a hold curve.
+
+    Parameters
+    ----------
+    contacts, span, velocity, points, tolerance, progress
+        As for hold_curve; 4 holds or more.
+
+    Returns
+    -------
+    HealingLaw
+        The growth per decade and the cutoff time; read_healing finds them in measured holds, with errors.
+
+    Raises
+    ------
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+    >>> round(asp.healing(contacts, (10.0, 1e4), velocity=0.1, points=7).per_decade, 3)
+    0.045
+    """
+    curve = hold_curve(contacts, span, velocity, points=points, tolerance=tolerance, progress=progress)
+    return curve.healing
+
+
+def renormalisation(
+    interface: "Lattice | Interface", *, runs: int = 8, points: int = 120, progress: "_Progress" = None
+) -> FirstBreaks:
+    """The distribution of the drives at which coupled contacts break for the first time.
+
+    Parameters
+    ----------
+    interface : Lattice or Interface
+        Relaxed contacts coupled one by one, or in cells of different scales; successive seeds follow its own.
+    runs : int
+        The number of independent interfaces, each driven until every contact has broken (for cells, all but
+        1e-6).
+    points : int
+        The number of equal intervals of the drive.
+    progress : callable or bool, optional
+        As for MasterEquation.pull.
+
+    Returns
+    -------
+    FirstBreaks
+        The densities, with means and standard deviations.
+
+    Raises
+    ------
+    ValueError
+        For identical thresholds, stretched contacts, cells without disorder, and invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+    >>> lattice = asp.Lattice(contacts, [40, 40], neighbours=0.025, connection=0.9)
+    >>> found = asp.renormalisation(lattice, runs=4)
+    >>> round(found.coupling, 6), found.mean < 1.0
+    (0.1, True)
+    """
+    result = interface._first_breaks(runs, points, progress=progress)
+    found = result.summary["renormalisation"]
+
+    def compared(name: str) -> DistributionDistance | None:
+        return DistributionDistance(**found[name]) if name in found else None
+
+    of_thresholds = compared("thresholds")
+    assert of_thresholds is not None
+    return FirstBreaks(
+        result,
+        result["drive"],
+        result["measured_density"],
+        result["measured_error"],
+        result["free_density"],
+        _array(result, "mean_field_density"),
+        found["coupling"],
+        found["critical_coupling"],
+        found["mean"]["value"],
+        found["mean"]["error"],
+        found["std"]["value"],
+        found["std"]["error"],
+        of_thresholds,
+        compared("mean_field"),
+    )
+
+
+def compare(
+    model: "MasterEquation | Ensemble",
+    position: "ArrayLike",
+    force: "ArrayLike",
+    *,
+    distance: float = 20.0,
+    points: int = 2001,
+    progress: "_Progress" = None,
+) -> Comparison:
+    """A measured curve of force beside the computed one.
+
+    Parameters
+    ----------
+    model : MasterEquation or Ensemble
+        The contacts, their initial state and their velocity. Of an ensemble, the master equation is compared
+        too.
+    position, force : array_like
+        The measured positions and forces, of equal length.
+    distance : float
+        The displacement of the computed pull; points beyond it are not compared.
+    points : int
+        The number of positions of the computed pull.
+    progress : callable or bool, optional
+        As for MasterEquation.pull.
+
+    Returns
+    -------
+    Comparison
+        The root mean square of the difference, and the computed pull as `result`.
+
+    Raises
+    ------
+    ValueError
+        For numbers of different length, and for invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
+    >>> round(asp.compare(theory, [0.1, 0.2], [0.1, 0.3], distance=2.0).residual_rms, 6)
+    0.070711
+    """
+    if not isinstance(model, MasterEquation | Ensemble):
+        raise TypeError(f"model: expected a MasterEquation or an Ensemble, got {type(model).__name__}")
+    place, measured = (np.asarray(values, dtype=float).ravel() for values in (position, force))
+    pull: dict[str, Any] = {"distance": distance, "points": points, "start": model.start}
+    scenario: dict[str, Any] = {"contacts": model.contacts, "initial": model.initial, "pull": pull}
+    if isinstance(model, Ensemble):
+        scenario["ensemble"] = {"size": model.size, "seed": model.seed, "disorder": model.disorder}
+    else:
+        pull |= _given(velocity=model.velocity)
+        scenario |= _solved(model.tolerance)
+    scenario["compare"] = {"position": place, "force": measured}
+    result = run(scenario, progress=progress)
+    found = result.summary["compare"]
+    return Comparison(result, place, measured, found["points"], found.get("residual_rms"))

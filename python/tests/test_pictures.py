@@ -1,0 +1,178 @@
+"""Every result has a picture: on the axes that are given, in the style of the moment, with labels."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+
+matplotlib = pytest.importorskip("matplotlib")
+
+ROOT = Path(__file__).parents[2]
+# Those that take more than a second or so; their tasks are among the others, but for those below.
+SLOW = {
+    "areas",
+    "avalanches",
+    "fig3",
+    "front-ageing",
+    "half-space-512",
+    "healing",
+    "laboratory",
+    "renormalised",
+    "renormalised-cells",
+    "stick-slip-overdamped",
+    "velocity-curve-ageing",
+    "velocity-curve-mean-field",
+    "velocity-curve-thermal",
+}
+SCENARIOS = [path for path in sorted(ROOT.glob("scenarios/*.toml")) if path.stem not in SLOW]
+SMALLER: dict[str, dict[str, Any]] = {
+    "healing": {"hold_curve.points": 5, "ensemble.size": 100},
+    "laboratory": {"ensemble.size": 100},
+    "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},
+    "velocity-curve-thermal": {"velocity_curve.points": 3, "ensemble.size": 100},
+}
+WARM = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(growth=0.1, time=1.0))
+THEORY = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
+
+
+@pytest.fixture(autouse=True)
+def no_window() -> Iterator[None]:
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    with plt.rc_context():
+        yield
+    plt.close("all")
+
+
+def drawn(axes: Any) -> bool:
+    """Whether anything finite is on the axes."""
+    lines = any(np.isfinite(line.get_ydata()).any() for line in axes.lines if len(line.get_ydata()))
+    return bool(lines or axes.collections or axes.images or axes.containers)
+
+
+def check(result: Any) -> None:
+    """Every kind of picture is drawn on the given axes, with labels, and can be rendered."""
+    import matplotlib.pyplot as plt
+
+    assert result.pictures
+    for kind in (None, *result.pictures):
+        figure, (left, right) = plt.subplots(1, 2)
+        assert result.plot(left, kind=kind) is left
+        assert drawn(left)
+        assert left.get_xlabel()
+        assert left.get_ylabel()
+        assert not drawn(right)
+        figure.canvas.draw()
+        plt.close(figure)
+
+
+@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+def test_every_shipped_scenario_has_pictures(path: Path) -> None:
+    check(asp.run(path))
+
+
+@pytest.mark.parametrize("name", SMALLER)
+def test_every_task_has_pictures(name: str) -> None:
+    check(asp.run(ROOT / "scenarios" / f"{name}.toml", SMALLER[name]))
+
+
+def test_every_task_is_among_them() -> None:
+    shown = [*SCENARIOS, *(ROOT / "scenarios" / f"{name}.toml" for name in SMALLER)]
+    tables = {line.strip("[]") for path in shown for line in path.read_text(encoding="utf-8").split()}
+    tasks = {
+        "pull",
+        "drive",
+        "protocol",
+        "velocity_curve",
+        "hold_curve",
+        "spectrum",
+        "fit",
+        "renormalisation",
+    }
+    assert tasks <= tables
+
+
+def test_objects_have_pictures() -> None:
+    pull = THEORY.pull(3.0, 31)
+    block = asp.Block(THEORY, 1.0, asp.Inertial(1.0))
+    run = block.drive(5.0)
+    ensemble = asp.Ensemble(THEORY.contacts, size=100)
+    sampled = asp.Block(ensemble, 1.0).drive(5.0)
+    assert sampled.sizes is not None
+    assert run.slip_course is not None
+    for one in (
+        pull.stretch_density(1.0),
+        pull.stretch_density([0.0, 1.0]),
+        THEORY.steady_state(),
+        THEORY.relaxation(),
+        asp.MasterEquation(asp.Contacts(asp.Point(1.0))).steady_state(),
+        block.equilibrium(3.0),
+        block.potential([1.0, 2.0], 3.0),
+        run.slip_course,
+        run.events,
+        sampled.sizes,
+    ):
+        _, axes = matplotlib.pyplot.subplots()
+        assert one.plot(axes) is axes, one
+        assert drawn(axes), one
+    records: list[Any] = [pull, run, ensemble.pull(3.0, 31, snapshots=[1.0])]
+    records.append(asp.Transport(WARM).follow([asp.Step(1.0, distance=2.0)]))
+    records.append(
+        asp.Interface(THEORY.contacts, [4, 4], connection=1.0, neighbours=1.0).drive(3.0, maps=[1.0])
+    )
+    for record in records:
+        assert drawn(record.plot())
+
+
+def test_a_picture_shows_the_numbers_of_the_result() -> None:
+    result = asp.run(ROOT / "scenarios" / "healing.toml", SMALLER["healing"])
+    axes = result.plot()
+    computed, fitted = (np.array(line.get_xydata()) for line in axes.lines[:2])
+    np.testing.assert_array_equal(computed, np.c_[result["hold"], result["static_friction"]])
+    # The fitted line is that of the summary. The largest residual of 5 points is below √5 times the mean one.
+    at = np.interp(np.log(result["hold"]), np.log(fitted[:, 0]), fitted[:, 1])
+    told = result.summary["hold_curve"]
+    span = np.ptp(result["static_friction"])
+    assert np.max(np.abs(at - result["static_friction"])) < 2.5 * told["residual_relative"] * span + 1e-5
+    assert axes.get_xscale() == "log"
+    assert axes.get_ylabel() == "$F_s$"
+
+
+def test_maps_show_the_drive_that_is_asked_for() -> None:
+    interface = asp.Interface(THEORY.contacts, [3, 4], connection=1.0, neighbours=1.0, disorder=0.1)
+    result = interface.drive(3.0, maps=[0.5, 2.0])
+    for at in (0.5, 2.0):
+        axes = result.plot(kind="map", at=at)
+        shown = np.asarray(axes.images[0].get_array())
+        (number,) = np.flatnonzero(result["map_drive"] == at)[:1]
+        np.testing.assert_array_equal(shown, result["cell_force"][number])
+        # A cell is as wide as it is high.
+        assert axes.get_aspect() == 1.0
+
+
+def test_styles_of_matplotlib_are_followed() -> None:
+    import matplotlib.pyplot as plt
+    from cycler import cycler
+
+    with plt.style.context("dark_background"):
+        result = asp.run(ROOT / "scenarios" / "compared.toml")
+        axes = result.plot()
+        (measured,) = (line for line in axes.lines if line.get_label() == "measured")
+        assert measured.get_color() == "white"
+    plt.rcParams["axes.prop_cycle"] = cycler(color=["#123456"])
+    assert result.plot().lines[0].get_color() == "#123456"
+    assert result.plot(color="red", linewidth=3).lines[0].get_color() == "red"
+
+
+def test_a_kind_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"plot\.kind: expected one of force, .*got map"):
+        asp.run(ROOT / "scenarios" / "fig2.toml", {"ensemble.size": 10}).plot(kind="map")
+
+
+def test_units_are_on_the_axes() -> None:
+    axes = asp.run(ROOT / "scenarios" / "compared.toml").plot()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$X$ (µm)", "$F$ (N)")

@@ -1,0 +1,128 @@
+"""Tasks as functions: what a scenario computes, with the numbers as fields."""
+
+import doctest
+from typing import Any
+
+import asperity
+import numpy as np
+import pytest
+from asperity import _events, _tasks
+
+# What type checkers would refuse is tried.
+asp: Any = asperity
+
+AGEING = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+WARM = asp.Contacts(asp.Gaussian(1.0, 0.05), temperature=asp.Temperature(0.02, 1.0))
+COLD = asp.Contacts(asp.Gaussian(1.0, 0.05))
+
+
+@pytest.mark.parametrize("module", [_tasks, _events], ids=lambda module: module.__name__)
+def test_examples_print_what_is_shown(module: Any) -> None:
+    results = doctest.testmod(module)
+    assert results.attempted > 0
+    assert results.failed == 0
+
+
+def test_a_velocity_curve_has_its_numbers() -> None:
+    curve = asp.velocity_curve(WARM, span=(1e-4, 1e-1), points=4, ensemble={"size": 200, "seed": 3})
+    # Each velocity of a list is a solution of its own.
+    alone = asp.velocity_curve(WARM, curve.velocity)
+    np.testing.assert_allclose(curve.kinetic_friction, alone, rtol=1e-9)
+    assert curve.temperature is None
+    assert curve.ensemble_force is not None
+    assert curve.ensemble_force.shape == (4,)
+    assert curve.limits[0].fast == pytest.approx(0.50125, rel=1e-6)
+    several = asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2, temperatures=[0.02, 0.05])
+    assert several.kinetic_friction.shape == (2, 2)
+    assert [one.temperature for one in several.limits] == [0.02, 0.05]
+    np.testing.assert_allclose(several.kinetic_friction[0], alone[2:], rtol=1e-9)
+
+
+def test_stability_is_that_of_a_block() -> None:
+    block = asp.Block(asp.Transport(AGEING), 0.05, asp.Damped(0.5))
+    curve = asp.stability(AGEING, (0.1, 1.0), points=2, block=block)
+    assert curve.growth_rate is not None
+    for number, velocity in enumerate(curve.velocity):
+        found = block.stability(float(velocity))
+        assert curve.critical_stiffness_sliding[number] == pytest.approx(found.critical_stiffness, rel=1e-9)
+        assert curve.growth_rate[number] == pytest.approx(found.growth_rate, rel=1e-9)
+    assert curve.unstable == np.count_nonzero(curve.growth_rate > 0.0)
+    assert asp.stability(AGEING, (0.1, 1.0), points=2).growth_rate is None
+
+
+def test_healing_is_read_from_the_hold_curve() -> None:
+    curve = asp.hold_curve(AGEING, (1.0, 1e4), velocity=0.1, points=9)
+    # Another fit of the same points: with errors, by the profile of the likelihood.
+    read = asp.read_healing(curve.hold, curve.static_friction)
+    assert curve.healing.per_decade == pytest.approx(read.per_decade.value, rel=1e-6)
+    assert asp.healing(AGEING, (1.0, 1e4), velocity=0.1, points=9) == curve.healing
+    assert curve.kinetic_friction == pytest.approx(asp.velocity_curve(AGEING, 0.1), rel=1e-6)
+    assert curve.healing.per_decade is not None
+    assert curve.healing.relative == pytest.approx(curve.healing.per_decade / curve.kinetic_friction)
+
+
+def test_first_breaks_are_those_of_a_scenario() -> None:
+    lattice = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.1)), [20, 20], neighbours=0.025, connection=0.9)
+    found = asp.renormalisation(lattice, runs=3, points=40)
+    interface = {
+        "cells": [20, 20],
+        "contacts": "one",
+        "connection": 0.9,
+        "coupling": {"neighbours": {"stiffness": 0.025}},
+    }
+    scenario = {
+        "contacts": {"thresholds": asp.Gaussian(1.0, 0.1)},
+        "interface": interface,
+        "renormalisation": {"runs": 3, "points": 40},
+    }
+    result = asp.run(scenario)
+    np.testing.assert_array_equal(found.density, result["measured_density"])
+    assert found.mean == result.summary["renormalisation"]["mean"]["value"]
+    assert found.coupling == pytest.approx(0.1, rel=1e-15)
+    assert found.of_mean_field is not None
+    assert found.of_mean_field.distance < found.of_thresholds.distance
+
+
+def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
+    theory = asp.MasterEquation(COLD)
+    pull = theory.pull(3.0, 31)
+    found = asp.compare(theory, pull.position, pull.force + 0.25, distance=3.0)
+    assert found.points == 31
+    # Of a constant difference, to the rounding of differences of order 1.
+    assert found.residual_rms == pytest.approx(0.25, rel=1e-12)
+    sampled = asp.compare(asp.Ensemble(COLD, size=50), [1.0], [0.5], distance=2.0, points=11)
+    assert "ensemble_force" in sampled.result
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "text"),
+    [
+        (lambda: asp.velocity_curve(WARM), TypeError, "either velocities or a span, got neither"),
+        (lambda: asp.velocity_curve(WARM, 1.0, span=(1, 2)), TypeError, "got both"),
+        (lambda: asp.velocity_curve(WARM, 1.0, tolerance=1e-3), TypeError, "beside a span"),
+        (lambda: asp.velocity_curve(WARM, span=3.0), TypeError, "span: expected the lowest and the highest"),
+        (lambda: asp.velocity_curve(WARM, span=(0.0, 1.0)), ValueError, "velocity_curve.from: expected"),
+        (lambda: asp.hold_curve(AGEING, (1.0, 2.0), -1.0), ValueError, "hold_curve.velocity: expected"),
+        (lambda: asp.stability(AGEING, (0.1, 1.0), block=3), TypeError, "block: expected a Block, got int"),
+        (
+            lambda: asp.renormalisation(asp.Interface(COLD, [4], connection=1.0, neighbours=1.0)),
+            ValueError,
+            "interface.disorder",
+        ),
+        (lambda: asp.compare(asp.MasterEquation(COLD), [1.0], []), ValueError, "compare.force: expected 1"),
+        (lambda: asp.compare(COLD, [1.0], [1.0]), TypeError, "model: expected a MasterEquation"),
+    ],
+)
+def test_wrong_arguments_are_refused(call: Any, error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        call()
+
+
+def test_results_are_saved_and_shown(tmp_path: Any) -> None:
+    curve = asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2)
+    curve.save(tmp_path / "curve")
+    np.testing.assert_array_equal(asp.open_result(tmp_path / "curve")["velocity"], curve.velocity)
+    assert repr(curve).startswith("<asperity.VelocityCurve>")
+    assert "<table" in curve._repr_html_()
+    assert curve.summary["task"] == "velocity_curve"
+    assert curve.pictures == ("velocity_curve",)
