@@ -73,6 +73,7 @@ from asperity._core import (
 )
 from asperity._events import Event, Events
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
+from asperity._spots import Dropped, Spots, spots
 from asperity._tasks import (
     Comparison,
     DistributionDistance,
@@ -138,6 +139,7 @@ __all__ = [
     "Description",
     "DistributionDistance",
     "Drift",
+    "Dropped",
     "Energy",
     "Ensemble",
     "EnsemblePull",
@@ -192,6 +194,7 @@ __all__ = [
     "Simulation",
     "Sizes",
     "Smoluchowski",
+    "Spots",
     "Stability",
     "StabilityCurve",
     "State",
@@ -229,6 +232,7 @@ __all__ = [
     "read_velocity_step",
     "renormalisation",
     "run",
+    "spots",
     "stability",
     "velocity_curve",
 ]

@@ -23,7 +23,7 @@ from asperity._core import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
     from scipy.stats import gaussian_kde
@@ -146,13 +146,19 @@ def kernels(estimate: "gaussian_kde") -> Series:
     count = int(np.ceil((high - low) / width))
     if count > MOST_CELLS:
         raise ValueError(f"law: expected a gaussian_kde of at most {MOST_CELLS} bandwidths, got {count}")
-    edges = np.linspace(low, high, count + 1)
+    return projected(estimate, np.linspace(low, high, count + 1))
+
+
+def projected(
+    density: "Callable[[NDArray[np.float64]], NDArray[np.float64]]", edges: "NDArray[np.float64]"
+) -> Series:
+    """The Series of a density that a polynomial represents to rounding in each cell."""
     nodes, weights = np.polynomial.legendre.leggauss(TERMS)
     points = 0.5 * (edges[:-1] + edges[1:])[:, None] + 0.5 * np.diff(edges)[:, None] * nodes
-    density = estimate(points.ravel()).reshape(points.shape)
+    values = density(points.ravel()).reshape(points.shape)
     order = np.arange(TERMS)
     projection = weights * np.polynomial.legendre.legvander(nodes, TERMS - 1).T * (order[:, None] + 0.5)
-    return Series(edges, list(density @ projection.T))
+    return Series(edges, list(values @ projection.T))
 
 
 def poles(distribution: Any, edges: list[float]) -> list[Peak]:

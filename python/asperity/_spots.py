@@ -1,0 +1,287 @@
+"""Contact spots of a rough surface, from the pressure of a contact solver, and contacts made of them."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from asperity._bridge import projected
+from asperity._core import Contacts, Law, Point, Tabulated
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    _Array = NDArray[np.float64]
+
+# Width of the cells of the density of thresholds, in kernels: 16 terms then represent it to rounding.
+CELL = 0.7
+
+
+class Dropped(NamedTuple):
+    """Spots that are too small to be resolved by the grid."""
+
+    count: int
+    """Their number."""
+    area: float
+    """Their area together."""
+    load: float
+    """Their load together."""
+
+
+@dataclass(frozen=True, repr=False)
+class Spots:
+    """The contact spots of a surface: connected pixels under pressure.
+
+    Attributes
+    ----------
+    area : ndarray
+        The area of each spot, shape (n,), in units of the pixel squared.
+    load : ndarray
+        The load of each spot, pressure times area, shape (n,).
+    centre : ndarray
+        The centre of pressure of each spot, shape (n, 2), along the first and the second axis of the map; the
+        middle of the first pixel is at half a pixel.
+    dropped : Dropped
+        What was left out.
+    labels : ndarray
+        A map of the spots: n + 1 in the pixels of spot n, 0 elsewhere and in spots left out.
+    """
+
+    area: "_Array"
+    load: "_Array"
+    centre: "_Array"
+    dropped: Dropped
+    labels: "NDArray[np.int64]"
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+    def __repr__(self) -> str:
+        return (
+            f"<asperity.Spots: {len(self)} spots>\n"
+            f"  area     {self.area.min():g} to {self.area.max():g}, together {self.area.sum():g}\n"
+            f"  load     {self.load.min():g} to {self.load.max():g}, together {self.load.sum():g}\n"
+            f"  dropped  {self.dropped.count} spots, area {self.dropped.area:g}, load {self.dropped.load:g}"
+        )
+
+    def contacts(
+        self,
+        E: float,  # noqa: N803
+        nu: float,
+        *,
+        shear_strength: float | None = None,
+        local_friction: float | None = None,
+        stiffness: Literal["area", "equal"] | None = None,
+        spots: Literal["new", "present"] = "new",
+    ) -> Contacts:
+        """The contacts of an elastic body against a rigid surface that touch in these spots.
+
+        A spot of area A has the tangential stiffness of a circular one, k = 8Ga/(2 - ν) with the radius a =
+        √(A/π) and G = E/2(1 + ν) (R. D. Mindlin, J. Appl. Mech. 16, 259, 1949). It breaks at the force
+        shear_strength × A, or local_friction × its load.
+
+        The density of the thresholds is smooth: the kernel density estimate of their logarithms, moved so
+        that kinetic friction is half of the sum of the forces at which the spots break.
+
+        Parameters
+        ----------
+        E, nu : float
+            Young's modulus and Poisson's ratio of the body.
+        shear_strength : float, optional
+            The shear stress at which a spot breaks; or
+        local_friction : float, optional
+            the ratio of the force at which a spot breaks and its load.
+        stiffness : {"area", "equal"}, optional
+            "area": the stiffness grows as √A, and the threshold with it, so that large spots are strong and
+            stiff; the default, and only with shear_strength. "equal": all have the mean stiffness; the
+            default with local_friction.
+        spots : {"new", "present"}
+            "new": the map shows the spots that are present in long sliding, and new ones are drawn from their
+            distribution divided by the threshold, because a spot is present in proportion to its life.
+            "present": the distribution of the map itself, for an Ensemble with disorder="quenched", in which
+            each spot re-forms in its place.
+
+        Returns
+        -------
+        Contacts
+            As many as there are spots, with the load of all pixels as normal load.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are not above 0 or a Poisson's ratio outside (-1, 0.5], and for a local friction
+            with the stiffness "area".
+        TypeError
+            For both a shear strength and a local friction, or neither.
+        """
+        if (shear_strength is None) == (local_friction is None):
+            found = "neither" if shear_strength is None else "both"
+            raise TypeError(f"shear_strength: expected either shear_strength or local_friction, got {found}")
+        for name, value in (("E", E), ("shear_strength", shear_strength), ("local_friction", local_friction)):
+            if value is not None and not (0.0 < value < np.inf):
+                raise ValueError(f"{name}: expected a number above 0, got {value}")
+        if not -1.0 < nu <= 0.5:
+            raise ValueError(f"nu: expected a Poisson's ratio above -1, at most 0.5, got {nu}")
+        if spots not in ("new", "present"):
+            raise ValueError(f'spots: expected "new" or "present", got {spots!r}')
+        kind = stiffness or ("area" if local_friction is None else "equal")
+        if kind not in ("area", "equal"):
+            raise ValueError(f'stiffness: expected "area" or "equal", got {kind!r}')
+        if kind == "area" and local_friction is not None:
+            raise ValueError('stiffness: expected "equal" with a local friction, got "area"')
+        modulus = 4.0 * E / ((1.0 + nu) * (2.0 - nu) * np.sqrt(np.pi))
+        stiff = modulus * np.sqrt(self.area)
+        load = float(self.load.sum() + self.dropped.load)
+        if shear_strength is not None and kind == "area":
+            # F_k = N κ⟨x³⟩/2⟨x⟩ over new spots, N κ⟨x²⟩/2 over present ones.
+            law = thresholds(shear_strength * self.area / stiff, 2, spots)
+            return Contacts(
+                law,
+                count=len(self),
+                stiffness_per_threshold=modulus * modulus / shear_strength,
+                normal_load=load,
+            )
+        broken = self.load * local_friction if local_friction is not None else self.area * shear_strength
+        mean = float(stiff.mean())
+        # F_k = N⟨k⟩⟨x²⟩/2⟨x⟩ over new spots, N⟨k⟩⟨x⟩/2 over present ones.
+        law = thresholds(broken / mean, 1, spots)
+        return Contacts(law, count=len(self), stiffness=mean, normal_load=load)
+
+
+def thresholds(sample: "_Array", order: int, spots: str) -> Law:
+    """A smooth distribution of the thresholds of present spots, or of new ones.
+
+    The kernel density estimate is that of ln x, so that there is none at 0 and kernels are as wide as their
+    threshold is large. That of present spots has the moment ⟨xⁿ⟩ of the sample, n being the order.
+    """
+    logs = np.log(sample)
+    low, spread = float(logs.min()), float(logs.std())
+    if spread < 1e-6:
+        return Point(float(sample.mean()))
+    # Kernels are narrower than the sample, and end at nine bandwidths, so that none is cut at 0.
+    offset = 10.0 * spread
+    # Silverman's rule, as for samples without a bandwidth.
+    quartiles = float(np.subtract(*np.quantile(logs, [0.75, 0.25]))) / 1.34
+    bandwidth = 0.9 * (min(spread, quartiles) if quartiles > 0.0 else spread) * len(logs) ** -0.2
+    estimate = Tabulated(samples=logs - low + offset, bandwidth=bandwidth)
+    moment = estimate.expect(lambda y: np.exp(order * (y - offset + low)))
+    shift = float(np.log(np.mean(sample**order) / moment)) / order - offset + low
+    power = 1.0 if spots == "present" else 2.0
+
+    def density(x: "_Array") -> "_Array":
+        values: _Array = estimate.pdf(np.log(x) - shift)
+        return values / x**power
+
+    first, last = estimate.support()
+    width = CELL * bandwidth / np.hypot(1.0, bandwidth / spread)
+    edges = np.exp(np.linspace(first, last, int(np.ceil((last - first) / width)) + 1) + shift)
+    return projected(density, edges)
+
+
+def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_least: int = 4) -> Spots:
+    """The contact spots of a map of pressure: pixels under pressure that share a side.
+
+    Parameters
+    ----------
+    pressure : array_like
+        The pressure in each pixel, shape (n, m), 0 where surfaces do not touch; from any contact solver.
+    pixel : float
+        The side of a pixel, a length.
+    periodic : bool
+        Whether the map continues beyond its edges, so that spots at opposite edges are one.
+    at_least : int
+        Spots of fewer pixels are left out, because the grid does not resolve them.
+
+    Returns
+    -------
+    Spots
+        Areas, loads and centres of spots, in the order of their first pixels.
+
+    Raises
+    ------
+    ValueError
+        For an array that is not of two dimensions, pressures that are negative or not finite, no contact,
+        contact everywhere, no spot of enough pixels, and a pixel that is not above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> x = np.arange(64) - 31.5
+    >>> height = np.maximum(1 - (x[:, None] ** 2 + x**2) / 20**2, 0)
+    >>> found = asp.spots(np.sqrt(height), pixel=0.1)
+    >>> len(found), round(float(found.area[0]), 1)
+    (1, 12.6)
+    """
+    from scipy import ndimage
+
+    values = np.asarray(pressure, dtype=float)
+    if np.ma.is_masked(pressure):
+        raise ValueError("pressure: expected numbers none of which is masked (filled(0) makes them 0)")
+    if values.ndim != 2 or values.size == 0:
+        raise ValueError(f"pressure: expected a map of two dimensions, got the shape {values.shape}")
+    if not np.all(np.isfinite(values)) or values.min() < 0.0:
+        worst = values[~np.isfinite(values)]
+        found = worst[0] if worst.size else values.min()
+        raise ValueError(f"pressure: expected finite pressures of 0 or above, got {found}")
+    if not 0.0 < pixel < np.inf:
+        raise ValueError(f"pixel: expected a length above 0, got {pixel}")
+    if at_least < 1:
+        raise ValueError(f"at_least: expected a number of pixels above 0, got {at_least}")
+    touching = values > 0.0
+    if not touching.any() or touching.all():
+        found = "no pixel" if not touching.any() else "all pixels"
+        raise ValueError(f"pressure: expected contact in some pixels, got it in {found}")
+    labels, count = ndimage.label(touching)
+    if periodic:
+        labels, count = joined(labels, count)
+    index = np.arange(1, count + 1)
+    pixels = np.bincount(labels.ravel(), minlength=count + 1)[1:]
+    loads = ndimage.sum_labels(values, labels, index) * pixel**2
+    kept = pixels >= at_least
+    if not kept.any():
+        found = f"got {pixels.max()} at most"
+        raise ValueError(f"at_least: expected a spot of {at_least} pixels or more, {found}")
+    small = Dropped(int((~kept).sum()), float(pixels[~kept].sum() * pixel**2), float(loads[~kept].sum()))
+    renumbered = np.zeros(count + 1, dtype=np.int64)
+    renumbered[1:][kept] = np.arange(1, kept.sum() + 1)
+    labels = renumbered[labels]
+    centre = centres(values, labels, int(kept.sum()), periodic) * pixel
+    return Spots(pixels[kept] * pixel**2, loads[kept], centre, small, labels)
+
+
+def joined(labels: "NDArray[np.int64]", count: int) -> "tuple[NDArray[np.int64], int]":
+    """The labels where spots at opposite edges are one, numbered in the order of their first pixels."""
+    parent = np.arange(count + 1)
+
+    def root(label: int) -> int:
+        while parent[label] != label:
+            label = parent[label]
+        return label
+
+    for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
+        for a, b in zip(one, other, strict=True):
+            if a and b:
+                low, high = sorted((root(a), root(b)))
+                parent[high] = low
+    roots = np.array([root(label) for label in range(count + 1)])
+    numbers = np.cumsum(roots == np.arange(count + 1)) - 1
+    return numbers[roots][labels], int(numbers[-1])
+
+
+def centres(values: "_Array", labels: "NDArray[np.int64]", count: int, periodic: bool) -> "_Array":
+    """The centres of pressure in pixels; on a periodic map those of the angle around it."""
+    from scipy import ndimage
+
+    index = np.arange(1, count + 1)
+    found = np.empty((count, 2))
+    for axis, length in enumerate(values.shape):
+        place = (np.arange(length) + 0.5).reshape((-1, 1) if axis == 0 else (1, -1))
+        total = ndimage.sum_labels(values, labels, index)
+        if periodic:
+            angle = 2.0 * np.pi * place / length
+            parts = [ndimage.sum_labels(values * f(angle), labels, index) for f in (np.sin, np.cos)]
+            found[:, axis] = np.arctan2(*parts) % (2.0 * np.pi) * length / (2.0 * np.pi)
+        else:
+            found[:, axis] = ndimage.sum_labels(values * place, labels, index) / total
+    return found

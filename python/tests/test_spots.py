@@ -1,0 +1,124 @@
+"""Contact spots from maps of pressure, and the contacts made of them."""
+
+from typing import Any, Literal
+
+import asperity as asp
+import numpy as np
+import pytest
+
+
+def sphere(points: int, radius: float, at: tuple[float, float]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Hertz's pressure √(1 - r²/a²) under a sphere, on a periodic map of pixels of side 1."""
+    x, y = (np.arange(points) + 0.5 - place for place in at)
+    x, y = ((d + points / 2) % points - points / 2 for d in (x, y))
+    return np.sqrt(np.maximum(1.0 - (x[:, None] ** 2 + y**2) / radius**2, 0.0))
+
+
+def test_a_hertz_contact() -> None:
+    found = asp.spots(3.0 * sphere(256, 60.0, (128.0, 128.0)), pixel=0.5)
+    # πa² and (2/3)πa²p_0; the error is that of the pixels at the edge.
+    assert found.area == pytest.approx([np.pi * 30.0**2], rel=2e-3)
+    assert found.load == pytest.approx([2.0 * np.pi * 30.0**2], rel=1e-3)
+    assert found.centre == pytest.approx(np.array([[64.0, 64.0]]), abs=1e-9)
+    assert found.dropped == (0, 0.0, 0.0)
+    contacts = found.contacts(E=2.0, nu=0.3, shear_strength=0.1)
+    # Mindlin: k = 8Ga/(2 - ν); all spots are one, so that the threshold is a point.
+    shear = 2.0 / (2.0 * 1.3)
+    stiffness = 8.0 * shear * 30.0 / 1.7
+    assert contacts.thresholds is not None
+    # The pixels at the edge.
+    assert contacts.thresholds.mean() == pytest.approx(0.1 * np.pi * 30.0**2 / stiffness, rel=2e-3)
+    assert contacts.thresholds.std() == 0.0
+    assert contacts.normal_load == pytest.approx(2.0 * np.pi * 30.0**2, rel=1e-3)
+
+
+def test_a_spot_across_edges_is_one() -> None:
+    corner = sphere(64, 10.0, (0.0, 0.0)) + sphere(64, 6.0, (32.0, 63.0))
+    found = asp.spots(corner, pixel=1.0)
+    assert len(found) == 2
+    assert found.area == pytest.approx([np.pi * 100.0, np.pi * 36.0], rel=0.03)
+    # The angle of the first is 0, or 2π but for rounding.
+    folded = np.minimum(found.centre, 64.0 - found.centre)
+    assert folded == pytest.approx(np.array([[0.0, 0.0], [32.0, 1.0]]), abs=1e-6)
+    assert len(asp.spots(corner, pixel=1.0, periodic=False)) == 6
+    assert sorted(np.unique(found.labels)) == [0, 1, 2]
+
+
+def rough(points: int = 256, seed: int = 1) -> Any:
+    """The part of a random self-affine surface above a height, as if it were a pressure."""
+    wave = 2 * np.pi * np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(points)]))
+    amplitude = np.maximum(wave, 0.1) ** -1.8
+    noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((points, points)))
+    surface = np.fft.ifft2(amplitude * noise).real
+    return np.maximum(surface - np.quantile(surface, 0.93), 0.0)
+
+
+def test_kinetic_friction_is_half_of_what_spots_bear() -> None:
+    found = asp.spots(rough(), pixel=0.25)
+    assert found.dropped.count > 0
+    total = found.area.sum() + found.dropped.area
+    assert total == pytest.approx(0.25**2 * np.count_nonzero(rough()), rel=1e-12)
+    for options, forces in (
+        ({"shear_strength": 0.05}, 0.05 * found.area),
+        ({"shear_strength": 0.05, "stiffness": "equal"}, 0.05 * found.area),
+        ({"local_friction": 0.4}, 0.4 * found.load),
+    ):
+        contacts = found.contacts(E=2.0, nu=0.4, **options)  # type: ignore[arg-type]
+        steady = asp.MasterEquation(contacts).steady_state()
+        # Moments of the estimate are those of the spots to the truncation of its series.
+        assert steady.kinetic_friction == pytest.approx(0.5 * forces.sum(), rel=1e-8)
+
+
+def test_spots_as_an_ensemble() -> None:
+    contacts = asp.spots(rough(), pixel=0.25).contacts(E=2.0, nu=0.4, shear_strength=0.05)
+    assert contacts.thresholds is not None
+    distance = 3.0 * contacts.thresholds.mean()
+    exact = asp.MasterEquation(contacts, tolerance=1e-8).pull(distance, points=21)
+    sample = asp.Ensemble(contacts, size=100_000, seed=3).pull(distance, points=21)
+    assert np.all(np.abs(sample.force - exact.force)[1:] < 4.5 * sample.force_error[1:])
+
+
+WHICH: tuple[Literal["new", "present"], ...] = ("new", "present")
+
+
+def test_present_spots_are_larger_than_new_ones() -> None:
+    found = asp.spots(rough(), pixel=0.25)
+    new, present = (
+        found.contacts(E=2.0, nu=0.4, shear_strength=0.05, spots=which).thresholds for which in WHICH
+    )
+    assert new is not None
+    assert present is not None
+    # ⟨x⟩ of present spots is ⟨x²⟩/⟨x⟩ of new ones.
+    assert present.mean() == pytest.approx(new.moment(2) / new.mean(), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "message"),
+    [
+        (np.ones(9), r"two dimensions, got the shape \(9,\)"),
+        (np.array([[0.0, np.nan], [1.0, 1.0]]), "got nan"),
+        (np.array([[0.0, -1.0], [1.0, 1.0]]), "got -1"),
+        (np.zeros((8, 8)), "contact in some pixels, got it in no pixel"),
+        (np.ones((8, 8)), "contact in some pixels, got it in all pixels"),
+        (np.eye(8), "a spot of 4 pixels or more, got 1 at most"),
+    ],
+)
+def test_bad_maps_are_refused(pressure: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        asp.spots(pressure, 1.0, periodic=False)
+
+
+def test_bad_materials_are_refused() -> None:
+    found = asp.spots(sphere(64, 10.0, (32.0, 32.0)), 1.0)
+    with pytest.raises(TypeError, match="either shear_strength or local_friction, got neither"):
+        found.contacts(E=1.0, nu=0.3)
+    with pytest.raises(TypeError, match="got both"):
+        found.contacts(E=1.0, nu=0.3, shear_strength=1.0, local_friction=1.0)
+    with pytest.raises(ValueError, match="nu: expected a Poisson's ratio"):
+        found.contacts(E=1.0, nu=0.6, shear_strength=1.0)
+    with pytest.raises(ValueError, match="E: expected a number above 0"):
+        found.contacts(E=0.0, nu=0.3, shear_strength=1.0)
+    with pytest.raises(ValueError, match='stiffness: expected "equal" with a local friction'):
+        found.contacts(E=1.0, nu=0.3, local_friction=1.0, stiffness="area")
+    with pytest.raises(ValueError, match="pixel"):
+        asp.spots(sphere(64, 10.0, (32.0, 32.0)), 0.0)
