@@ -19,6 +19,7 @@ from typing import (
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import gaussian_kde
 from scipy.stats.distributions import rv_frozen
 from typing_extensions import disjoint_base
 from xarray import Dataset
@@ -53,7 +54,7 @@ from asperity._values import (
 _T = TypeVar("_T")
 _Array: TypeAlias = NDArray[np.float64]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
-_AnyLaw: TypeAlias = Law | rv_frozen | NDArray[Any] | Sequence[float]
+_AnyLaw: TypeAlias = Law | rv_frozen | gaussian_kde | NDArray[Any] | Sequence[float]
 _Seed: TypeAlias = SupportsIndex | np.random.Generator
 _Progress: TypeAlias = Callable[[float], object] | bool | None
 __all__ = [
@@ -112,6 +113,7 @@ __all__ = [
     "VelocityStep",
     "Weibull",
     "__version__",
+    "_measured_pieces",
     "_resolve",
     "_restore",
     "_restore_result",
@@ -516,6 +518,10 @@ class Deformable(Description):
         Raises ValueError for invalid values, or for more results than fit in a file.
         """
 
+    @property
+    def edges(self, /) -> Literal["open", "periodic"]:
+        """The edges, "open" or "periodic"."""
+
     def follow(
         self,
         /,
@@ -537,9 +543,6 @@ class Deformable(Description):
 
         Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
         """
-    @property
-    def edges(self, /) -> Literal["open", "periodic"]:
-        """The edges, "open" or "periodic"."""
 
     @property
     def initial(self, /) -> Law:
@@ -1247,6 +1250,33 @@ class Law(Description):
 
     @overload
     def cdf(self, /, x: ArrayLike) -> _Array: ...
+    def entropy(self, /) -> float:
+        """The differential entropy -∫p ln p, in nats; -inf for a distribution with point masses."""
+
+    def expect(
+        self,
+        /,
+        func: Callable[[float], SupportsFloat] | None = None,
+        *,
+        lb: _Number | None = None,
+        ub: _Number | None = None,
+        conditional: bool = False,
+    ) -> float:
+        """The expectation of func(ξ), of ξ itself for None, over lb ≤ ξ ≤ ub, divided by P(lb ≤ ξ ≤ ub) if conditional.
+
+        func is called with one float at a time, at the nodes of an adaptive Gauss quadrature; the relative error is 1e-13
+        where it is smooth. At a jump of func, divide the range by lb and ub.
+        """
+
+    @classmethod
+    def fit(cls, /, samples: ArrayLike) -> Self:
+        """The distribution of this class under which the samples are most likely.
+
+        samples: values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and Weibull
+        have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters instead, among them
+        loc and scale.
+        """
+
     @overload
     def hazard(self, /, x: float) -> float:
         """The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
@@ -1255,6 +1285,9 @@ class Law(Description):
 
     @overload
     def hazard(self, /, x: ArrayLike) -> _Array: ...
+    def interval(self, /, confidence: _Number) -> tuple[float, float]:
+        """The interval between the quantiles (1 - confidence)/2 and (1 + confidence)/2."""
+
     @overload
     def isf(self, /, q: float) -> float:
         """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
@@ -1264,6 +1297,18 @@ class Law(Description):
     @overload
     def isf(self, /, q: ArrayLike) -> _Array: ...
     @overload
+    def logcdf(self, /, x: float) -> float:
+        """ln P(ξ ≤ x); -inf where P is 0."""
+
+    @overload
+    def logcdf(self, /, x: ArrayLike) -> _Array: ...
+    @overload
+    def logpdf(self, /, x: float) -> float:
+        """ln p(x), accurate also where p underflows; -inf where p is 0."""
+
+    @overload
+    def logpdf(self, /, x: ArrayLike) -> _Array: ...
+    @overload
     def logsf(self, /, x: float) -> float:
         """ln S(x), accurate also where S underflows; -inf where S is 0."""
 
@@ -1271,6 +1316,9 @@ class Law(Description):
     def logsf(self, /, x: ArrayLike) -> _Array: ...
     def mean(self, /) -> float:
         """The mean after truncation at 0, a length."""
+
+    def median(self, /) -> float:
+        """The median, the smallest x with P(ξ ≤ x) ≥ 1/2."""
 
     def moment(self, /, order: SupportsIndex) -> float:
         """The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ."""
@@ -1288,26 +1336,44 @@ class Law(Description):
     @overload
     def ppf(self, /, q: ArrayLike) -> _Array: ...
     @overload
-    def rvs(self, /, size: None = None, *, seed: _Seed) -> float:
+    def rvs(
+        self, /, size: None = None, random_state: _Seed | None = None, *, seed: _Seed | None = None
+    ) -> float:
         """Independent random numbers: a float for size None, otherwise an array of shape (size,) or size.
 
         The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
-        from which one such number is drawn.
+        from which one such number is drawn. random_state is another name for it; without either, the numbers are
+        different in each call.
         """
 
     @overload
-    def rvs(self, /, size: SupportsIndex | Sequence[SupportsIndex], *, seed: _Seed) -> _Array: ...
+    def rvs(
+        self,
+        /,
+        size: SupportsIndex | Sequence[SupportsIndex],
+        random_state: _Seed | None = None,
+        *,
+        seed: _Seed | None = None,
+    ) -> _Array: ...
     @overload
     def sf(self, /, x: float) -> float:
         """The survival S(x) = P(ξ > x), accurate to all digits also where it is small."""
 
     @overload
     def sf(self, /, x: ArrayLike) -> _Array: ...
+    def stats(self, /, moments: str = "mv") -> float | tuple[float, ...]:
+        """The mean "m", variance "v", skewness "s" and excess kurtosis "k" named by moments, in this order: a float for one,
+        a tuple for several. Skewness and kurtosis of a point mass are nan.
+        """
+
     def std(self, /) -> float:
         """The standard deviation after truncation at 0, a length."""
 
     def support(self, /) -> tuple[float, float]:
         """The lowest and the highest value; the highest may be inf."""
+
+    def var(self, /) -> float:
+        """The variance after truncation at 0, in units of length²."""
 
 @final
 class Logarithmic(Ageing):
@@ -2319,10 +2385,14 @@ class StickSlip(Record):
 
 @final
 class Tabulated(Law):
-    """A measured distribution: a density given at increasing stretches, or samples.
+    """A measured distribution: a density given at increasing stretches, or a sample.
 
     stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
-    samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
+    samples: a list of equally likely values, of any length; the distribution is their kernel density estimate,
+    with their mean and standard deviation.
+    bandwidth: of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
+    exact: quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density
+    estimate. Each sample is then a jump of the density, and more than twenty take the master equation minutes.
     Give either stretch and density, or samples.
     """
 
@@ -2333,6 +2403,8 @@ class Tabulated(Law):
         stretch: ArrayLike | None = None,
         density: ArrayLike | None = None,
         samples: ArrayLike | None = None,
+        bandwidth: _Number | None = None,
+        exact: bool = False,
     ) -> Tabulated: ...
 
 @final
@@ -2522,6 +2594,9 @@ class Weibull(Law):
 
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
 
+def _measured_pieces(
+    time: ArrayLike, position: ArrayLike, apart: _Number, least: SupportsIndex
+) -> list[tuple[int, int, float, float, float]]: ...
 def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
 def _restore(version: str, description: str) -> Description: ...
 def _restore_result(version: str, kind: str, content: bytes, model: object = None) -> object: ...
