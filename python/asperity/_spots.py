@@ -20,7 +20,7 @@ CELL = 0.7
 class Dropped(NamedTuple):
     """Spots that are too small to be resolved by the grid."""
 
-    count: int
+    number: int
     """Their number."""
     area: float
     """Their area together."""
@@ -61,7 +61,7 @@ class Spots:
             f"<asperity.Spots: {len(self)} spots>\n"
             f"  area     {self.area.min():g} to {self.area.max():g}, together {self.area.sum():g}\n"
             f"  load     {self.load.min():g} to {self.load.max():g}, together {self.load.sum():g}\n"
-            f"  dropped  {self.dropped.count} spots, area {self.dropped.area:g}, load {self.dropped.load:g}"
+            f"  dropped  {self.dropped.number} spots, area {self.dropped.area:g}, load {self.dropped.load:g}"
         )
 
     def contacts(
@@ -141,7 +141,9 @@ class Spots:
                 stiffness_per_threshold=modulus * modulus / shear_strength,
                 normal_load=load,
             )
-        broken = self.load * local_friction if local_friction is not None else self.area * shear_strength
+        broken = (
+            self.area * shear_strength if shear_strength is not None else self.load * (local_friction or 0.0)
+        )
         mean = float(stiff.mean())
         # F_k = N⟨k⟩⟨x²⟩/2⟨x⟩ over new spots, N⟨k⟩⟨x⟩/2 over present ones.
         law = thresholds(broken / mean, 1, spots)
@@ -232,12 +234,13 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     if not touching.any() or touching.all():
         found = "no pixel" if not touching.any() else "all pixels"
         raise ValueError(f"pressure: expected contact in some pixels, got it in {found}")
-    labels, count = ndimage.label(touching)
+    found_labels, count = ndimage.label(touching)
+    labels: NDArray[np.int64] = found_labels.astype(np.int64)
     if periodic:
         labels, count = joined(labels, count)
     index = np.arange(1, count + 1)
     pixels = np.bincount(labels.ravel(), minlength=count + 1)[1:]
-    loads = ndimage.sum_labels(values, labels, index) * pixel**2
+    loads: _Array = np.asarray(ndimage.sum_labels(values, labels, index), dtype=np.float64) * pixel**2
     kept = pixels >= at_least
     if not kept.any():
         found = f"got {pixels.max()} at most"
@@ -247,7 +250,8 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     renumbered[1:][kept] = np.arange(1, kept.sum() + 1)
     labels = renumbered[labels]
     centre = centres(values, labels, int(kept.sum()), periodic) * pixel
-    return Spots(pixels[kept] * pixel**2, loads[kept], centre, small, labels)
+    areas: _Array = np.asarray(pixels * pixel**2, dtype=np.float64)
+    return Spots(areas[kept], loads[kept], centre, small, labels)
 
 
 def joined(labels: "NDArray[np.int64]", count: int) -> "tuple[NDArray[np.int64], int]":

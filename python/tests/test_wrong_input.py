@@ -100,7 +100,8 @@ def test_quantiles_are_of_probabilities(q: float) -> None:
 @given(values=st.lists(numbers, max_size=6), others=st.lists(numbers, max_size=6))
 def test_tables_of_anything(values: list[float], others: list[float]) -> None:
     columns = ({"samples": values}, {"stretch": sorted(values), "density": others})
-    for given_columns in (*columns, columns[0] | columns[1]):
+    tables: list[dict[str, Any]] = [*columns, columns[0] | columns[1]]
+    for given_columns in tables:
         try:
             law = asp.Tabulated(**given_columns)
         except REFUSED:

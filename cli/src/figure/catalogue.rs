@@ -177,5 +177,5 @@ fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
 }
 
 fn logarithmic(x: (f64, f64), y: (f64, f64)) -> Layout {
-    panel(x, y).with_log_scale().with_tick_format(style::powers())
+    panel(x, y).with_log_scale().with_x_tick_format(style::powers(x)).with_y_tick_format(style::powers(y))
 }

@@ -42,7 +42,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         plots.push(line(curve(&[ends.0, ends.1], &[floor, floor]), GREY, 1.4, Some(DASHES)));
         legend.push(style::line("error of a reading", GREY, Some(DASHES)));
     }
-    let layout = style::layout(ends, (bottom, 2.0 * high)).with_log_scale().with_tick_format(style::powers());
+    let heights = (bottom, 2.0 * high);
+    let layout = style::layout(ends, heights).with_log_scale();
+    let layout = layout.with_x_tick_format(style::powers(ends)).with_y_tick_format(style::powers(heights));
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("fit_wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("fit_periodogram")?));

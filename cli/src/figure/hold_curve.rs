@@ -30,7 +30,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
     }
     let layout = style::layout(style::decades(hold), style::heights(low, high)).with_log_x();
-    let layout = layout.with_x_tick_format(style::powers());
+    let layout = layout.with_x_tick_format(style::powers(style::decades(hold)));
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))
         .with_y_label(style::axis(outcome, "Static friction F_s", record.get("static_friction")?));

@@ -38,9 +38,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle),
         style::line("slope −5/2: mean field, integrated up to instability", GREY, Some(DASHES)),
     ];
-    let layout = style::layout((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high))
-        .with_log_scale()
-        .with_tick_format(style::powers());
+    let (widths, heights) = ((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high));
+    let layout = style::layout(widths, heights).with_log_scale();
+    let layout = layout.with_x_tick_format(style::powers(widths)).with_y_tick_format(style::powers(heights));
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label("Contacts broken in an event")
         .with_y_label("Events per number of contacts");

@@ -171,14 +171,18 @@ pub fn heights(low: f64, high: f64) -> (f64, f64) {
     (1.08 * low.min(0.0), headroom(high))
 }
 
-/// Ticks of a logarithmic axis.
-pub fn powers() -> TickFormat {
-    TickFormat::Custom(Arc::new(|value: f64| {
+/// Ticks of a logarithmic axis: powers of ten; decimals on a short axis near 1, which has ticks between them.
+pub fn powers((low, high): (f64, f64)) -> TickFormat {
+    let short = high < SHORT * low && low > 1e-4 && high < 1e4;
+    TickFormat::Custom(Arc::new(move |value: f64| {
         let exponent = value.log10();
-        // Short axes also have ticks between powers of ten.
-        if (exponent - exponent.round()).abs() < 1e-9 { power(exponent.round() + 0.0) } else { digits(value) }
+        let whole = (exponent - exponent.round()).abs() < 1e-9;
+        if whole && !short { power(exponent.round() + 0.0) } else { digits(value) }
     }))
 }
+
+/// Ratio of the ends of a logarithmic axis from which on it has ticks at powers of ten alone.
+const SHORT: f64 = 1e3;
 
 /// A power of ten.
 pub fn power(exponent: f64) -> String {

@@ -37,7 +37,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         }
     }
     let layout = style::layout(style::decades(velocity), (low, high)).with_log_x();
-    let layout = layout.with_x_tick_format(style::powers());
+    let layout = layout.with_x_tick_format(style::powers(style::decades(velocity)));
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Kinetic friction F_k", record.get("kinetic_friction")?));

@@ -31,8 +31,8 @@ impl PersistenceLimit {
     /// Encloses the stiffness with a ratio of at most 1 + `resolution`, from the `regime` at single stiffnesses.
     ///
     /// The stiffness is doubled from `highest`, four times at most, until stick-slip does not persist, then halved down to
-    /// `lowest` until it does, and the interval between is bisected on a logarithmic scale. Were there several such
-    /// intervals, this is one of the stiffest spring. Where the regime stays undecided the bisection ends.
+    /// `lowest` until it does, and the interval between is bisected on a logarithmic scale. If stick-slip persists in
+    /// several intervals, this is the end of one of them. Where the regime stays undecided the bisection ends.
     ///
     /// # Errors
     /// Stiffnesses that are not numbers above 0, `lowest` above `highest`; a resolution that is not above 0; those of `regime`.
