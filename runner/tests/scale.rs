@@ -88,7 +88,7 @@ impl Scale {
             Quantity::Time => time,
             Quantity::Velocity => length / time,
             Quantity::PerTime => 1.0 / time,
-            Quantity::Number => 1.0,
+            Quantity::Number | Quantity::Count | Quantity::Flag => 1.0,
             other => panic!("no factor is known of a {}", other.name()),
         }
     }
@@ -436,10 +436,10 @@ fn stability_has_no_scale() {
     let curve = "[velocity_curve]\nfrom = 0.5_v\nto = 1_v\npoints = 2\nstability = true\n";
     let block = "[block]\nstiffness = 0.5_k\nslip.inertial = { mass = 1_M, damping = 0.3_e }\n";
     invariant(&[&format!("{}{LOGARITHMIC}\n{block}{curve}", contacts!())]);
-    let task = "[stability]\nresolution = 1.0\nstiffnesses = [0.3_k, 0.6_k]\n";
+    let task = "[stability]\nresolution = 1.0\nstiffnesses = [ 0.3_k, 0.6_k ]\n";
     let arrest = "[block]\nstiffness = 0.5_k\nslip = 'arrest'\n";
     invariant(&[
-        &format!("{}{LOGARITHMIC}\n{block}{task}velocities = [0.5_v]\n", contacts!()),
+        &format!("{}{LOGARITHMIC}\n{block}{task}velocities = [ 0.5_v ]\n", contacts!()),
         &format!("{}\n{arrest}{task}", contacts!()),
     ]);
 }
