@@ -201,7 +201,7 @@ former has a standard error of {:.0} %.
     ];
     let layout = style::layout((5.0, 2e5), (1e-4, 1.0))
         .with_log_scale()
-        .with_tick_format(style::powers())
+        .with_tick_format(style::powers((5.0, 2e5)))
         .with_x_label("Number of contacts N")
         .with_y_label("Standard deviation of F(5)");
     let caption = "Standard deviation of the force against the number of contacts: ensembles, and the master equation, whose cost does not depend on N.";

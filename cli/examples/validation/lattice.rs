@@ -247,7 +247,7 @@ fn picture(curves: &[(&Case, Sizes)]) -> Scene {
     legend.push(style::line("slopes −1.2 and −1.8", GREY, Some("8 5")));
     let layout = style::layout((0.8, 2e7), (RAREST, 1.5))
         .with_log_scale()
-        .with_tick_format(style::powers())
+        .with_tick_format(style::powers((0.8, 2e7)))
         .with_x_label("Breaks in an avalanche s")
         .with_y_label("Share of avalanches per unit of size");
     render_multiple(plots, style::legend_below(layout, legend))

@@ -198,7 +198,7 @@ fn picture(all: &[Vec<Slips>], scatter: f64, bias: f64) -> Scene {
     legend.push(style::line("excess of X_T, N^(−2/3)", BLACK, Some("8 5")));
     let layout = style::layout((ends[0], ends[1]), (1e-5, 0.1))
         .with_log_scale()
-        .with_tick_format(style::powers())
+        .with_tick_format(style::powers((1e-5, 0.1)))
         .with_x_label("Number of contacts N")
         .with_y_label("Scatter of X₁, excess of the drive");
     render_multiple(plots, style::legend_below(layout, legend))

@@ -195,7 +195,7 @@ fn picture(drawn: Vec<(f64, f64)>, quick: bool) -> Scene {
     legend.push(style::marker(format!("{SIZE} contacts"), BLACK, MarkerShape::Circle));
     let layout = style::layout((1e-10, 10.0), (0.0, 0.7))
         .with_log_x()
-        .with_x_tick_format(style::powers())
+        .with_x_tick_format(style::powers((1e-10, 10.0)))
         .with_x_label("Velocity v")
         .with_y_label("Kinetic friction");
     render_multiple(plots, style::legend_below(layout, legend))

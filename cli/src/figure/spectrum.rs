@@ -40,7 +40,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     plots.push(line(falling, GREY, 1.4, Some(DASHES)));
     legend.push(style::line("breaks of single contacts, 1/q²", GREY, Some(DASHES)));
     legend.push(style::line("multiples of 2π per life of a contact", GREY, Some(DOTS)));
-    let layout = style::layout((0.0, last), (bottom, top)).with_log_y().with_y_tick_format(style::powers((bottom, top)));
+    let layout = style::layout((0.0, last), (bottom, top))
+        .with_log_y()
+        .with_y_tick_format(style::powers((bottom, top)));
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("spectrum")?));

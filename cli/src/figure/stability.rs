@@ -60,7 +60,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     sorted.sort_by(f64::total_cmp);
     let (first, last) = style::decades(&sorted);
     let layout = style::layout((first, last), ends).with_log_x().with_log_y();
-    let layout = layout.with_x_tick_format(style::powers((first, last))).with_y_tick_format(style::powers(ends));
+    let layout =
+        layout.with_x_tick_format(style::powers((first, last))).with_y_tick_format(style::powers(ends));
     let layout = style::titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Stiffness K", record.get("stiffness")?));
