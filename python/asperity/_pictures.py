@@ -162,6 +162,34 @@ def stability(record: "Record", ax: "Axes", **style: Any) -> None:
     ax.legend()
 
 
+def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
+    """Which springs and velocities make stick-slip, and where persistent stick-slip ends."""
+    answers = record["stick_slip"]
+    velocity, stiffness = np.meshgrid(record["velocity"], record["stiffness"], indexing="ij")
+    names = {0: "no stick-slip", 1: "transient", 2: "persistent"}
+    looks = {0: {"color": muted()}, 1: {}, 2: {}}
+    for answer, label in names.items():
+        here = answers == answer
+        if here.any():
+            dots: dict[str, Any] = {"linestyle": "none", "marker": "s", "label": label}
+            ax.plot(velocity[here], stiffness[here], **{**dots, **looks[answer], **style})
+    low, high = record["stiffness"].min() / 1.5, record["stiffness"].max() * 1.5
+    lines = {
+        "persistent_stiffness": ("end of persistent stick-slip", "-"),
+        "critical_stiffness": ("$K_c$ of the first pull", "--"),
+        "critical_stiffness_sliding": ("$K_c$ of steady sliding", ":"),
+    }
+    order = np.argsort(record["velocity"])
+    for name, (label, dashes) in lines.items():
+        values = np.where((record[name] > low) & (record[name] < high), record[name], np.nan)[order]
+        if np.isfinite(values).any():
+            ax.plot(record["velocity"][order], values, dashes, color=ink(), linewidth=0.9, label=label)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    named(record, ax, ("velocity", "v"), ("stiffness", "K"))
+    _plot.legend_above(ax)
+
+
 def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     """Static friction against the logarithm of the hold time, with the fitted growth."""
     hold = record["hold"]
@@ -471,6 +499,22 @@ def space_time(record: "Record", ax: "Axes", **style: Any) -> None:
     colorbar(ax, mesh, axis("", record.labels["cell_force"].units, "force of a cell"))
 
 
+def slip_rate(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The velocity of the cells of a chain, step by step of the computation, on a logarithmic scale."""
+    from matplotlib.colors import LogNorm
+
+    rates = record["slip_rate"]
+    highest = rates.max()
+    # Eight decades are more than colours can tell apart.
+    lowest = max(rates[rates > 0.0].min(initial=highest), 1e-8 * highest)
+    look: dict[str, Any] = {"shading": "nearest", "rasterized": True, "cmap": "inferno"}
+    norm = LogNorm(lowest, highest) if lowest < highest else None
+    shown = np.maximum(rates, lowest)
+    mesh = ax.pcolormesh(record["cell"], record["slip_rate_step"], shown, norm=norm, **{**look, **style})
+    ax.set(xlabel="cell", ylabel="step of the computation")
+    colorbar(ax, mesh, axis("", record.labels["slip_rate"].units, "slip rate of a cell"))
+
+
 KINDS: Mapping[str, Kind] = {
     "fit": Kind(measured_fit, ("reading_position", "expected_force")),
     "readings": Kind(measured_fit, ("position", "expected", "std")),
@@ -489,7 +533,8 @@ KINDS: Mapping[str, Kind] = {
     "evolution": Kind(evolution, ("snapshot", "stretch_density")),
     "distribution": Kind(distribution, ("stretch", "steady_stretch_density")),
     "covariance": Kind(covariance, ("covariance_position", "covariance")),
-    "stability": Kind(stability, ("velocity", "critical_stiffness")),
+    "stick_slip": Kind(stick_slip, ("velocity", "stiffness", "stick_slip"), least=2),
+    "stability": Kind(stability, ("velocity", "critical_stiffness"), ("stick_slip",)),
     "autocovariance": Kind(autocovariance, ("displacement", "autocovariance")),
     "equilibrium": Kind(equilibrium, ("branch_drive", "branch_stable")),
     "potential": Kind(potential, ("branch_position", "potential")),
@@ -499,4 +544,5 @@ KINDS: Mapping[str, Kind] = {
     "magnitudes": Kind(magnitudes, ("event_drive", "event_epicentre"), least=30),
     "map": Kind(stress_map, ("map_drive", "row", "cell_force")),
     "space_time": Kind(space_time, ("map_drive", "cell", "cell_force")),
+    "slip_rate": Kind(slip_rate, ("slip_rate_step", "cell", "slip_rate"), least=2),
 }

@@ -22,6 +22,7 @@ SLOW = {
     "laboratory",
     "renormalised",
     "renormalised-cells",
+    "stability",
     "stick-slip-overdamped",
     "velocity-curve-ageing",
     "velocity-curve-mean-field",
@@ -32,6 +33,11 @@ SMALLER: dict[str, dict[str, Any]] = {
     "healing": {"hold_curve.points": 5, "ensemble.size": 100},
     "laboratory": {"ensemble.size": 100},
     "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},
+    "stability": {
+        "stability.velocities": [1e-3, 1e-2],
+        "stability.stiffnesses": [0.05, 1.0],
+        "stability.resolution": 1.0,
+    },
     "velocity-curve-thermal": {"velocity_curve.points": 3, "ensemble.size": 100},
 }
 WARM = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(growth=0.1, time=1.0))
