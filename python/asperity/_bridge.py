@@ -44,7 +44,7 @@ NEAR = 1e-6
 FAINT = 1e-8
 
 # The kernels of a kernel density estimate vanish at this many bandwidths. A Series of this many terms
-# represents them to rounding in cells of one bandwidth, of which there may be MOST_CELLS.
+# represents them to rounding, in tails too, in cells of half a bandwidth, of which there may be MOST_CELLS.
 REACH = 9.0
 TERMS = 16
 MOST_CELLS = 20_000
@@ -143,9 +143,11 @@ def kernels(estimate: "gaussian_kde") -> Series:
     low, high = max(float(centres[0]) - REACH * width, 0.0), float(centres[-1]) + REACH * width
     if not low < high:
         raise ValueError("law: expected a gaussian_kde with values above 0")
-    count = int(np.ceil((high - low) / width))
+    count = int(np.ceil(2.0 * (high - low) / width))
     if count > MOST_CELLS:
-        raise ValueError(f"law: expected a gaussian_kde of at most {MOST_CELLS} bandwidths, got {count}")
+        raise ValueError(
+            f"law: expected a gaussian_kde of at most {MOST_CELLS // 2} bandwidths, got {count // 2}"
+        )
     return projected(estimate, np.linspace(low, high, count + 1))
 
 

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     _Array = NDArray[np.float64]
 
-# Width of the cells of the density of thresholds, in kernels: 16 terms then represent it to rounding.
-CELL = 0.7
+# Width of the cells of the density of thresholds, in kernels: 16 terms represent it to rounding, in tails too.
+CELL = 0.4
 
 
 class Dropped(NamedTuple):

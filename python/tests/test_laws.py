@@ -224,6 +224,17 @@ def test_samples_of_any_size_are_smooth_distributions(count: int) -> None:
     assert pull.kinetic_friction == pytest.approx(law.moment(2) / law.mean() / 2, rel=1e-10)
 
 
+@pytest.mark.parametrize("samples", [[0.5, 1.0, 1.3, 2.0, 4.0], [0.044, 0.048]])
+def test_samples_of_areas(samples: list[float]) -> None:
+    """Thresholds grow as √A: lives need the digits of the estimate in its tails, and slips its moments below them."""
+    law = asp.Tabulated(samples=samples)
+    theory = asp.MasterEquation(asp.Contacts(areas=asp.Areas(law, modulus=2.0, strength=1.0)))
+    above, below = law.expect(lambda area: area**1.5), law.expect(lambda area: area**0.5)
+    # F_k = σ⟨A^(3/2)⟩/2⟨A^(1/2)⟩; the tolerance of the pull.
+    assert theory.pull(3.0).kinetic_friction == pytest.approx(0.5 * above / below, rel=1e-9)
+    assert asp.Block(theory, 0.02, "overdamped").drive(2.0).slips is not None
+
+
 @pytest.mark.parametrize("x", [1.0, 1, np.float64(1.0), np.float32(1.0), np.int64(1), np.array(1.0)])
 def test_a_number_gives_a_float(x: Any) -> None:
     value = asp.Gaussian(1.0, 0.05).cdf(x)

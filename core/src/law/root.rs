@@ -218,7 +218,11 @@ impl Law for Root {
                 * self.at_area(x, |area| self.areas.upper_moment(order / 2, area));
         }
         let x = x.max(0.0);
-        let after = self.nodes.partition_point(|node| node.x <= x);
+        // Below the support there is nothing to integrate, and its end, which need not be a breakpoint, is a jump at rounding.
+        let after = if x < self.quantile(0.0) { 0 } else { self.nodes.partition_point(|node| node.x <= x) };
+        if let (1 | 3, 0, Some(whole)) = (order, after, self.nodes.first()) {
+            return if order == 1 { whole.first } else { whole.third };
+        }
         if let (1 | 3, Some(next)) = (order, self.nodes.get(after)) {
             let above = if order == 1 { next.first } else { next.third };
             let n = order as i32;
