@@ -232,7 +232,7 @@ def test_samples_of_areas(samples: list[float]) -> None:
     above, below = law.expect(lambda area: area**1.5), law.expect(lambda area: area**0.5)
     # F_k = σ⟨A^(3/2)⟩/2⟨A^(1/2)⟩; the tolerance of the pull.
     assert theory.pull(3.0).kinetic_friction == pytest.approx(0.5 * above / below, rel=1e-9)
-    assert asp.Block(theory, 0.02, "overdamped").drive(2.0).slips is not None
+    assert asp.Block(theory, 0.02, "overdamped").drive(2.0).events is not None
 
 
 @pytest.mark.parametrize("x", [1.0, 1, np.float64(1.0), np.float32(1.0), np.int64(1), np.array(1.0)])
