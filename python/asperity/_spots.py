@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     _Array = NDArray[np.float64]
 
-# Width of the cells of the density of thresholds, in kernels: 16 terms represent it to rounding, in tails too.
+# Width of the cells of the density of thresholds, in kernels: 16 terms give it to rounding, tails included.
 CELL = 0.4
 
 
