@@ -226,7 +226,7 @@ def test_samples_of_any_size_are_smooth_distributions(count: int) -> None:
 
 @pytest.mark.parametrize("samples", [[0.5, 1.0, 1.3, 2.0, 4.0], [0.044, 0.048]])
 def test_samples_of_areas(samples: list[float]) -> None:
-    """Thresholds grow as √A: lives need the digits of the estimate in its tails, and slips its moments below them."""
+    """Thresholds grow as √A: lives need the digits of the estimate in its tails, slips its moments below."""
     law = asp.Tabulated(samples=samples)
     theory = asp.MasterEquation(asp.Contacts(areas=asp.Areas(law, modulus=2.0, strength=1.0)))
     above, below = law.expect(lambda area: area**1.5), law.expect(lambda area: area**0.5)
