@@ -55,6 +55,8 @@ class LaboratoryRecord:
         All columns of the file by their names without units.
     units : dict of str to str
         The units of columns that name one.
+    roles : dict of str to str
+        The names of the columns that are "time", "displacement", "force" and, if there is one, "normal".
     time, displacement, force : ndarray
         Time, load-point displacement, and force, stress or friction coefficient, each of shape (n,).
     normal : ndarray or None

@@ -173,6 +173,10 @@ def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
         if here.any():
             dots: dict[str, Any] = {"linestyle": "none", "marker": "s", "label": label}
             ax.plot(velocity[here], stiffness[here], **{**dots, **looks[answer], **style})
+    undecided = np.isnan(answers)
+    if undecided.any():
+        crosses: dict[str, Any] = {"linestyle": "none", "marker": "x", "color": ink(), "label": "undecided"}
+        ax.plot(velocity[undecided], stiffness[undecided], **{**crosses, **style})
     low, high = record["stiffness"].min() / 1.5, record["stiffness"].max() * 1.5
     lines = {
         "persistent_stiffness": ("end of persistent stick-slip", "-"),

@@ -104,7 +104,12 @@ pub fn entropy(law: &dyn Law) -> f64 {
 /// ln p(x), also where p underflows; −∞ where it is 0.
 pub fn ln_density(law: &dyn Law, x: f64) -> f64 {
     let density = law.density(x);
-    if density > f64::MIN_POSITIVE { density.ln() } else { law.hazard(x).ln() + law.ln_survival(x) }
+    let ln_survival = law.ln_survival(x);
+    // The hazard is infinite beyond the support.
+    if density > f64::MIN_POSITIVE || ln_survival == f64::NEG_INFINITY {
+        return density.ln();
+    }
+    law.hazard(x).ln() + ln_survival
 }
 
 #[cfg(test)]
@@ -163,5 +168,10 @@ mod tests {
             assert!((ln_density(&law, x) / exact(x) - 1.0).abs() < 1e-12, "{x}");
         }
         assert_eq!(ln_density(&law, -1.0), f64::NEG_INFINITY);
+        let spread = Rectangular::new(0.5, 1.5).unwrap();
+        assert_eq!(
+            [0.1, 1.0, 2.0].map(|x| ln_density(&spread, x)),
+            [f64::NEG_INFINITY, 0.0, f64::NEG_INFINITY]
+        );
     }
 }
