@@ -2,7 +2,7 @@
 
 /// Variables along one dimension that are coordinates on it, beside those that are named like their dimension. Their values need
 /// not rise: the drive stays where it is during a slip.
-pub const COORDINATES: [&str; 15] = [
+pub const COORDINATES: [&str; 18] = [
     "drive",
     "time",
     "event_drive",
@@ -11,6 +11,9 @@ pub const COORDINATES: [&str; 15] = [
     "ensemble_time",
     "ensemble_event_drive",
     "ensemble_event_time",
+    "map_time",
+    "slip_rate_step",
+    "slip_rate_drive",
     "branch_position",
     "compared_position",
     "breaking_atom_position",
