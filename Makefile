@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm keys variables
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
 
 export PYTHON ?= python3
 venv := .venv
@@ -38,7 +38,7 @@ export ASPERITY_LAB_DATA ?= $(abspath $(wildcard ../shared/data))
 # The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
 	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
-	cargo test --release --locked
+	cargo test --release --locked --package asperity-wasm --package asperity --package asperity-runner --package asperity-cli
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready
@@ -167,6 +167,24 @@ validation:
 wasm:
 	rustup target add wasm32-unknown-unknown
 	cargo check --locked --target wasm32-unknown-unknown --package asperity --package asperity-runner
+
+engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
+page := target/explorer/asperity-explorer.html
+
+# The explorer, one page with its engine as WebAssembly; then the engine is compared with native code, and the page is tested in
+# Chromium.
+explorer: explorer/node_modules/ready
+	rustup target add wasm32-unknown-unknown
+	cargo build --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm
+	cargo build --release --locked --package asperity-wasm --example answers
+	explorer/node_modules/.bin/tsc --project explorer
+	node explorer/build.mjs $(engine) $(page)
+	node explorer/test.mjs $(engine) $(page) $(target)/release/examples/answers
+
+explorer/node_modules/ready: explorer/package-lock.json
+	@command -v npm > /dev/null || { echo "missing: npm (Debian: npm)" >&2; exit 1; }
+	cd explorer && npm ci --silent
+	touch $@
 
 # What the commands on the pages print, anew.
 outputs:

@@ -6,7 +6,11 @@ mod folder;
 pub mod input;
 pub mod memory;
 pub mod output;
+// The sampler of posteriors asks an operating system for a clock and for random numbers; WebAssembly has neither.
+#[cfg(not(target_family = "wasm"))]
 pub mod posterior;
+#[cfg(not(target_family = "wasm"))]
 mod run;
 
+#[cfg(not(target_family = "wasm"))]
 pub use run::{run, run_with};

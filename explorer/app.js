@@ -1,0 +1,308 @@
+// The explorer: the text of a scenario is its state. Controls, dragged points and the text itself change it, the engine answers,
+// and everything is drawn from the answer.
+"use strict";
+
+const START = `# Contacts that stretch with the slider, break and form again.
+
+[contacts]
+count = 2000
+stiffness = 0.0005                                   # N_c <k> = 1
+thresholds.gaussian = { mean = 1.0, std = 0.15 }     # P_c
+reforming.point = { at = 0.0 }                       # R
+
+[initial]
+point = { at = 0.0 }                                 # Q_ini
+
+[block]
+stiffness = 0.4                                      # K
+slip = "overdamped"
+
+[drive]
+distance = 12.0
+points = 1001
+`;
+
+const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+const area = /** @type {HTMLTextAreaElement} */ (byId("text"));
+const scrubber = /** @type {HTMLInputElement} */ (byId("position"));
+
+const state = {
+  text: START,
+  /** @type {Map<string, string | null>} */
+  changes: new Map(),
+  position: 1,
+  /** @type {Partial<Answer>} */
+  shown: {},
+  /** @type {{position: number[], force: number[], columns: string[]} | null} */
+  measured: null,
+  /** What is wrong with the link by which the page was opened. */
+  note: "",
+};
+
+/** @param {string} message */
+function fail(message) {
+  byId("errors").hidden = !message;
+  byId("errors").textContent = message;
+}
+
+/** Asks for a preview; the answer to it asks for the full accuracy. */
+function update(preview = true, parts = ["force", "stretches"]) {
+  const changes = [...state.changes].map(([key, value]) => ({ key, value }));
+  engine.ask({ text: state.text, changes, parts, position: state.position, preview });
+}
+
+/** @type {Changed} */
+function change(key, value) {
+  state.changes.set(key, value);
+  state.note = "";
+  update();
+}
+
+/** @param {number} x */
+function scrub(x) {
+  state.position = Math.min(Math.max(x, 0), distance());
+  update();
+}
+
+/** @param {Answer} answer @param {EngineRequest} request @param {number} milliseconds */
+function receive(answer, request, milliseconds) {
+  const { invalid } = answer;
+  const where = invalid?.line ? `line ${invalid.line}: ` : "";
+  fail([state.note, invalid && where + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n"));
+  for (const { key, value } of request.changes) if (state.changes.get(key) === value) state.changes.delete(key);
+  if (request.text === state.text) {
+    state.text = answer.text;
+    if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
+  }
+  if (invalid || !answer.scenario) return;
+  Object.assign(state.shown, answer);
+  if (!request.preview && !answer.block) delete state.shown.block;
+  show(request.preview);
+  const cost = `${milliseconds.toFixed(0)} ms`;
+  byId("status").textContent = request.preview ? `preview, ${cost}` : `full accuracy, ${cost}`;
+  if (request.preview && !engine.waiting) update(false, ["force", "stretches", "critical_stiffness", "block"]);
+}
+
+const distance = () => state.shown.force?.position.at(-1) ?? 12;
+const stiffness = () => state.shown.scenario?.block?.stiffness;
+/** @param {string} name */
+const traced = (name) => state.shown.block?.record.variables.find((variable) => variable.name === name)?.values ?? [];
+/** @param {Extended | undefined} value */
+const finite = (value) => (typeof value === "number" && value > 0 ? value : null);
+
+/** The distributions of the contacts. @type {["thresholds" | "reforming" | "initial", string, string][]} */
+const LAWS = [["thresholds", "blue", "<i>P</i><sub>c</sub>"], ["reforming", "green", "<i>R</i>"], ["initial", "orange", "<i>Q</i><sub>ini</sub>"]];
+
+/** @param {Pen} pen @param {Density} density @param {string} name @param {number} top */
+function stems(pen, { at, weights }, name, top) {
+  at.forEach((x, i) => {
+    pen.line([[x, 0], [x, top * weights[i]]], name, { width: 2.5 });
+    pen.dot(x, top * weights[i], name, { radius: 3 });
+  });
+}
+
+/** @type {Record<"force" | "laws" | "block" | "stretches" | "map", Chart>} */
+const charts = {
+  force: new Chart("force", {
+    x: "position X of the slider", y: "friction force F", lines: [{ label: "<i>F</i>(<i>X</i>)", color: "blue" }, { label: "<i>F</i><sub>k</sub>", color: "green", dash: [6, 4] }],
+    scrub,
+    marks(plot, pen) {
+      const { force, block } = state.shown;
+      if (!force) return;
+      const { position, force_std: std } = force;
+      if (std) {
+        const edge = (/** @type {number} */ sign) => position.map((x, i) => /** @type {[number, number]} */ ([x, force.force[i] + sign * std[i]]));
+        pen.area([...edge(1), ...edge(-1).reverse()], "band");
+      }
+      const first = block?.summary.first_instability;
+      const k = stiffness();
+      if (first && k) pen.line([[first.position, first.force], [first.position + first.force / k, 0]], "orange", { dash: [3, 3] });
+      if (force.static_friction) pen.dot(force.static_friction.position, force.static_friction.value, "blue");
+      state.measured?.position.forEach((x, i) => pen.dot(x, state.measured?.force[i] ?? 0, "ink", { radius: 1.5 }));
+      const top = plot.scales.y.max ?? 1;
+      pen.line([[state.position, 0], [state.position, top]], "quiet", { width: 1 });
+    },
+  }),
+  laws: new Chart("laws", {
+    x: "stretch x", y: "probability density", lines: LAWS.map(([, color, label]) => ({ label, color })),
+    marks(plot, pen) {
+      const top = plot.scales.y.max ?? 1;
+      for (const [name, of] of LAWS) if (state.shown.stretches) stems(pen, state.shown.stretches[name], of, 0.9 * top);
+    },
+    handles() {
+      const law = state.shown.scenario?.contacts.thresholds;
+      const [family, { mean, std }] = Object.entries(law ?? { none: {} })[0];
+      if (!(mean > 0)) return [];
+      const key = `contacts.thresholds.${family}`;
+      const height = 0.5 * (charts.laws.plot.scales.y.max ?? 1);
+      const mover = { x: mean, y: height, label: "mean", move: (/** @type {number} */ x) => x > 0 && change(`${key}.mean`, toml(rounded(x))) };
+      const wider = { x: mean + std, y: height / 2, label: "std", move: (/** @type {number} */ x) => x > mean && change(`${key}.std`, toml(rounded(x - mean))) };
+      return std > 0 ? [mover, wider] : [mover];
+    },
+  }),
+  block: new Chart("block", {
+    x: "load-point displacement", y: "spring force", lines: [{ label: "spring force", color: "blue" }],
+    marks(_, pen) {
+      const forces = traced("event_force_before");
+      traced("event_drive").forEach((x, i) => pen.dot(x, forces[i], "orange", { radius: 3 }));
+    },
+  }),
+  stretches: new Chart("stretches", {
+    x: "stretch x", y: "probability density", lines: [{ label: "<i>Q</i>(<i>x</i>; <i>X</i>)", color: "blue" }, { label: "<i>Q</i><sub>s</sub>, in steady sliding", color: "green", dash: [6, 4] }],
+    marks(plot, pen) {
+      const { stretches } = state.shown;
+      const top = 0.9 * (plot.scales.y.max ?? 1);
+      if (stretches) stems(pen, stretches.density, "blue", top);
+    },
+  }),
+  map: new Chart("map", {
+    x: "standard deviation σ of the thresholds", y: "stiffness K", logarithmic: true, lines: [{ label: "<i>K</i><sub>c</sub>(σ)", color: "blue" }],
+    marks(plot, pen) {
+      const curve = state.shown.critical_stiffness;
+      if (!curve) return;
+      const points = curve.width.map((width, i) => /** @type {[number, number | null]} */ ([width, finite(curve.critical_stiffness[i])]));
+      const known = /** @type {[number, number][]} */ (points.filter((point) => point[1] !== null));
+      if (!known.length) return;
+      const floor = plot.scales.y.min ?? 1e-6;
+      pen.area([...known, [known[known.length - 1][0], floor], [known[0][0], floor]], "slip");
+      pen.text(known[0][0] * 1.15, floor * 2, "stick-slip");
+    },
+    handles() {
+      const [family, { std }] = Object.entries(state.shown.scenario?.contacts.thresholds ?? { none: {} })[0];
+      const k = stiffness();
+      if (!(std > 0 && k > 0 && state.shown.critical_stiffness)) return [];
+      const move = (/** @type {number} */ x, /** @type {number} */ y) => {
+        state.changes.set("block.stiffness", toml(rounded(y)));
+        change(`contacts.thresholds.${family}.std`, toml(rounded(x)));
+      };
+      return [{ x: std, y: k, label: "here", move }];
+    },
+  }),
+};
+
+const editors = [
+  { of: new LawEditor("thresholds", "contacts.thresholds", change), law: (/** @type {any} */ scenario) => scenario.contacts.thresholds },
+  { of: new LawEditor("reforming", "contacts.reforming", change), law: (/** @type {any} */ scenario) => scenario.contacts.reforming },
+  { of: new LawEditor("initial", "initial", change), law: (/** @type {any} */ scenario) => scenario.initial },
+];
+const slider = byId("slider");
+const rows = [
+  { of: new NumberRow(slider, "block.stiffness", "<i>K</i>", change), value: (/** @type {any} */ scenario) => scenario.block?.stiffness },
+  { of: new NumberRow(slider, "contacts.count", "<i>N</i><sub>c</sub>", change), value: (/** @type {any} */ scenario) => scenario.contacts.count },
+  { of: new NumberRow(slider, "contacts.stiffness", "⟨<i>k</i>⟩", change), value: (/** @type {any} */ scenario) => scenario.contacts.stiffness },
+  { of: new NumberRow(slider, "drive.distance", "distance", change), value: (/** @type {any} */ scenario) => scenario.drive?.distance },
+];
+const slip = new SlipRule(slider, change);
+
+/** A number with the digits that are right. @param {Extended | undefined | null} value @param {number} error */
+function digits(value, error) {
+  if (typeof value !== "number") return value ?? "—";
+  const right = value === 0 || !(error > 0) ? 10 : Math.floor(Math.log10(Math.abs(value) / error));
+  return value.toPrecision(Math.min(Math.max(right, 2), 10)).replace("e", " e");
+}
+
+/** @param {number} error relative error of forces */
+function numbers(error) {
+  const { force, block } = state.shown;
+  const sliding = block?.summary;
+  const found = /** @type {[string, Extended | undefined | null, number][]} */ ([
+    ["static friction <i>F</i><sub>s</sub>", force?.static_friction?.value ?? "not reached", error],
+    ["at <i>X</i><sub>s</sub>", force?.static_friction?.position, Math.sqrt(error)],
+    ["kinetic friction <i>F</i><sub>k</sub>", force?.kinetic_friction, error],
+    ["relaxation length <i>X</i>*", force?.relaxation_length, Math.sqrt(error)],
+    ["critical stiffness <i>K</i><sub>c</sub>", force?.critical_stiffness, 10 * error],
+    ["sliding", sliding?.regime ?? "no [block]", 0],
+    ["slips", sliding ? String(sliding.slips) : null, 0],
+    ["period", sliding?.period, 1e-6],
+    ["mean force drop", sliding?.mean_drop, 1e-6],
+  ]);
+  byId("numbers").innerHTML = found.map(([name, value, wrong]) => `<tr><td>${name}</td><td>${digits(value, wrong)}</td></tr>`).join("");
+}
+
+/** @param {boolean} preview */
+function show(preview) {
+  const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
+  for (const { of, law } of editors) of.show(law(scenario));
+  for (const { of, value } of rows) of.show(value(scenario) ?? 1);
+  slip.show(scenario.block?.slip);
+  if (force) charts.force.set([force.position, force.force, force.position.map(() => force.kinetic_friction)]);
+  if (stretches) {
+    charts.laws.set([stretches.stretch, ...LAWS.map(([name]) => stretches[name].values)]);
+    charts.stretches.set([stretches.stretch, stretches.density.values, stretches.steady.values]);
+    scrubber.value = String(Math.round((1000 * state.position) / distance()));
+    byId("at").textContent = `X = ${rounded(state.position)}`;
+  }
+  charts.block.set([traced("drive"), traced("spring_force")]);
+  if (curve) charts.map.set([curve.width, curve.critical_stiffness.map(finite)]);
+  numbers(preview ? 1e-4 : Math.max(force?.accuracy ?? 0, 1e-12));
+}
+
+area.oninput = () => {
+  state.text = area.value;
+  state.changes.clear();
+  update();
+};
+scrubber.oninput = () => scrub((Number(scrubber.value) / 1000) * distance());
+
+/** @type {number | undefined} */
+let playing;
+byId("play").onclick = () => {
+  playing = playing === undefined ? setInterval(() => scrub(state.position >= distance() ? 0 : state.position + distance() / 300), 40) : (clearInterval(playing), undefined);
+  byId("play").setAttribute("aria-pressed", String(playing !== undefined));
+  byId("play").textContent = playing === undefined ? "Play" : "Stop";
+};
+
+byId("save").onclick = () => download(new Blob([state.text], { type: "application/toml" }), "scenario.toml");
+/** @param {string} text @param {string} what */
+const copy = (text, what) => navigator.clipboard.writeText(text).then(() => (byId("status").textContent = `${what} copied`), () => prompt(`Copy the ${what}:`, text));
+byId("link").onclick = () => {
+  location.hash = encodeURIComponent(state.text);
+  copy(location.href, "link");
+};
+byId("python").onclick = () => copy(`import asperity as asp\n\nresult = asp.run('''\n${state.text}''')\nprint(result)\nresult.plot()\n`, "Python");
+
+/** @param {File | undefined} file */
+async function measured(file) {
+  try {
+    if (!file) return;
+    if (file.size > 20e6) throw new Error(`expected a file below 20 MB, got ${(file.size / 1e6).toFixed(0)} MB`);
+    state.measured = readCurve(await file.text());
+    byId("status").textContent = `${state.measured.position.length} readings: ${state.measured.columns.join(" and ")}`;
+    fail("");
+    charts.force.redraw();
+  } catch (error) {
+    fail(`${file?.name}: ${error instanceof Error ? error.message : error}`);
+  }
+}
+byId("csv").onchange = () => measured(/** @type {HTMLInputElement} */ (byId("csv")).files?.[0]);
+document.body.ondragover = (event) => { event.preventDefault(); document.body.classList.add("dropping"); };
+document.body.ondragleave = () => document.body.classList.remove("dropping");
+document.body.ondrop = (event) => {
+  event.preventDefault();
+  document.body.classList.remove("dropping");
+  measured(event.dataTransfer?.files[0]);
+};
+
+/** The text of the link, if it has one. */
+function linked() {
+  try {
+    return decodeURIComponent(location.hash.slice(1)) || START;
+  } catch {
+    state.note = "The link is damaged: it holds no scenario.";
+    return START;
+  }
+}
+
+/** The bytes of the engine, which the page holds compressed. */
+async function unpacked() {
+  const packed = Uint8Array.from(atob((byId("engine").textContent ?? "").trim()), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
+
+/** @type {Engine} */
+let engine;
+unpacked().then((module) => {
+  engine = new Engine(byId("worker").textContent ?? "", module, receive, fail);
+  state.text = area.value = linked();
+  update();
+}, (error) => fail(`The engine did not start: ${error}`));

@@ -1,0 +1,36 @@
+// Puts the page together: one file with the engine, the scripts and the styles in it, which runs from any place, a disk too.
+// usage: node build.mjs ENGINE.wasm OUTPUT.html
+
+import { createHash } from "node:crypto";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname } from "node:path";
+import { gzipSync } from "node:zlib";
+
+const here = (name) => readFileSync(new URL(name, import.meta.url), "utf8");
+const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+const [, , module, output] = process.argv;
+if (!module || !output) throw new Error("usage: node build.mjs ENGINE.wasm OUTPUT.html");
+
+const uplot = (name) => here(`node_modules/uplot/dist/${name}`);
+const style = uplot("uPlot.min.css") + here("explorer.css");
+const scripts = [uplot("uPlot.iife.min.js"), ...["engine.js", "csv.js", "plots.js", "controls.js", "app.js"].map(here)];
+const policy = [
+  "default-src 'none'",
+  `script-src 'wasm-unsafe-eval' ${scripts.map(hash).join(" ")} blob:`,
+  "worker-src blob:",
+  `style-src ${hash(style)}`,
+  "img-src blob: data:",
+  "base-uri 'none'",
+  "form-action 'none'",
+].join("; ");
+const parts = {
+  policy,
+  style,
+  engine: gzipSync(readFileSync(module), { level: 9 }).toString("base64"),
+  worker: here("worker.js"),
+  scripts: scripts.map((script) => `<script>${script}</script>`).join("\n"),
+};
+const page = here("index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
+mkdirSync(dirname(output), { recursive: true });
+writeFileSync(output, page);
+console.log(`${output}: ${(page.length / 1e6).toFixed(1)} MB, the engine ${(parts.engine.length * 0.75 / 1e6).toFixed(2)} MB compressed`);

@@ -1,0 +1,49 @@
+//! What is asked of the engine.
+
+use serde::Deserialize;
+
+/// A scenario, and what to compute of it.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// The text of the scenario, TOML.
+    pub text: String,
+    /// Values to replace in it before anything is computed.
+    #[serde(default)]
+    pub changes: Vec<Change>,
+    /// What to compute.
+    #[serde(default)]
+    pub parts: Vec<Part>,
+    /// Position X of the slider's base at which the distribution of stretches is given.
+    #[serde(default)]
+    pub position: f64,
+    /// Whether a preview is enough: F to 1e-4 of N_c⟨k⟩ instead of 1e-10.
+    #[serde(default)]
+    pub preview: bool,
+}
+
+/// A value to replace in the text of a scenario.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Change {
+    /// Its key, as `contacts.thresholds.gaussian.std`.
+    pub key: String,
+    /// The value as TOML; without one, the key is removed.
+    pub value: Option<String>,
+}
+
+/// A part of an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// F(X) of a rigid slider, with F_s, F_k, X* and K_c.
+    Force,
+    /// Q(x; X) at a position, in steady sliding, and the distributions that describe the contacts.
+    Stretches,
+    /// K_c, F_s and F_k against the standard deviation of the thresholds.
+    CriticalStiffness,
+    /// The motion of the slider of `[block]`.
+    Block,
+    /// The task of the scenario, whatever it is.
+    Task,
+}

@@ -1,0 +1,146 @@
+//! The solution of the master equation for a scenario, and what follows from it without solving again.
+
+use asperity::Result;
+use asperity::contacts::{Contacts, Initial};
+use asperity::law::Law;
+use asperity::master::{MasterEquation, Pull, Stretches, Tolerance};
+use asperity::scenario::{self, Model, Scenario};
+use asperity::task::Grid;
+use asperity::task::summary::Extended;
+use asperity_runner::input;
+
+use crate::answer::{Density, ForceCurve, StretchDistributions};
+
+/// Largest error of a preview, per N_c⟨k⟩ and mean life: a hundredth of the width of a line.
+const PREVIEW: f64 = 1e-4;
+/// Points of a curve, more than a screen has columns for it.
+const POINTS: usize = 1001;
+
+/// A pull at one tolerance.
+#[derive(Debug)]
+pub struct Solved {
+    description: String,
+    sample: Option<f64>,
+    background: f64,
+    equation: MasterEquation,
+    initial: Initial,
+    pull: Pull,
+}
+
+/// The scenario of a pull over as much of the contacts as `scenario` needs.
+pub fn pulled(scenario: &Scenario) -> Scenario {
+    let (given, drive) = (scenario.pull.clone(), scenario.drive.as_ref());
+    let pull = given.unwrap_or_else(|| scenario::Pull {
+        distance: drive.and_then(|drive| drive.distance).unwrap_or_else(|| reach(scenario)),
+        velocity: drive.and_then(|drive| drive.velocity),
+        start: drive.map_or_else(Default::default, |drive| drive.start),
+        ..scenario::Pull::default()
+    });
+    let pull =
+        scenario::Pull { points: POINTS, snapshots: vec![], covariance: vec![], derivatives: false, ..pull };
+    Scenario {
+        title: String::new(),
+        initial: scenario.initial.clone(),
+        pull: Some(pull),
+        master_equation: scenario.master_equation.clone(),
+        ..Scenario::new(scenario.contacts.clone())
+    }
+}
+
+/// Twenty mean thresholds.
+fn reach(scenario: &Scenario) -> f64 {
+    scenario.contacts.build().map_or(20.0, |contacts| 20.0 * contacts.thresholds.mean())
+}
+
+impl Solved {
+    /// Solves the pull that belongs to `scenario`, unless it is that of `before`.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn of(scenario: &Scenario, preview: bool, before: Option<Self>) -> Result<Self> {
+        let mut pulled = pulled(scenario);
+        if preview {
+            let given = pulled.master_equation.tolerance.unwrap_or(PREVIEW);
+            pulled.master_equation.tolerance = Some(given.max(PREVIEW));
+        }
+        let description = input::to_text(&pulled);
+        match before.filter(|before| before.description == description) {
+            Some(before) => Ok(before),
+            None => Self::solve(&pulled, description),
+        }
+    }
+
+    fn solve(scenario: &Scenario, description: String) -> Result<Self> {
+        let model = scenario.build()?;
+        let sample = model.sample();
+        let Model { contacts, initial, background, .. } = model;
+        let pull = scenario.pull.clone().unwrap_or_default();
+        let equation = equation(contacts, &initial, pull.velocity)?;
+        let tolerance = Tolerance::from(scenario.master_equation.tolerance);
+        let pull = equation.pull_with(pull.distance, tolerance, &mut ())?;
+        Ok(Self { description, sample, background, equation, initial, pull })
+    }
+
+    /// F(X) and its numbers.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn force(&self) -> Result<ForceCurve> {
+        let last = (POINTS - 1) as f64;
+        let position: Vec<f64> = (0..POINTS).map(|i| self.pull.distance() * (i as f64 / last)).collect();
+        let std = self.sample.map(|size| self.pull.force_std(size)).transpose()?;
+        let steady = self.equation.steady_state();
+        Ok(ForceCurve {
+            force: position.iter().map(|&x| self.pull.force(x) + self.background).collect(),
+            force_std: std.map(|std| position.iter().map(|&x| std(x)).collect()),
+            static_friction: self.pull.static_friction().map(|mut peak| {
+                peak.value += self.background;
+                peak.into()
+            }),
+            kinetic_friction: steady.kinetic_friction() + self.background,
+            relaxation_length: Extended(self.equation.relaxation()?.length()),
+            critical_stiffness: Extended(self.pull.critical_stiffness()),
+            accuracy: self.pull.error_estimate(),
+            position,
+        })
+    }
+
+    /// The distributions at `position`.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn stretches(&self, position: f64) -> Result<StretchDistributions> {
+        let position = position.clamp(0.0, self.pull.distance());
+        let stretch = Grid::new(&self.equation, &self.initial, &[position]).stretches;
+        let contacts = self.equation.contacts();
+        Ok(StretchDistributions {
+            position,
+            density: self.pull.stretch_density(position, &stretch)?.into(),
+            steady: self.equation.steady_state().stretch_density(&stretch)?.into(),
+            thresholds: density(contacts.thresholds.as_ref(), &stretch),
+            reforming: density(contacts.reforming.as_ref(), &stretch),
+            initial: density(self.initial.law.as_ref(), &stretch),
+            stretch,
+        })
+    }
+}
+
+/// The master equation of contacts, at a velocity if one is given.
+pub fn equation(contacts: Contacts, initial: &Initial, velocity: Option<f64>) -> Result<MasterEquation> {
+    match velocity {
+        Some(velocity) => MasterEquation::at(contacts, initial, velocity),
+        None => MasterEquation::new(contacts, initial),
+    }
+}
+
+fn density(law: &dyn Law, stretches: &[f64]) -> Density {
+    let (at, weights) = law.atoms().iter().map(|atom| (atom.position, atom.weight)).unzip();
+    Density { values: stretches.iter().map(|&x| law.density(x)).collect(), at, weights }
+}
+
+impl From<Stretches> for Density {
+    fn from(found: Stretches) -> Self {
+        let (at, weights) = found.atoms.iter().map(|atom| (atom.position, atom.weight)).unzip();
+        Self { values: found.density, at, weights }
+    }
+}

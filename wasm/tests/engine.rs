@@ -1,0 +1,155 @@
+//! The answers of the engine against the solvers that it calls, and what it says of invalid requests.
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial};
+use asperity::law::{Gaussian, Point};
+use asperity::master::MasterEquation;
+use asperity_wasm::answer::Answer;
+use asperity_wasm::engine::Engine;
+use asperity_wasm::request::{Change, Part, Request};
+
+const TEXT: &str = "\
+[contacts]
+thresholds.gaussian = { mean = 1.0, std = 0.2 } # narrow
+
+[initial]
+gaussian = { mean = 0.1, std = 0.025 }
+
+[block]
+stiffness = 0.3
+slip = \"overdamped\"
+
+[drive]
+distance = 8.0
+";
+
+fn request(parts: &[Part]) -> Request {
+    Request { text: TEXT.into(), parts: parts.into(), position: 1.25, ..Request::default() }
+}
+
+fn answer(request: &Request) -> Answer {
+    let answer = Engine::default().answer(request);
+    assert!(answer.invalid.is_none() && answer.failures.is_empty(), "{answer:?}");
+    answer
+}
+
+fn equation(std: f64) -> MasterEquation {
+    let contacts =
+        Contacts::new(Arc::new(Gaussian::new(1.0, std).unwrap()), Arc::new(Point::new(0.0).unwrap()));
+    MasterEquation::new(contacts, &Initial::new(Arc::new(Gaussian::new(0.1, 0.025).unwrap()))).unwrap()
+}
+
+#[test]
+fn the_force_is_that_of_the_master_equation() {
+    let found = answer(&request(&[Part::Force])).force.unwrap();
+    let pull = equation(0.2).pull(8.0).unwrap();
+    assert_eq!((found.position[0], *found.position.last().unwrap()), (0.0, 8.0));
+    for (&x, &force) in found.position.iter().zip(&found.force) {
+        assert_eq!(force, pull.force(x));
+    }
+    let peak = pull.static_friction().unwrap();
+    let told = found.static_friction.unwrap();
+    assert_eq!((told.position, told.value), (peak.position, peak.value));
+    assert_eq!(found.critical_stiffness.0, pull.critical_stiffness());
+    assert_eq!(found.kinetic_friction, equation(0.2).steady_state().kinetic_friction());
+}
+
+#[test]
+fn a_preview_is_as_accurate_as_a_line_is_wide() {
+    let exact = answer(&request(&[Part::Force])).force.unwrap();
+    let preview = answer(&Request { preview: true, ..request(&[Part::Force]) }).force.unwrap();
+    assert!(preview.accuracy > exact.accuracy);
+    for (a, b) in preview.force.iter().zip(&exact.force) {
+        // The tolerance of a preview, per N⟨k⟩ and mean life, both about 1.
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+}
+
+#[test]
+fn solutions_are_kept_and_give_what_new_ones_give() {
+    let mut engine = Engine::default();
+    let parts = [Part::Force, Part::Stretches, Part::CriticalStiffness];
+    let all: Vec<_> = parts.iter().map(|&part| engine.answer(&request(&[part]))).collect();
+    // One change in between, and back.
+    let change = Change { key: "contacts.thresholds.gaussian.std".into(), value: Some("0.4".into()) };
+    let changed = engine.answer(&Request { changes: vec![change], ..request(&[Part::Force]) });
+    assert!(changed.text.contains("std = 0.4 } # narrow"), "{}", changed.text);
+    assert_ne!(changed.force.unwrap().force, all[0].force.as_ref().unwrap().force);
+    let again = engine.answer(&request(&parts));
+    assert_eq!(again.force.unwrap().force, all[0].force.as_ref().unwrap().force);
+    let [kept, new] = [&again.stretches, &all[1].stretches].map(|found| found.as_ref().unwrap());
+    assert_eq!((&kept.density.values, kept.position), (&new.density.values, 1.25));
+    assert_eq!(
+        again.critical_stiffness.unwrap().kinetic_friction,
+        all[2].critical_stiffness.as_ref().unwrap().kinetic_friction
+    );
+}
+
+#[test]
+fn stretches_are_densities() {
+    let found = answer(&request(&[Part::Stretches])).stretches.unwrap();
+    for density in [&found.density, &found.steady, &found.thresholds, &found.reforming, &found.initial] {
+        let panels = found.stretch.windows(2).zip(density.values.windows(2));
+        let area: f64 = panels.map(|(x, q)| 0.5 * (x[1] - x[0]) * (q[0] + q[1])).sum();
+        let total = area + density.weights.iter().sum::<f64>();
+        // The trapezoidal rule over steps of 1/400 of the range; what is beyond it is 1e-6.
+        assert!((total - 1.0).abs() < 1e-4, "{total}");
+    }
+    assert_eq!((found.reforming.at[0], found.reforming.weights[0]), (0.0, 1.0));
+}
+
+#[test]
+fn the_critical_stiffness_is_that_of_each_width() {
+    let found = answer(&request(&[Part::CriticalStiffness])).critical_stiffness.unwrap();
+    for i in [4, 12, 20, 28] {
+        let pull = equation(found.width[i]).pull(4.0).unwrap();
+        let (told, exact) = (found.critical_stiffness[i].0, pull.critical_stiffness());
+        // A slope follows from a force of error 1e-4 over lengths of σ; K_c from 9 to 0.05.
+        assert!((told - exact).abs() < 1e-4 / found.width[i] + 1e-3 * exact, "{told} {exact}");
+    }
+}
+
+#[test]
+fn the_block_moves_as_its_task_says() {
+    let found = answer(&request(&[Part::Block, Part::Task]));
+    let (block, task) = (found.block.unwrap(), found.task.unwrap());
+    let slips = task.summary.numbers.sliding().unwrap().slips;
+    assert!(slips > 0);
+    assert_eq!(block.summary.numbers.sliding().unwrap().slips, slips);
+    let without = TEXT.replace("[block]\nstiffness = 0.3\nslip = \"overdamped\"\n", "");
+    assert!(answer(&Request { text: without, ..request(&[Part::Block]) }).block.is_none());
+}
+
+#[test]
+fn an_invalid_scenario_is_located() {
+    let wrong = TEXT.replace("std = 0.2", "std = -0.2");
+    let answer = Engine::default().answer(&Request { text: wrong.clone(), ..request(&[Part::Force]) });
+    let invalid = answer.invalid.unwrap();
+    assert_eq!((invalid.line, invalid.key.as_str()), (Some(2), "contacts.thresholds.gaussian.std"));
+    assert!(invalid.message.contains("-0.2"), "{}", invalid.message);
+    assert!(answer.force.is_none() && answer.text == wrong);
+}
+
+#[test]
+fn errors_of_a_part_leave_the_others() {
+    let text = TEXT.replace("gaussian = { mean = 1.0, std = 0.2 } # narrow", "point = { at = 1.0 }");
+    let parts = [Part::CriticalStiffness, Part::Force];
+    let answer = Engine::default().answer(&Request { text, ..request(&parts) });
+    assert!(answer.critical_stiffness.is_none() && answer.force.is_some());
+    assert!(
+        answer.failures[0].starts_with("the critical stiffness: contacts.thresholds: expected"),
+        "{:?}",
+        answer.failures
+    );
+}
+
+#[test]
+fn requests_that_are_none_are_refused() {
+    for request in
+        [&b"{"[..], b"[]", b"{\"text\": 3}", b"{\"text\": \"\", \"parts\": [\"forces\"]}", &[0xff, 0xfe]]
+    {
+        let answer = String::from_utf8(Engine::default().answer_json(request)).unwrap();
+        assert!(answer.contains("the request is invalid"), "{answer}");
+    }
+}
