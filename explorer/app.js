@@ -2,32 +2,12 @@
 // and everything is drawn from the answer.
 "use strict";
 
-const START = `# Contacts that stretch with the slider, break and form again.
-
-[contacts]
-count = 2000
-stiffness = 0.0005                                   # N_c <k> = 1
-thresholds.gaussian = { mean = 1.0, std = 0.15 }     # P_c
-reforming.point = { at = 0.0 }                       # R
-
-[initial]
-point = { at = 0.0 }                                 # Q_ini
-
-[block]
-stiffness = 0.4                                      # K
-slip = "overdamped"
-
-[drive]
-distance = 12.0
-points = 1001
-`;
-
 const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 const area = /** @type {HTMLTextAreaElement} */ (byId("text"));
 const scrubber = /** @type {HTMLInputElement} */ (byId("position"));
 
 const state = {
-  text: START,
+  text: EXAMPLES["Stick-slip"],
   /** @type {Map<string, string | null>} */
   changes: new Map(),
   position: 1,
@@ -46,7 +26,7 @@ function fail(message) {
 }
 
 /** Asks for a preview; the answer to it asks for the full accuracy. */
-function update(preview = true, parts = ["force", "stretches"]) {
+function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretches"]) {
   const changes = [...state.changes].map(([key, value]) => ({ key, value }));
   engine.ask({ text: state.text, changes, parts, position: state.position, preview });
 }
@@ -77,16 +57,44 @@ function receive(answer, request, milliseconds) {
   if (invalid || !answer.scenario) return;
   Object.assign(state.shown, answer);
   if (!request.preview && !answer.block) delete state.shown.block;
+  if (!request.preview && !answer.task) delete state.shown.task;
+  if (!request.preview && !answer.critical_stiffness) delete state.shown.critical_stiffness;
   show(request.preview);
   const cost = `${milliseconds.toFixed(0)} ms`;
-  byId("status").textContent = request.preview ? `preview, ${cost}` : `full accuracy, ${cost}`;
-  if (request.preview && !engine.waiting) update(false, ["force", "stretches", "critical_stiffness", "block"]);
+  byId("status").textContent = request.preview ? `preview, ${cost}; the full accuracy is computed …` : `full accuracy, ${cost}`;
+  if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...details(answer.scenario)]);
 }
 
 const distance = () => state.shown.force?.position.at(-1) ?? 12;
 const stiffness = () => state.shown.scenario?.block?.stiffness;
+/** What takes longer than a preview: the map where thresholds have a width, and the motion or the task. @param {any} scenario @returns {Part[]} */
+function details(scenario) {
+  const [law] = /** @type {any[]} */ (Object.values(scenario.contacts.thresholds ?? {}));
+  /** @type {Part[]} */
+  const motion = scenario.block && scenario.drive ? ["block"] : scenario.pull || scenario.drive ? [] : ["task"];
+  return law?.std > 0 && !motion.includes("task") ? ["critical_stiffness", ...motion] : motion;
+}
+
+/** Which variables of a task are drawn: across, up, their labels, and whether the axes are logarithmic. @type {[string, string, string, string, boolean, boolean][]} */
+const TASKS = [
+  ["velocity", "kinetic_friction", "velocity", "kinetic friction", true, false],
+  ["hold", "static_friction", "time of the hold", "static friction", true, false],
+  ["wave_number", "spectrum", "wave number q", "spectrum of the force", true, true],
+  ["time", "force", "time", "friction force", false, false],
+  ["drive", "spring_force", "load-point displacement", "spring force", false, false],
+];
+
+/** Draws the motion of the block, or the task where it is another one. */
+function showMotion() {
+  const kind = TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
+  if (!kind) return charts.block.set([[], []]);
+  const [x, y, across, up, ...logarithmic] = kind;
+  charts.block.reshape({ x: across, y: up, logarithmic: /** @type {[boolean, boolean]} */ (logarithmic), lines: [{ label: up, color: "blue" }] });
+  charts.block.set([traced(x), traced(y)]);
+}
+
 /** @param {string} name */
-const traced = (name) => state.shown.block?.record.variables.find((variable) => variable.name === name)?.values ?? [];
+const traced = (name) => (state.shown.block ?? state.shown.task)?.record.variables.find((variable) => variable.name === name)?.values ?? [];
 /** @param {Extended | undefined} value */
 const finite = (value) => (typeof value === "number" && value > 0 ? value : null);
 
@@ -156,7 +164,7 @@ const charts = {
     },
   }),
   map: new Chart("map", {
-    x: "standard deviation σ of the thresholds", y: "stiffness K", logarithmic: true, lines: [{ label: "<i>K</i><sub>c</sub>(σ)", color: "blue" }],
+    x: "standard deviation σ of the thresholds", y: "stiffness K", logarithmic: [true, true], lines: [{ label: "<i>K</i><sub>c</sub>(σ)", color: "blue" }],
     marks(plot, pen) {
       const curve = state.shown.critical_stiffness;
       if (!curve) return;
@@ -232,8 +240,8 @@ function show(preview) {
     scrubber.value = String(Math.round((1000 * state.position) / distance()));
     byId("at").textContent = `X = ${rounded(state.position)}`;
   }
-  charts.block.set([traced("drive"), traced("spring_force")]);
-  if (curve) charts.map.set([curve.width, curve.critical_stiffness.map(finite)]);
+  showMotion();
+  charts.map.set(curve ? [curve.width, curve.critical_stiffness.map(finite)] : [[], []]);
   numbers(preview ? 1e-4 : Math.max(force?.accuracy ?? 0, 1e-12));
 }
 
@@ -250,6 +258,15 @@ byId("play").onclick = () => {
   playing = playing === undefined ? setInterval(() => scrub(state.position >= distance() ? 0 : state.position + distance() / 300), 40) : (clearInterval(playing), undefined);
   byId("play").setAttribute("aria-pressed", String(playing !== undefined));
   byId("play").textContent = playing === undefined ? "Play" : "Stop";
+};
+
+const examples = /** @type {HTMLSelectElement} */ (byId("examples"));
+examples.append(...Object.keys(EXAMPLES).map((name) => Object.assign(element("option"), { value: name, textContent: name })));
+examples.onchange = () => {
+  state.text = area.value = EXAMPLES[examples.value];
+  state.changes.clear();
+  state.note = "";
+  update();
 };
 
 byId("save").onclick = () => download(new Blob([state.text], { type: "application/toml" }), "scenario.toml");
@@ -286,10 +303,10 @@ document.body.ondrop = (event) => {
 /** The text of the link, if it has one. */
 function linked() {
   try {
-    return decodeURIComponent(location.hash.slice(1)) || START;
+    return decodeURIComponent(location.hash.slice(1)) || EXAMPLES["Stick-slip"];
   } catch {
     state.note = "The link is damaged: it holds no scenario.";
-    return START;
+    return EXAMPLES["Stick-slip"];
   }
 }
 

@@ -13,7 +13,7 @@ if (!module || !output) throw new Error("usage: node build.mjs ENGINE.wasm OUTPU
 
 const uplot = (name) => here(`node_modules/uplot/dist/${name}`);
 const style = uplot("uPlot.min.css") + here("explorer.css");
-const scripts = [uplot("uPlot.iife.min.js"), ...["engine.js", "csv.js", "plots.js", "controls.js", "app.js"].map(here)];
+const scripts = [uplot("uPlot.iife.min.js"), ...["engine.js", "csv.js", "examples.js", "plots.js", "controls.js", "app.js"].map(here)];
 const policy = [
   "default-src 'none'",
   `script-src 'wasm-unsafe-eval' ${scripts.map(hash).join(" ")} blob:`,

@@ -1,8 +1,6 @@
 // Controls of the numbers of a scenario: each shows a key, and says when it is changed.
 "use strict";
 
-/** @typedef {(key: string, value: string | null) => void} Changed */
-
 /** A number as TOML. @param {number} value */
 const toml = (value) => (Number.isInteger(value) && Math.abs(value) < 1e15 ? `${value}.0` : String(value));
 

@@ -1,34 +1,6 @@
 // Requests to the engine: one at work, one waiting; a newer one replaces the one that waits.
 "use strict";
 
-/**
- * @typedef {{key: string, value: string | null}} Change
- * @typedef {{text: string, changes: Change[], parts: string[], position: number, preview: boolean}} EngineRequest
- * @typedef {{values: number[], at: number[], weights: number[]}} Density
- * @typedef {{variables: {name: string, values: number[]}[]}} Arrays
- * @typedef {{drive: number, position: number, force: number}} SliderState
- * @typedef {{regime: string, reason: string, slips: number, period?: number, mean_drop?: number, first_instability?: SliderState}} Sliding
- * @typedef {number | string} Extended
- * @typedef {object} ForceCurve
- * @property {number[]} position
- * @property {number[]} force
- * @property {number[]} [force_std]
- * @property {{position: number, value: number}} [static_friction]
- * @property {number} kinetic_friction
- * @property {Extended} relaxation_length
- * @property {Extended} critical_stiffness
- * @property {number} accuracy
- * @typedef {object} Answer
- * @property {string} text
- * @property {any} [scenario]
- * @property {{key: string, message: string, help: string | null, line: number | null}} [invalid]
- * @property {string[]} [failures]
- * @property {ForceCurve} [force]
- * @property {{stretch: number[], position: number, density: Density, steady: Density, thresholds: Density, reforming: Density, initial: Density}} [stretches]
- * @property {{width: number[], critical_stiffness: Extended[]}} [critical_stiffness]
- * @property {{summary: Sliding, record: Arrays}} [block]
- */
-
 class Engine {
   /**
    * @param {string} script the code of the worker

@@ -20,19 +20,6 @@ function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/**
- * @typedef {{label: string, color: string, dash?: number[], band?: boolean}} Line
- * @typedef {{x: number, y: number, label: string, move: (x: number, y: number) => void}} Handle
- * @typedef {object} Shape
- * @property {string} x label of the horizontal axis
- * @property {string} y label of the vertical axis
- * @property {Line[]} lines
- * @property {boolean} [logarithmic]
- * @property {(plot: uPlot, pen: Pen) => void} [marks]
- * @property {() => Handle[]} [handles]
- * @property {(x: number) => void} [scrub]
- */
-
 /** Draws marks in the coordinates of a plot. */
 class Pen {
   /** @param {uPlot} plot */
@@ -115,11 +102,11 @@ class Chart {
       label, labelSize: 18, labelFont: "12px system-ui, sans-serif", font: "11px system-ui, sans-serif", size: 34,
       stroke: () => color("ink"), grid: { stroke: () => color("faint"), width: 0.5 }, ticks: { stroke: () => color("faint"), width: 0.5 },
     });
-    const scale = logarithmic ? { time: false, distr: /** @type {3} */ (3) } : { time: false };
+    const scale = (/** @type {boolean | undefined} */ log) => ({ time: false, ...(log ? { distr: /** @type {3} */ (3) } : {}) });
     const drawn = marks ? [(/** @type {uPlot} */ plot) => this.clipped(plot, marks)] : [];
     const plot = new uPlot({
       ...this.size(),
-      scales: { x: scale, y: logarithmic ? { distr: 3 } : {} },
+      scales: { x: scale(logarithmic?.[0]), y: scale(logarithmic?.[1]) },
       axes: [axis(x), { ...axis(y), size: 48 }],
       series: [{}, ...lines.map((line) => ({
         label: /** @type {any} */ (formatted(line.label)), stroke: () => color(line.color), width: 1.75, dash: line.dash, points: { show: false }, spanGaps: false,
@@ -148,6 +135,15 @@ class Chart {
   set(data) {
     this.data = data;
     this.plot.setData(data);
+  }
+
+  /** Draws other variables. @param {Shape} shape */
+  reshape(shape) {
+    if (shape.x === this.shape.x && shape.y === this.shape.y) return;
+    Object.assign(this.shape, shape);
+    this.data = [[], ...shape.lines.map(() => [])];
+    this.plot.destroy();
+    this.plot = this.make();
   }
 
   redraw() {

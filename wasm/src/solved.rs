@@ -32,7 +32,7 @@ pub fn pulled(scenario: &Scenario) -> Scenario {
     let (given, drive) = (scenario.pull.clone(), scenario.drive.as_ref());
     let pull = given.unwrap_or_else(|| scenario::Pull {
         distance: drive.and_then(|drive| drive.distance).unwrap_or_else(|| reach(scenario)),
-        velocity: drive.and_then(|drive| drive.velocity),
+        velocity: velocity(scenario),
         start: drive.map_or_else(Default::default, |drive| drive.start),
         ..scenario::Pull::default()
     });
@@ -45,6 +45,17 @@ pub fn pulled(scenario: &Scenario) -> Scenario {
         master_equation: scenario.master_equation.clone(),
         ..Scenario::new(scenario.contacts.clone())
     }
+}
+
+/// A velocity of the task of `scenario`, at which time-dependent contacts are pulled: that of its slider, of the first step of a
+/// protocol, or the one in the middle of a curve.
+fn velocity(scenario: &Scenario) -> Option<f64> {
+    let of_drive = scenario.drive.as_ref().and_then(|drive| drive.velocity);
+    let of_protocol = || scenario.protocol.as_ref()?.0.iter().find_map(|step| step.velocity);
+    let of_curve = || scenario.velocity_curve.as_ref().map(|curve| (curve.from * curve.to).sqrt());
+    let of_holds = || scenario.hold_curve.as_ref().map(|curve| curve.velocity);
+    let of_stability = || scenario.stability.as_ref().and_then(|task| task.velocities.first().copied());
+    of_drive.or_else(of_protocol).or_else(of_curve).or_else(of_holds).or_else(of_stability)
 }
 
 /// Twenty mean thresholds.

@@ -153,3 +153,22 @@ fn requests_that_are_none_are_refused() {
         assert!(answer.contains("the request is invalid"), "{answer}");
     }
 }
+
+#[test]
+fn contacts_in_time_are_pulled_at_a_velocity_of_their_task() {
+    let aged = "[contacts]\nthresholds.gaussian = { mean = 1.0, std = 0.2 }\nageing.logarithmic = { growth = 0.02, time = 1.0 }\n";
+    let force = |task: &str| {
+        let text = format!("{aged}{task}");
+        answer(&Request { text, ..request(&[Part::Force]) }).force.unwrap().kinetic_friction
+    };
+    let expected = force("[pull]\nvelocity = 0.1\ndistance = 5.0\n");
+    for task in [
+        "[drive]\nvelocity = 0.1\n[block]\nstiffness = 0.5\nslip.damped = { damping = 0.1 }\n",
+        "[[protocol]]\nvelocity = 0.1\ndistance = 5.0\n[[protocol]]\nhold = 3.0\n",
+        "[velocity_curve]\nfrom = 0.01\nto = 1.0\n",
+        "[hold_curve]\nfrom = 1.0\nto = 10.0\nvelocity = 0.1\n",
+    ] {
+        // The middle of a curve is 0.1 but for rounding.
+        assert!((force(task) - expected).abs() < 1e-12, "{task}");
+    }
+}

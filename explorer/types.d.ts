@@ -1,0 +1,45 @@
+// What the engine is asked and what it answers, as in `wasm/src/request.rs` and `answer.rs`; and the shapes of plots.
+
+type Change = { key: string; value: string | null };
+type Part = "force" | "stretches" | "critical_stiffness" | "block" | "task";
+type EngineRequest = { text: string; changes: Change[]; parts: Part[]; position: number; preview: boolean };
+
+/** A number, or a word such as "infinite". */
+type Extended = number | string;
+type Place = { position: number; value: number };
+type Density = { values: number[]; at: number[]; weights: number[] };
+type Computed = { summary: Sliding; record: { variables: { name: string; values: number[] }[] } };
+type Sliding = {
+  regime: string; reason: string; slips: number; period?: number; mean_drop?: number;
+  first_instability?: { drive: number; position: number; force: number };
+};
+type ForceCurve = {
+  position: number[]; force: number[]; force_std?: number[]; static_friction?: Place; kinetic_friction: number;
+  relaxation_length: Extended; critical_stiffness: Extended; accuracy: number;
+};
+type StretchDistributions = {
+  stretch: number[]; position: number;
+  density: Density; steady: Density; thresholds: Density; reforming: Density; initial: Density;
+};
+type Answer = {
+  text: string; scenario?: any; failures?: string[];
+  invalid?: { key: string; message: string; help: string | null; line: number | null };
+  force?: ForceCurve; stretches?: StretchDistributions; block?: Computed; task?: Computed;
+  critical_stiffness?: { width: number[]; critical_stiffness: Extended[] };
+};
+
+/** Called with the key of a scenario and its new value as TOML. */
+type Changed = (key: string, value: string | null) => void;
+
+type Line = { label: string; color: string; dash?: number[] };
+type Handle = { x: number; y: number; label: string; move: (x: number, y: number) => void };
+type Shape = {
+  /** Labels of the horizontal and the vertical axis. */
+  x: string; y: string;
+  lines: Line[];
+  /** Whether the horizontal and the vertical axis are logarithmic. */
+  logarithmic?: [boolean, boolean];
+  marks?: (plot: uPlot, pen: Pen) => void;
+  handles?: () => Handle[];
+  scrub?: (x: number) => void;
+};
