@@ -8,5 +8,6 @@ pub mod memory;
 pub mod output;
 pub mod posterior;
 mod run;
+pub mod sweep;
 
 pub use run::{run, run_with};
