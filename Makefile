@@ -44,9 +44,10 @@ rust:
 results: $(venv)/ready
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	for scenario in scenarios/*.toml; do \
-	  cargo run --release --locked --quiet -- run "$$scenario" --quiet -o "$$folder/$$(basename "$$scenario" .toml)"; \
+	  command=$$(grep -q '^\[sweep' "$$scenario" && echo sweep || echo run); \
+	  cargo run --release --locked --quiet -- $$command "$$scenario" --quiet -o "$$folder/$$(basename "$$scenario" .toml)"; \
 	done; \
-	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*
+	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*/
 
 package := target/package
 stubs := $(package)/stubs/asperity/_core.pyi

@@ -13,12 +13,16 @@ use super::curve::{curve, errors, line};
 use super::field::{Field, bar, scale};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
 
-/// Colours of words, in the order in which they occur.
-const COLOURS: [&str; 6] = ["#C8C8C8", BLUE, ORANGE, GREEN, RED, BLACK];
+/// Colours of words that are known, as in the picture of `[stability]`.
+const KNOWN: [(&str, &str); 5] =
+    [("smooth", LIGHT), ("none", LIGHT), ("transient", BLUE), ("persistent", ORANGE), ("undecided", BLACK)];
+const LIGHT: &str = "#C8C8C8";
+/// Colours of other words, in their order.
+const COLOURS: [&str; 6] = [GREEN, RED, GREY, BLUE, ORANGE, LIGHT];
 /// Colour of what has no value.
 const NONE: &str = "#FFFFFF";
 /// Width of the panel of the colour scale, and the margins of the map.
-const BAR: f64 = 95.0;
+const BAR: f64 = 105.0;
 const MARGINS: (f64, f64) = (36.0, 56.0);
 
 /// The pictures that can be drawn, each with its name.
@@ -198,7 +202,7 @@ fn map(dataset: &Dataset, variable: &Labelled, axes: [&Axis; 2], values: &[f64])
         .with_title(title)
         .with_title_size(size)
         .with_plots(vec![vec![field.plot(ends, &colours, 1)], scale_plots])
-        .with_layouts(vec![layout, scale_axes.with_force_margins_y(MARGINS.0, MARGINS.1)])
+        .with_layouts(vec![layout, scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1)])
         .with_cell_size(style::WIDTH - BAR, style::HEIGHT - 40.0)
         .with_col_width(1, BAR)
         .with_spacing(6.0);
@@ -217,20 +221,24 @@ fn kinds(dataset: &Dataset, axes: [&Axis; 2], words: &[String]) -> Option<Scene>
     let number = |word: &String| known.iter().position(|known| *known == word).map_or(f64::NAN, |i| i as f64);
     let values = sorted(&words.iter().map(number).collect::<Vec<_>>(), [&x, &y]);
     let last = (known.len() - 1).max(1) as f64;
+    let chosen: Vec<&str> = known.iter().zip(COLOURS).map(|(word, other)| colour(word, other)).collect();
+    let drawn = chosen.clone();
     let colours = ColorMap::Custom(Arc::new(move |part: f64| match part.is_finite() {
-        true => COLOURS[(part * last).round() as usize].to_owned(),
+        true => drawn[((part * last).round() as usize).min(drawn.len() - 1)].to_owned(),
         false => NONE.to_owned(),
     }));
     let field = Field { values: &values, sides: [y.order.len(), x.order.len()], x: x.range, y: y.range };
-    let mut legend: Vec<_> = known
-        .iter()
-        .zip(COLOURS)
-        .map(|(word, color)| style::marker(word.as_str(), color, MarkerShape::Square))
-        .collect();
+    let entries = known.iter().zip(&chosen);
+    let mut legend: Vec<_> = entries.map(|(word, color)| style::marker(word.as_str(), color, MarkerShape::Square)).collect();
     if values.iter().any(|value| value.is_nan()) {
-        legend.push(style::marker("none", GREY, MarkerShape::Square));
+        legend.push(style::marker("no value", NONE, MarkerShape::Square));
     }
     let plots: Vec<Plot> = vec![field.plot((0.0, last), &colours, 1)];
     let layout = style::titled(layout([&x, &y]), &dataset.title);
     Some(render_multiple(plots, style::legend_below(layout, legend)))
+}
+
+/// The colour of a word.
+fn colour(word: &str, other: &'static str) -> &'static str {
+    KNOWN.iter().find(|(known, _)| *known == word).map_or(other, |(_, colour)| colour)
 }
