@@ -108,6 +108,10 @@ fn check(scenario: &arguments::Scenario) -> Result<(), Failure> {
 
 /// Draws the pictures of a folder of results anew.
 fn plot(folder: &Path, pictures: &Pictures) -> Result<(), Failure> {
+    if folder.join("sweep.nc").is_file() {
+        let words = "a sweep, whose pictures asperity sweep SCENARIO --resume draws anew";
+        return Err(Failure::Input(format!("error: {}: {words}\n", folder.display())));
+    }
     let mut outcome = output::read(folder).map_err(Failure::run)?;
     let drawn = figure::draw(&mut outcome, &pictures.style()).map_err(Failure::run)?;
     run::report(&output::attach(folder, &drawn).map_err(Failure::run)?);

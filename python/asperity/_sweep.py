@@ -51,23 +51,23 @@ def sweep(
     Parameters
     ----------
     scenario : str or PathLike or Mapping or Callable
-        A scenario as `run` takes it, with or without a table sweep; or a function, which is called with the names
-        of `over` as keywords and returns a number, or numbers and texts by name.
+        A scenario as `run` takes it, with or without a table sweep; or a function, which is called with the
+        names of `over` as keywords and returns a number, or numbers and texts by name.
     over : Mapping, optional
-        Values by dotted key of the scenario, or by argument of the function: a list or an array, or for a scenario
-        {"from": 0.1, "to": 10, "points": 21, "scale": "log"}. The last one runs fastest.
+        Values by dotted key of the scenario, or by argument of the function: a list or an array, or for a
+        scenario {"from": 0.1, "to": 10, "points": 21, "scale": "log"}. The last one runs fastest.
     keep : Sequence, optional
         What is kept of each case of a scenario: paths of the summary such as "static_friction.force", and
         variables on a common grid such as {"variable": "force", "at": [0.0, 0.5, 1.0]}.
     executor : concurrent.futures.Executor, optional
-        What computes the cases: the executor of a Dask client (`client.get_executor()`), of mpi4py.futures, of loky
-        or of the standard library. None for the threads of this process.
+        What computes the cases: the executor of a Dask client (`client.get_executor()`), of mpi4py.futures,
+        of loky or of the standard library. None for the threads of this process.
     folder : str or PathLike, optional
         The folder for the results. Cases are stored beside it as they come: the same call continues an
         interrupted sweep, also one of `asperity sweep`, and computes nothing that is there.
     threads : int, optional
-        Threads of this process, by default one per core for a scenario and one for a function; with an executor,
-        those of each worker, by default one.
+        Threads of this process, by default one per core for a scenario and one for a function; with an
+        executor, those of each worker, by default one.
     progress : Callable or bool, optional
         As for `MasterEquation.pull`.
 

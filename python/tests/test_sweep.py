@@ -1,4 +1,4 @@
-"""Parameter sweeps: the values of single runs along labelled axes, on any executor, and nothing computed twice."""
+"""Parameter sweeps: the values of single runs along axes, on any executor, and nothing computed twice."""
 
 import os
 import subprocess
@@ -11,7 +11,6 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
-
 from test_results import COMMAND, ROOT
 
 TEXT = """
@@ -49,6 +48,8 @@ def test_cases_are_single_runs() -> None:
     assert data.attrs["version"] == asp.__version__
 
 
+# Newer versions of Python warn of forks where there are threads.
+@pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
 @pytest.mark.parametrize("executor", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_executors_find_the_same(executor: Any) -> None:
     expected = swept()
@@ -188,6 +189,8 @@ MAP = {
 }
 
 
+# Dask and what it uses warn of what they do themselves.
+@pytest.mark.filterwarnings("ignore")
 def test_a_dask_cluster_finds_the_same_though_a_worker_is_killed(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
     distributed = pytest.importorskip("distributed")
@@ -195,26 +198,28 @@ def test_a_dask_cluster_finds_the_same_though_a_worker_is_killed(tmp_path: Path)
     keep: list[Any] = ["kinetic_friction", {"variable": "ensemble_force", "at": [1.0, 2.0]}]
     expected = asp.sweep(text, MAP, keep)
     options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
-    with distributed.LocalCluster(**options, local_directory=str(tmp_path)) as cluster:
-        with distributed.Client(cluster) as client:
-            victim = next(iter(client.run(os.getpid).values()))
-            begun = threading.Event()
+    begun = threading.Event()
+    with (
+        distributed.LocalCluster(**options, local_directory=str(tmp_path)) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        victim = next(iter(client.run(os.getpid).values()))
 
-            def kill() -> None:
-                begun.wait(60.0)
-                # In the middle of the work.
-                time.sleep(0.3)
-                os.kill(victim, 9)
+        def kill() -> None:
+            # After the first cases are back, in the middle of the others.
+            begun.wait(60.0)
+            time.sleep(0.3)
+            os.kill(victim, 9)
 
-            killer = threading.Thread(target=kill)
-            killer.start()
-            data = asp.sweep(
-                text,
-                MAP,
-                keep,
-                executor=client.get_executor(),
-                folder=tmp_path / "results",
-                progress=lambda _: begun.set(),
-            )
-            killer.join()
+        killer = threading.Thread(target=kill)
+        killer.start()
+        data = asp.sweep(
+            text,
+            MAP,
+            keep,
+            executor=client.get_executor(),
+            folder=tmp_path / "results",
+            progress=lambda _: begun.set(),
+        )
+        killer.join()
     assert data.identical(expected)

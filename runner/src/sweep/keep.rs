@@ -11,6 +11,9 @@ use super::schema::{self, Entry};
 /// The estimated error of forces, which is kept of every case that has one.
 pub const ACCURACY: &str = "accuracy";
 
+/// Entries of summaries that are the same for all cases.
+const LABELS: [&str; 4] = ["task", "title", "units", "version"];
+
 /// What is kept of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Keep {
@@ -80,7 +83,8 @@ pub fn keep(scenario: &Scenario, kept: &[SweepKept], summaries: &Summaries) -> a
         match kept {
             SweepKept::Entry(path) => {
                 if summaries.find(path).is_none() {
-                    let names = schema::names(&summaries.0, &summaries.0);
+                    let mut names = schema::names(&summaries.0, &summaries.0);
+                    names.retain(|name| !LABELS.contains(&name.as_str()));
                     return refused(format!("one of {}", names.join(", ")), path);
                 }
                 found.push(Keep::Entry(path.clone()));
