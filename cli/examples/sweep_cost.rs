@@ -88,7 +88,8 @@ fn main() {
 
 /// The files of many cases, and what a restart takes when all are there.
 fn many(folder: &Path) {
-    let many = plan(&MAP.replace("points = 20", "points = 1000").replacen("points = 1000", "points = 100", 1));
+    let many =
+        plan(&MAP.replace("points = 20", "points = 1000").replacen("points = 1000", "points = 100", 1));
     assert_eq!(many.count(), MANY);
     let directory = folder.join("many");
     let mut store = Store::new(&directory, many.identity());
@@ -120,12 +121,18 @@ fn many(folder: &Path) {
         store.finish().expect("the store can be written");
         write(&directory, &Dataset::of_plan(&many, &gathered), &[]).expect("results are written");
         let (files, bytes) = size(store.folder());
-        println!("{what}: {:.2} s; then {files} files, {:.1} MB", begun.elapsed().as_secs_f64(), bytes as f64 / 1e6);
+        println!(
+            "{what}: {:.2} s; then {files} files, {:.1} MB",
+            begun.elapsed().as_secs_f64(),
+            bytes as f64 / 1e6
+        );
     }
 }
 
 /// Number of files of a folder, and their bytes.
 fn size(folder: &Path) -> (usize, u64) {
     let entries = std::fs::read_dir(folder).expect("a folder").flatten();
-    entries.fold((0, 0), |(files, bytes), entry| (files + 1, bytes + entry.metadata().map_or(0, |found| found.len())))
+    entries.fold((0, 0), |(files, bytes), entry| {
+        (files + 1, bytes + entry.metadata().map_or(0, |found| found.len()))
+    })
 }

@@ -183,8 +183,10 @@ fn summarise(
         return Ok(());
     }
     let mut text = heading(&report);
-    for kept in report.kept.iter().filter(|kept| kept.name != "failure") {
-        let _ = writeln!(text, "{:<22} {}", kept.name, found(kept));
+    let kept = || report.kept.iter().filter(|kept| kept.name != "failure");
+    let width = kept().fold(22, |widest, kept| widest.max(kept.name.chars().count()));
+    for kept in kept() {
+        let _ = writeln!(text, "{:<width$} {}", kept.name, found(kept));
     }
     if let Some(Values::Texts(reasons)) = dataset.get("failure").map(|variable| &variable.values)
         && let Some(first) = reasons.iter().find(|reason| !reason.is_empty())

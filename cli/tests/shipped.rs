@@ -23,7 +23,8 @@ fn every_shipped_scenario_runs() {
         assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), support::errors(&output));
     }
     // Beside the results of a sweep are its stored cases.
-    let results = support::names(&folder.path().join("out")).into_iter().filter(|name| !name.contains(".sweep-"));
+    let results =
+        support::names(&folder.path().join("out")).into_iter().filter(|name| !name.contains(".sweep-"));
     assert_eq!(results.count(), tomls(&scenarios()).len());
 }
 

@@ -91,7 +91,8 @@ impl Sweep {
         let Text { text, name, folder: relative } = Text::of(scenario)?;
         let input = input::parse(&text, &name, &relative, &overrides).map_err(|e| error::scenario(&e))?;
         let plan = Plan::new(&input).map_err(|e| error::scenario(&e))?;
-        let relative = std::path::absolute(if relative.as_os_str().is_empty() { ".".into() } else { relative })?;
+        let relative =
+            std::path::absolute(if relative.as_os_str().is_empty() { ".".into() } else { relative })?;
         let specification = (text, name, relative, overrides);
         Self::new(Kind::Scenario(Box::new(plan), specification), folder)
     }
@@ -105,7 +106,8 @@ impl Sweep {
         axes: Vec<(String, Bound<'_, PyAny>)>,
         folder: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let axes: Vec<Axis> = axes.into_iter().map(|(name, values)| argument(name, &values)).collect::<PyResult<_>>()?;
+        let axes: Vec<Axis> =
+            axes.into_iter().map(|(name, values)| argument(name, &values)).collect::<PyResult<_>>()?;
         let cases = axes.iter().map(|axis| axis.length).product();
         Self::new(Kind::Function(Identity { hash, text, cases }, axes), folder)
     }
@@ -132,7 +134,12 @@ impl Sweep {
 
     /// Computes the missing cases of a scenario in this process.
     #[pyo3(signature = (threads, *, progress: "_Progress" = None))]
-    fn compute(&self, py: Python<'_>, threads: Option<usize>, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    fn compute(
+        &self,
+        py: Python<'_>,
+        threads: Option<usize>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
         let Kind::Scenario(plan, _) = &self.kind else {
             return Err(PyValueError::new_err("a function is computed in Python"));
         };
@@ -171,7 +178,8 @@ impl Sweep {
             };
             Ok((name.extract()?, value))
         };
-        let entries = found.map_or(Ok(Vec::new()), |found| found.iter().map(entry).collect::<PyResult<_>>())?;
+        let entries =
+            found.map_or(Ok(Vec::new()), |found| found.iter().map(entry).collect::<PyResult<_>>())?;
         let kept = failure.map_or(Ok(Kept { entries, curves: Vec::new() }), Err);
         let mut state = self.state();
         state.waiting.push(Case { number, kept });
@@ -188,11 +196,15 @@ impl Sweep {
     /// The attributes of the whole, the coordinates and the variables, each with name, dimensions, values and attributes, when
     /// all cases are there; written to the folder if there is one.
     #[pyo3(signature = () -> "tuple[dict[str, Any], list[Any], list[Any]]")]
-    fn finish<'py>(&self, py: Python<'py>) -> PyResult<(typed::Values<'py>, Bound<'py, PyList>, Bound<'py, PyList>)> {
+    fn finish<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(typed::Values<'py>, Bound<'py, PyList>, Bound<'py, PyList>)> {
         let dataset = detached(py, || self.dataset()).map_err(failed)?;
         let coordinates = dataset.axes.iter().chain(&dataset.grids).flat_map(|axis| &axis.coordinates);
         let coordinates = coordinates.map(|variable| labelled(py, variable)).collect::<PyResult<Vec<_>>>()?;
-        let variables = dataset.variables.iter().map(|variable| labelled(py, variable)).collect::<PyResult<Vec<_>>>()?;
+        let variables =
+            dataset.variables.iter().map(|variable| labelled(py, variable)).collect::<PyResult<Vec<_>>>()?;
         let mut found = sweep::attributes(&dataset);
         found.push(("scenario".into(), output::Attribute::Text(dataset.scenario.clone())));
         Ok((attributes(py, found)?, PyList::new(py, coordinates)?, PyList::new(py, variables)?))
@@ -255,7 +267,8 @@ pub fn cases<'py>(
     let plan = Plan::unchecked(&input).map_err(|e| error::scenario(&e))?;
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyOSError::new_err(error.to_string()))?;
-    let found = py.detach(|| pool.install(|| sweep::compute(&plan, &cases, &mut Free))).map_err(error::core)?;
+    let found =
+        py.detach(|| pool.install(|| sweep::compute(&plan, &cases, &mut Free))).map_err(error::core)?;
     Ok(PyBytes::new(py, &Batch::new(&found).encode()))
 }
 
@@ -282,7 +295,11 @@ struct Remote<'a> {
 impl Monitor for Remote<'_> {
     fn progress(&mut self, fraction: f64) -> ops::ControlFlow<()> {
         self.done.store(fraction.to_bits(), Ordering::Relaxed);
-        if self.stopped.load(Ordering::Relaxed) { ops::ControlFlow::Break(()) } else { ops::ControlFlow::Continue(()) }
+        if self.stopped.load(Ordering::Relaxed) {
+            ops::ControlFlow::Break(())
+        } else {
+            ops::ControlFlow::Continue(())
+        }
     }
 
     fn memory(&self) -> u64 {
@@ -296,11 +313,14 @@ fn on_threads<T: Send>(
     monitor: &mut dyn Monitor,
     work: impl FnOnce(&mut dyn Monitor) -> T + Send,
 ) -> Result<T> {
-    let refused = |found: &dyn fmt::Display| Error::invalid("threads", "a number of threads that the system allows", found);
+    let refused = |found: &dyn fmt::Display| {
+        Error::invalid("threads", "a number of threads that the system allows", found)
+    };
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| refused(&error))?;
     let (done, stopped, memory) = (AtomicU64::new(0), AtomicBool::new(false), monitor.memory());
     thread::scope(|scope| {
-        let worker = scope.spawn(|| pool.install(|| work(&mut Remote { done: &done, stopped: &stopped, memory })));
+        let worker =
+            scope.spawn(|| pool.install(|| work(&mut Remote { done: &done, stopped: &stopped, memory })));
         while !worker.is_finished() {
             if monitor.progress(f64::from_bits(done.load(Ordering::Relaxed))).is_break() {
                 stopped.store(true, Ordering::Relaxed);

@@ -94,12 +94,10 @@ fn lines(dataset: &Dataset, variable: &Labelled, axis: &Axis, found: &[(f64, f64
         return None;
     }
     let mut plots = Plots::new();
-    if error.iter().any(|&error| error > 0.0) {
-        plots.extend(errors(&x, &y, &error, BLUE));
-    } else {
-        plots.push(line(curve(&x, &y), BLUE, 2.0, None));
-        plots.extend(errors(&x, &y, &[], BLUE));
-    }
+    plots.push(line(curve(&x, &y), BLUE, 2.0, None));
+    // Replicas that are equal differ by rounding at most.
+    let scattered = error.iter().any(|&error| error > 1e-9 * high.abs().max(low.abs()));
+    plots.extend(errors(&x, &y, if scattered { &error } else { &[] }, BLUE));
     let ends = if axis.logarithmic { style::decades(&x) } else { (x[0], x[x.len() - 1]) };
     let (low, high) = if high > low { style::heights(low, high) } else { scale(&y) };
     let mut layout = style::layout(ends, (low, high));
@@ -202,7 +200,10 @@ fn map(dataset: &Dataset, variable: &Labelled, axes: [&Axis; 2], values: &[f64])
         .with_title(title)
         .with_title_size(size)
         .with_plots(vec![vec![field.plot(ends, &colours, 1)], scale_plots])
-        .with_layouts(vec![layout, scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1)])
+        .with_layouts(vec![
+            layout,
+            scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1),
+        ])
         .with_cell_size(style::WIDTH - BAR, style::HEIGHT - 40.0)
         .with_col_width(1, BAR)
         .with_spacing(6.0);
@@ -229,7 +230,8 @@ fn kinds(dataset: &Dataset, axes: [&Axis; 2], words: &[String]) -> Option<Scene>
     }));
     let field = Field { values: &values, sides: [y.order.len(), x.order.len()], x: x.range, y: y.range };
     let entries = known.iter().zip(&chosen);
-    let mut legend: Vec<_> = entries.map(|(word, color)| style::marker(word.as_str(), color, MarkerShape::Square)).collect();
+    let mut legend: Vec<_> =
+        entries.map(|(word, color)| style::marker(word.as_str(), color, MarkerShape::Square)).collect();
     if values.iter().any(|value| value.is_nan()) {
         legend.push(style::marker("no value", NONE, MarkerShape::Square));
     }

@@ -138,3 +138,66 @@ fn coordinate(declared: &Record, variable: &asperity::record::Variable) -> Optio
     };
     declared.variables.iter().find(on).map(|found| (found.name.clone(), found.quantity))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input;
+    use std::path::Path;
+
+    const CONTACTS: &str = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n";
+    const TASKS: [&str; 7] = [
+        "pull = { distance = 3.0, points = 31, derivatives = true }\nensemble = { size = 100 }\ncontacts.normal_load = 2.0",
+        "drive.distance = 12.0\nblock = { stiffness = 0.6, slip = 'reset' }\nensemble = { size = 100 }",
+        "drive.force_to = 2.0",
+        "velocity_curve = { from = 0.1, to = 1.0, points = 2 }\ncontacts.temperature = { energy = 0.01, attempt_rate = 1.0 }",
+        "[[protocol]]\nvelocity = 1.0\ndistance = 3.0\n[[protocol]]\nvelocity = 2.0\ndistance = 1.0",
+        "[spectrum]",
+        "block = { stiffness = 1.0, slip = 'overdamped' }\n[stability]",
+    ];
+
+    /// The paths of all entries that are neither tables nor lists.
+    fn leaves(path: &str, value: &Value, found: &mut Vec<String>) {
+        let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        match value {
+            Value::Object(entries) => {
+                entries.iter().for_each(|(key, entry)| leaves(&below(key), entry, found))
+            }
+            Value::Array(items) => {
+                items.iter().enumerate().for_each(|(i, item)| leaves(&below(&i.to_string()), item, found));
+            }
+            _ => found.push(path.to_owned()),
+        }
+    }
+
+    #[test]
+    fn every_entry_of_a_summary_is_known_before_it_is_computed() {
+        for task in TASKS {
+            let input = input::parse(&format!("{CONTACTS}{task}"), "text", Path::new(""), &[]);
+            let scenario = input.unwrap_or_else(|error| panic!("{task}: {error}")).scenario;
+            let summaries = Summaries::new(&scenario).unwrap();
+            let summary = serde_json::to_value(crate::run(&scenario, &mut ()).unwrap().summary).unwrap();
+            let mut found = Vec::new();
+            leaves("", &summary, &mut found);
+            assert!(found.len() > 5, "{task}: {found:?}");
+            for path in found {
+                assert!(summaries.find(&path).is_some(), "{task}: {path}");
+            }
+            for wrong in ["nothing", "kinetic_friction.of", "title.0"] {
+                assert!(summaries.find(wrong).is_none(), "{task}: {wrong}");
+            }
+        }
+    }
+
+    #[test]
+    fn entries_have_their_dimension() {
+        let input = input::parse(&format!("{CONTACTS}{}", TASKS[1]), "text", Path::new(""), &[]).unwrap();
+        let summaries = Summaries::new(&input.scenario).unwrap();
+        let quantity = |path: &str| summaries.find(path).unwrap().quantity;
+        assert_eq!(quantity("period"), Some(Quantity::Length));
+        assert_eq!(quantity("static_friction.force"), Some(Quantity::Force));
+        assert_eq!(quantity("critical_stiffness"), Some(Quantity::Stiffness));
+        assert_eq!(quantity("first_instability.position"), Some(Quantity::Length));
+        assert!(summaries.find("stick_slip.0.persistent_stiffness").is_none(), "of another task");
+    }
+}

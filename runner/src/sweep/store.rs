@@ -95,7 +95,8 @@ impl Store {
         let first = beside(&self.directory, "");
         let first = first.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let entries = fs::read_dir(folder::above(&self.directory)).into_iter().flatten().flatten();
-        let paths = entries.map(|entry| entry.path()).filter(|path| path.file_name() != self.folder.file_name());
+        let paths =
+            entries.map(|entry| entry.path()).filter(|path| path.file_name() != self.folder.file_name());
         let named =
             |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&first));
         paths.filter(named).filter_map(|path| Some((path.clone(), self.other(&path)?))).collect()
