@@ -42,7 +42,7 @@ pub fn sweep(arguments: &Sweep) -> Result<(), Failure> {
     if !arguments.quiet {
         run::report(&written.renamed);
     }
-    summarise(&dataset, (&directory, store.folder()), &written, arguments)
+    summarise(&dataset, &directory, &written, arguments)
 }
 
 impl From<Error> for Failure {
@@ -170,7 +170,7 @@ fn heading(report: &Report) -> String {
 /// Prints the summary in the requested form.
 fn summarise(
     dataset: &Dataset,
-    (directory, folder): (&Path, &Path),
+    directory: &Path,
     written: &Written,
     arguments: &Sweep,
 ) -> Result<(), Failure> {
@@ -183,7 +183,8 @@ fn summarise(
         return Ok(());
     }
     let mut text = heading(&report);
-    let kept = || report.kept.iter().filter(|kept| kept.name != "failure");
+    // Estimated errors are in the files.
+    let kept = || report.kept.iter().filter(|kept| !["failure", "accuracy"].contains(&kept.name.as_str()));
     let width = kept().fold(22, |widest, kept| widest.max(kept.name.chars().count()));
     for kept in kept() {
         let _ = writeln!(text, "{:<width$} {}", kept.name, found(kept));
@@ -194,7 +195,7 @@ fn summarise(
         let _ = writeln!(text, "{:<22} {first}", "first failure");
     }
     text += &run::files(directory, written);
-    let _ = writeln!(text, "  {:<20} {} (may be removed)", "stored cases", folder.display());
+    let _ = writeln!(text, "  {:<20} {}.sweep-* (may be removed)", "stored cases", directory.display());
     print(&text)
 }
 
