@@ -44,9 +44,10 @@ rust:
 results: $(venv)/ready
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	for scenario in scenarios/*.toml; do \
-	  cargo run --release --locked --quiet -- run "$$scenario" --quiet -o "$$folder/$$(basename "$$scenario" .toml)"; \
+	  command=$$(grep -q '^\[sweep' "$$scenario" && echo sweep || echo run); \
+	  cargo run --release --locked --quiet -- $$command "$$scenario" --quiet -o "$$folder/$$(basename "$$scenario" .toml)"; \
 	done; \
-	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*
+	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*/
 
 package := target/package
 stubs := $(package)/stubs/asperity/_core.pyi
@@ -147,6 +148,8 @@ bench: $(venv)/installed $(venv)-peers/installed
 	cargo bench --locked --package asperity --bench ensemble --bench block --bench coupling --bench elastic --bench fit --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
 	$(venv)/bin/python -P python/benches/overhead.py
 	$(venv)/bin/python -P python/benches/fit.py
+	cargo run --release --locked --package asperity-cli --example sweep_cost
+	$(venv)/bin/python -P python/benches/sweep.py
 	$(paired)
 
 paired = PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers

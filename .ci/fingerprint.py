@@ -62,7 +62,10 @@ def of_scenarios(tree: Path) -> Iterator[tuple[str, object]]:
     for scenario in sorted((tree / "scenarios").glob("*.toml")):
         with tempfile.TemporaryDirectory() as folder:
             results = Path(folder) / "results"
-            subprocess.run([program, "run", scenario, "--quiet", "-o", results], check=True)
+            swept = "\n[sweep" in scenario.read_text(encoding="utf-8")
+            subprocess.run(
+                [program, "sweep" if swept else "run", scenario, "--quiet", "-o", results], check=True
+            )
             yield from ((f"{scenario.stem}/{name}", value) for name, value in of_folder(results))
 
 

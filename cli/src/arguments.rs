@@ -1,10 +1,11 @@
 //! What may be typed after `asperity`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use asperity_runner::checkpoint::Every;
 use asperity_runner::duration;
+use asperity_runner::sweep::Part;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
@@ -23,6 +24,9 @@ pub struct Arguments {
 pub enum Command {
     /// Compute a scenario, write the results to a folder and print a summary
     Run(Run),
+    /// Compute all cases of a scenario with [sweep], and gather what is kept of them in one file
+    #[command(after_help = SWEEPS)]
+    Sweep(Sweep),
     /// Read a scenario and say whether it is valid, without computing it
     Check(Scenario),
     /// Draw the pictures of a folder of results anew, from its result.nc
@@ -54,6 +58,12 @@ pub enum Command {
         shell: Shell,
     },
 }
+
+/// How the parts of a sweep belong together.
+const SWEEPS: &str = "Finished cases are stored beside DIR, in DIR.sweep-HASH. After an interruption, the same command with --resume
+computes the missing ones. In parts, on one machine or several that share the folder:
+  asperity sweep SCENARIO --part 1/3     and 2/3 and 3/3, in any order
+  asperity sweep SCENARIO --gather       writes the results into DIR";
 
 /// Where the completion scripts of the shells belong.
 const COMPLETIONS: &str = "Save the script where the shell looks for it:
@@ -105,6 +115,44 @@ pub struct Run {
     pub json: bool,
 }
 
+#[derive(Debug, Args)]
+pub struct Sweep {
+    #[command(flatten)]
+    pub scenario: Scenario,
+    /// Folder for the results [default: out/<name of the scenario>]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Compute one part of the cases, such as 2/8, and only store them; --gather collects the parts
+    #[arg(long, value_name = "I/N", conflicts_with = "gather")]
+    pub part: Option<Part>,
+    /// Compute nothing: gather the stored cases of all parts and write the results
+    #[arg(long)]
+    pub gather: bool,
+    /// Continue a stopped sweep with the cases that are not stored
+    #[arg(long)]
+    pub resume: bool,
+    /// Print the cases, what is kept and what is stored, and compute nothing
+    #[arg(long)]
+    pub explain: bool,
+    /// Number of threads; results do not depend on it [default: one per core]
+    #[arg(long, value_name = "N", value_parser = threads::parse)]
+    pub threads: Option<usize>,
+    /// Stop after this time (90s, 10min, 1h30min, 23:50:00); what is finished is stored
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    pub max_time: Option<Duration>,
+    #[command(flatten)]
+    pub pictures: Pictures,
+    /// Draw no pictures
+    #[arg(long, conflicts_with = "figures")]
+    pub no_figures: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// How pictures are drawn.
 #[derive(Debug, Args)]
 pub struct Pictures {
@@ -134,6 +182,14 @@ impl Pictures {
     }
 }
 
+impl Pictures {
+    /// How pictures are written, if any are.
+    fn unless(&self, none: bool) -> Style {
+        let style = self.style();
+        if none { Style { formats: Vec::new(), ..style } } else { style }
+    }
+}
+
 /// A finite number above 0.
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -145,14 +201,31 @@ fn positive(text: &str) -> Result<f64, String> {
 impl Run {
     /// How pictures are written.
     pub fn style(&self) -> Style {
-        let style = self.pictures.style();
-        if self.no_figures { Style { formats: Vec::new(), ..style } } else { style }
+        self.pictures.unless(self.no_figures)
     }
 
     /// Where the results go.
     pub fn directory(&self) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| {
-            PathBuf::from("out").join(self.scenario.path.file_stem().unwrap_or("scenario".as_ref()))
-        })
+        self.scenario.directory(self.output.as_deref())
+    }
+}
+
+impl Sweep {
+    /// How pictures are written.
+    pub fn style(&self) -> Style {
+        self.pictures.unless(self.no_figures)
+    }
+
+    /// Where the results go.
+    pub fn directory(&self) -> PathBuf {
+        self.scenario.directory(self.output.as_deref())
+    }
+}
+
+impl Scenario {
+    /// Where its results go: the folder that is given, or one with its name.
+    fn directory(&self, given: Option<&Path>) -> PathBuf {
+        let named = || PathBuf::from("out").join(self.path.file_stem().unwrap_or("scenario".as_ref()));
+        given.map_or_else(named, Path::to_owned)
     }
 }

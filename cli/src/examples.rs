@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 42] = shipped![
+const SHIPPED: [Shipped; 43] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -45,6 +45,7 @@ const SHIPPED: [Shipped; 42] = shipped![
     "fit-steady.toml",
     "stick-slip-ageing.toml",
     "stability.toml",
+    "sweep-stability.toml",
     "ofc.toml",
     "front-chain.toml",
     "precursors-edge.toml",

@@ -9,6 +9,7 @@ mod interrupt;
 mod progress;
 mod run;
 mod summary;
+mod sweep;
 mod threads;
 
 use std::fmt;
@@ -70,10 +71,8 @@ fn main() -> ExitCode {
 fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(run) => run::run(&run),
-        Command::Check(scenario) => {
-            run::warn(&input::read(&scenario.path, &scenario.overrides)?.scenario);
-            print(&format!("{}: valid\n", scenario.path.display()))
-        }
+        Command::Sweep(sweep) => sweep::sweep(&sweep),
+        Command::Check(scenario) => check(&scenario),
         Command::Plot { folder, pictures } => plot(&folder, &pictures),
         Command::Schema => print(&format!("{}\n", input::schema())),
         Command::Example { name: None } => print(&examples::list()),
@@ -96,8 +95,23 @@ fn execute(command: Command) -> Result<(), Failure> {
     }
 }
 
+/// Reads a scenario, with the corners of its sweep if it has one.
+fn check(scenario: &arguments::Scenario) -> Result<(), Failure> {
+    let input = input::read(&scenario.path, &scenario.overrides)?;
+    let cases = match input.scenario.sweep {
+        Some(_) => format!(", a sweep of {} cases", asperity_runner::sweep::Plan::new(&input)?.count()),
+        None => String::new(),
+    };
+    run::warn(&input.scenario);
+    print(&format!("{}: valid{cases}\n", scenario.path.display()))
+}
+
 /// Draws the pictures of a folder of results anew.
 fn plot(folder: &Path, pictures: &Pictures) -> Result<(), Failure> {
+    if folder.join("sweep.nc").is_file() {
+        let words = "a sweep, whose pictures asperity sweep SCENARIO --resume draws anew";
+        return Err(Failure::Input(format!("error: {}: {words}\n", folder.display())));
+    }
     let mut outcome = output::read(folder).map_err(Failure::run)?;
     let drawn = figure::draw(&mut outcome, &pictures.style()).map_err(Failure::run)?;
     run::report(&output::attach(folder, &drawn).map_err(Failure::run)?);

@@ -17,6 +17,8 @@ use super::{Failure, drawing, figure, print, summary, threads};
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     let interrupts = Interrupts::listen().map_err(Failure::run)?;
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
+    let one = input.scenario.is_one_case("asperity sweep");
+    one.map_err(|error| input.diagnose(&error))?;
     let directory = arguments.directory();
     interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
     if !arguments.quiet {
@@ -64,7 +66,7 @@ fn print_summary(
 }
 
 /// The folder and what is in it, pictures without their formats.
-fn files(directory: &Path, written: &Written) -> String {
+pub fn files(directory: &Path, written: &Written) -> String {
     let mut text = format!("{:<22} {}\n", "results", directory.display());
     text += &format!("  {:<20} {}\n", "data", written.results.join(", "));
     if let Some(pictures) = drawn(&written.attached) {
@@ -103,7 +105,7 @@ pub fn report(renamed: &[Renamed]) {
 }
 
 /// Writes to the standard error. If that fails, there is no reader to inform.
-fn say(words: &str) {
+pub fn say(words: &str) {
     let _ = writeln!(std::io::stderr(), "{words}");
 }
 

@@ -29,8 +29,9 @@ fn every_wrong_scenario_is_refused_with_the_line_drawn() {
         let first = text.lines().next().unwrap();
         let expected =
             first.strip_prefix("# expect: ").unwrap_or_else(|| panic!("{}: {first}", path.display()));
+        let command = support::command_of(&path);
         let path = path.to_str().unwrap();
-        for command in [&["run", path][..], &["check", path]] {
+        for command in [&[command, path][..], &["check", path]] {
             let message = refused(command);
             for part in expected.split(" | ") {
                 assert!(message.contains(part), "{path}\nexpected: {part}\ngot: {message}");

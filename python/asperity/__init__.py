@@ -74,6 +74,7 @@ from asperity._core import (
 from asperity._events import Event, Events
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
 from asperity._spots import Dropped, Spots, spots
+from asperity._sweep import sweep
 from asperity._tasks import (
     Comparison,
     DistributionDistance,
@@ -234,6 +235,7 @@ __all__ = [
     "run",
     "spots",
     "stability",
+    "sweep",
     "velocity_curve",
 ]
 

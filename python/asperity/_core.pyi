@@ -112,11 +112,13 @@ __all__ = [
     "Transport",
     "VelocityStep",
     "Weibull",
+    "_Sweep",
     "__version__",
     "_measured_pieces",
     "_resolve",
     "_restore",
     "_restore_result",
+    "_sweep_cases",
     "_velocity_curve",
     "critical_coupling",
     "fit",
@@ -2594,12 +2596,72 @@ class Weibull(Law):
 
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
 
+@final
+class _Sweep:
+    """A sweep of `asperity.sweep`: its cases, and those that are there."""
+
+    def add(self, /, cases: bytes) -> None:
+        """Adds the cases that a worker has computed."""
+
+    def add_case(
+        self,
+        /,
+        number: SupportsIndex,
+        found: Mapping[str, float | str] | None,
+        failure: str | None,
+        *,
+        flush: bool,
+    ) -> None:
+        """Adds a case of a function: the values that it has found by their names, or why it failed. It is stored with `flush`."""
+
+    @property
+    def cases(self, /) -> int:
+        """The number of cases."""
+
+    def compute(self, /, threads: SupportsIndex | None, *, progress: _Progress = None) -> None:
+        """Computes the missing cases of a scenario in this process."""
+
+    def finish(self, /) -> tuple[dict[str, Any], list[Any], list[Any]]:
+        """The attributes of the whole, the coordinates and the variables, each with name, dimensions, values and attributes, when
+        all cases are there; written to the folder if there is one.
+        """
+
+    def flush(self, /) -> None:
+        """Stores the cases of a function that are not stored yet."""
+
+    def missing(self, /) -> list[int]:
+        """The numbers of the cases that are not there."""
+
+    @staticmethod
+    def of_function(
+        hash: str,
+        text: str,
+        axes: Sequence[tuple[str, Sequence[float] | Sequence[str]]],
+        folder: str | PathLike[str] | None,
+    ) -> _Sweep:
+        """The sweep of a function over arguments with these values; `hash` and `text` identify it in a folder."""
+
+    @staticmethod
+    def of_scenario(
+        scenario: str | PathLike[str] | Mapping[str, Any],
+        overrides: Mapping[str, Any] | None,
+        folder: str | PathLike[str] | None,
+    ) -> _Sweep:
+        """The sweep of a scenario with a table sweep. Its corners are checked."""
+
+    @property
+    def specification(self, /) -> Any:
+        """What a worker needs to compute cases."""
+
 def _measured_pieces(
     time: ArrayLike, position: ArrayLike, apart: _Number, least: SupportsIndex
 ) -> list[tuple[int, int, float, float, float]]: ...
 def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
 def _restore(version: str, description: str) -> Description: ...
 def _restore_result(version: str, kind: str, content: bytes, model: object = None) -> object: ...
+def _sweep_cases(specification: Any, cases: Sequence[SupportsIndex], threads: SupportsIndex) -> bytes:
+    """Computes cases of a scenario on some threads: what a worker does. Returns the bytes that `_Sweep.add` takes."""
+
 @overload
 def _velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float: ...
 @overload

@@ -28,6 +28,7 @@ mod simulated;
 mod simulation;
 mod stick_slip;
 mod stretches;
+mod sweep;
 mod threads;
 mod transport;
 mod typed;
@@ -90,6 +91,8 @@ mod _core {
     use crate::simulation::Simulation;
     #[pymodule_export]
     use crate::stick_slip::StickSlip;
+    #[pymodule_export]
+    use crate::sweep::{Sweep, cases};
     #[pymodule_export]
     use crate::transport::{Step, Transport, velocity_curve};
 

@@ -265,14 +265,14 @@ pub fn open_result(py: Python<'_>, folder: PathBuf) -> PyResult<Py<Result>> {
 }
 
 /// The text of a scenario, its name in messages, and the folder to which its file paths are relative.
-struct Text {
-    text: String,
-    name: String,
-    folder: PathBuf,
+pub struct Text {
+    pub text: String,
+    pub name: String,
+    pub folder: PathBuf,
 }
 
 impl Text {
-    fn of(scenario: &Bound<'_, PyAny>) -> PyResult<Self> {
+    pub fn of(scenario: &Bound<'_, PyAny>) -> PyResult<Self> {
         let here = |text| Self { text, name: "the scenario".into(), folder: PathBuf::new() };
         if scenario.is_instance_of::<PyDict>() {
             return written(&convert::toml("", scenario)?).map(here);
@@ -296,7 +296,7 @@ fn written(value: &toml::Value) -> PyResult<String> {
 }
 
 /// Overrides in the form of the command line, `key=value`.
-fn assignments(overrides: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
+pub fn assignments(overrides: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
     let assignment = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String =
             key.extract().map_err(|_| error::wrong_type("overrides", "keys that are texts", &key))?;

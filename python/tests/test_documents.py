@@ -1,6 +1,7 @@
 """What the documents show of Python is run, and prints and draws what they show."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,20 @@ def test_a_document_draws_its_figure(
     assert looks_like(figure, (tmp_path / drawn).read_text(encoding="utf-8")), (
         f"{kept} is out of date: make figures"
     )
+
+
+def test_scripts_for_clusters_can_be_read() -> None:
+    """What needs a cluster is not run, but has no error of syntax."""
+    text = (ROOT / "docs" / "how-to" / "cluster.md").read_text(encoding="utf-8")
+    blocks: list[str] = re.findall(r"^```text\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    shell = [block for block in blocks if block.startswith("#!/bin/bash\n")]
+    scripts = [block for block in blocks if block.startswith("#!/usr/bin/env python3\n")]
+    assert len(shell) >= 3
+    assert len(scripts) >= 2
+    for block in shell:
+        subprocess.run(["bash", "-n"], input=block, text=True, check=True)
+    for block in scripts:
+        compile(block, "cluster.md", "exec")
 
 
 def looks_like(one: str, other: str) -> bool:

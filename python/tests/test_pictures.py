@@ -28,7 +28,11 @@ SLOW = {
     "velocity-curve-mean-field",
     "velocity-curve-thermal",
 }
-SCENARIOS = [path for path in sorted(ROOT.glob("scenarios/*.toml")) if path.stem not in SLOW]
+SCENARIOS = [
+    path
+    for path in sorted(ROOT.glob("scenarios/*.toml"))
+    if path.stem not in SLOW and not path.stem.startswith("sweep")
+]
 SMALLER: dict[str, dict[str, Any]] = {
     "healing": {"hold_curve.points": 5, "ensemble.size": 100},
     "laboratory": {"ensemble.size": 100},

@@ -6,11 +6,14 @@ mod folder;
 pub mod input;
 pub mod memory;
 pub mod output;
-// The sampler of posteriors asks an operating system for a clock and for random numbers; WebAssembly has neither.
+// The sampler of posteriors, which runs may need, asks an operating system for a clock and for random numbers; WebAssembly has
+// neither.
 #[cfg(not(target_family = "wasm"))]
 pub mod posterior;
 #[cfg(not(target_family = "wasm"))]
 mod run;
+#[cfg(not(target_family = "wasm"))]
+pub mod sweep;
 
 #[cfg(not(target_family = "wasm"))]
 pub use run::{run, run_with};

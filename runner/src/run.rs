@@ -28,6 +28,7 @@ pub fn run_with(
     checkpoints: Option<&mut Checkpoints>,
     monitor: &mut dyn Monitor,
 ) -> Result<Outcome> {
+    scenario.is_one_case("asperity sweep, or sweep() in Python")?;
     let (summary, record) = match scenario.fit.as_ref().and_then(|fit| fit.posterior) {
         Some(sampling) => fit_and_sample(scenario, sampling, monitor)?,
         None => {

@@ -89,13 +89,40 @@ def check(folder: Path, engine: str) -> None:
             assert np.allclose(shares, 1.0, atol=2e-3), shares
 
 
+def check_sweep(folder: Path, engine: str) -> None:
+    """The same of a sweep: sweep.nc has the cases of sweep.csv along its axes."""
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    with open(folder / "sweep.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    with xr.open_dataset(folder / "sweep.nc", engine=engine) as data:
+        axes = [axis["keys"][0].replace(".", "_") for axis in summary["axes"]]
+        for name in rows[0]:
+            _, values = xr.broadcast(data[kept_name(summary)], data[name])
+            values = values.transpose(*axes).values.ravel()
+            if values.dtype == object:
+                assert list(values) == [row[name] for row in rows], name
+            else:
+                column = np.array([float(row[name]) for row in rows])
+                assert np.array_equal(values, column, equal_nan=True), name
+            assert data[name].attrs["long_name"], name
+        assert data.attrs["version"] == summary["version"]
+        assert data.attrs["cases"] == len(rows) == summary["cases"]
+        assert data["scenario"].item() == (folder / "scenario.toml").read_text(encoding="utf-8")
+
+
+def kept_name(summary: dict) -> str:
+    """A variable along all axes."""
+    return summary["kept"][0]["name"]
+
+
 def main() -> None:
     folders = [Path(name) for name in sys.argv[1:]]
     if not folders:
         sys.exit("usage: python open_with_xarray.py DIR...")
-    for folder in folders:
+    # Beside a sweep are its stored cases.
+    for folder in (folder for folder in folders if (folder / "summary.json").exists()):
         for engine in ("netcdf4", "h5netcdf"):
-            check(folder, engine)
+            (check_sweep if (folder / "sweep.nc").exists() else check)(folder, engine)
         print(f"{folder}: reads the same with netcdf4 and h5netcdf")
 
 

@@ -26,14 +26,18 @@ mod stability;
 mod stick_slip;
 mod stress_map;
 mod style;
+mod sweep;
 mod thresholds;
 mod typography;
 mod velocity_curve;
 mod velocity_step;
 
 use asperity_runner::output::{Attachment, Outcome};
+use asperity_runner::sweep::Dataset;
+use kuva::render::render::Scene;
 
 pub use formats::{Format, Style};
+pub use style::digits;
 
 /// Draws every picture for which the record has the variables.
 ///
@@ -79,10 +83,34 @@ fn pictures(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String>
         ("free_form", free_form::scene(outcome)),
         ("corner", corner::scene(outcome)),
     ];
-    let title = style::heading(&outcome.summary.title).0;
+    let scenes = scenes.into_iter().filter_map(|(name, scene)| Some((name.to_owned(), scene?)));
+    converted(scenes, &outcome.summary.title, style)
+}
+
+/// Draws the pictures of a sweep.
+///
+/// # Errors
+/// A picture that cannot be converted, with its name.
+pub fn of_sweep(dataset: &Dataset, style: &Style) -> Result<Vec<Attachment>, String> {
+    if style.formats.is_empty() {
+        return Ok(Vec::new());
+    }
+    if style.title {
+        return converted(sweep::scenes(dataset).into_iter(), &dataset.title, style);
+    }
+    let untitled = Dataset { title: String::new(), ..dataset.clone() };
+    converted(sweep::scenes(&untitled).into_iter(), "", style)
+}
+
+/// Scenes with their names as files of all formats.
+fn converted(
+    scenes: impl Iterator<Item = (String, Scene)>,
+    title: &str,
+    style: &Style,
+) -> Result<Vec<Attachment>, String> {
+    let title = style::heading(title).0;
     let mut pictures = Vec::new();
     for (name, scene) in scenes {
-        let Some(scene) = scene else { continue };
         let svg = formats::svg(&scene, &title, style);
         for &format in &style.formats {
             let name = format!("{name}.{}", format.ending());

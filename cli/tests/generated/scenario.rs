@@ -10,8 +10,9 @@ use super::quantities::{self, Units};
 use super::random::SplitMix;
 use super::rules;
 
-/// Keys that name a file. They are not drawn: other keys give the same values.
-const FILES: [&str; 2] = ["file", "protocol_file"];
+/// Keys that are not drawn: those that name a file, since other keys give the same values, and the table of sweeps, whose cases are
+/// scenarios.
+const NOT_DRAWN: [&str; 3] = ["file", "protocol_file", "sweep"];
 /// Values that are no measurement.
 const ODD: [f64; 7] = [0.0, -1.0, f64::NAN, f64::INFINITY, 1e308, 5e-324, -0.0];
 /// Whole numbers that ask for too much, or for nothing.
@@ -83,7 +84,7 @@ impl Schema {
         let given = |table: &'static str, path: &'static str| {
             let keys = self.0.pointer(table).and_then(Json::as_object).expect("a table");
             keys.keys()
-                .filter(|key| !FILES.contains(&key.as_str()))
+                .filter(|key| !NOT_DRAWN.contains(&key.as_str()))
                 .map(move |key| format!("{path}{key} = given"))
         };
         let variants = |name: &str, path: &'static str| {
@@ -261,7 +262,7 @@ impl<'a> Walk<'a> {
         let mut table = Table::new();
         for key in keys {
             let here = join(path, key);
-            if FILES.contains(&key) || excluded.contains(&key) {
+            if NOT_DRAWN.contains(&key) || excluded.contains(&key) {
                 continue;
             }
             if !(needed.contains(&key) || required(schema).contains(&key)) {
@@ -288,7 +289,7 @@ impl<'a> Walk<'a> {
         let allowed: Vec<_> = names
             .iter()
             .map(String::as_str)
-            .filter(|name| !FILES.contains(name) && self.allows(&here, name))
+            .filter(|name| !NOT_DRAWN.contains(name) && self.allows(&here, name))
             .collect();
         let chosen = self.choose(&here, &allowed).to_owned();
         let chosen = &alternatives[names.iter().position(|name| *name == chosen).expect("one of them")];

@@ -64,6 +64,12 @@ pub fn tomls(folder: &Path) -> Vec<PathBuf> {
     files.map(|name| folder.join(name)).collect()
 }
 
+/// The command that computes a scenario.
+pub fn command_of(path: &Path) -> &'static str {
+    let swept = std::fs::read_to_string(path).unwrap().lines().any(|line| line.starts_with("[sweep"));
+    if swept { "sweep" } else { "run" }
+}
+
 /// How a process ended.
 #[cfg(target_os = "linux")]
 pub struct Ended {

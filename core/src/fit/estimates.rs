@@ -1,6 +1,7 @@
 //! What a fit has found: values with errors and intervals, the readings as described, the misfit.
 
 use faer::Mat;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::expected::ExpectedReadings;
@@ -39,7 +40,7 @@ pub struct Estimate {
 }
 
 /// The correlation of the errors of two estimates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Correlation {
     /// The names.
     pub between: [String; 2],

@@ -2,13 +2,14 @@
 
 use faer::Mat;
 use puruspe::gammq;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Lags of the autocorrelation of the whitened residuals.
 const LAGS: usize = 20;
 
 /// How well a measured curve is described.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Misfit {
     /// χ² = rᵀΣ⁻¹r.
     pub chi_squared: f64,

@@ -8,6 +8,7 @@
 //! correlated over some points, as filters of instruments make it. Such noise is a Markov process, so that a
 //! Kalman filter (R. E. Kalman, J. Basic Eng. 82, 35 (1960)) whitens n points at a cost in proportion to n.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
@@ -33,7 +34,7 @@ const STEP: f64 = 0.7;
 const TOLERANCE: f64 = 1e-3;
 
 /// A stationary Gaussian process with the covariance σ² e^{−|X|/ℓ}.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OrnsteinUhlenbeck {
     /// Standard deviation σ, a force.
     pub std: f64,
@@ -42,7 +43,7 @@ pub struct OrnsteinUhlenbeck {
 }
 
 /// The noise of a measured curve: white noise plus drift.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredNoise {
     /// Standard deviation of the white noise, a force.
     pub white: f64,

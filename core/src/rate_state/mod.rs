@@ -27,6 +27,7 @@ mod measured_velocity_step;
 mod separable;
 mod velocity_step;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use drift::{MeasuredNoise, OrnsteinUhlenbeck};
@@ -37,7 +38,7 @@ pub use measured_velocity_step::{MeasuredVelocityStep, StepReading};
 pub use velocity_step::VelocityStep;
 
 /// An estimated number with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Fitted {
     /// The value.
     pub value: f64,
@@ -51,7 +52,7 @@ pub struct Fitted {
 /// which χ², minimised over all other parameters, exceeds its minimum by at most t², with the quantile t of
 /// Student's distribution. It need not be symmetric. Where that of D_c or t_c has no upper end, those of the
 /// other parameters hold for the scales that were searched.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredValue {
     /// The value.
     pub value: f64,

@@ -29,6 +29,9 @@ mod size;
 mod spectrum;
 mod stability;
 mod start;
+mod sweep;
+mod sweep_axis;
+mod sweep_kept;
 mod task;
 mod task_start;
 mod time;
@@ -67,6 +70,9 @@ pub use rules::{Ageing, Delay};
 pub use spectrum::Spectrum;
 pub use stability::Stability;
 pub use start::TaskStart;
+pub use sweep::{Sweep, SweepDimension};
+pub use sweep_axis::{SweepAxes, SweepAxis, SweepRange, SweepScale, SweepTable, SweepValue};
+pub use sweep_kept::{SweepCurve, SweepKept};
 pub use task::Task;
 pub use units::Units;
 pub use velocity_curve::VelocityCurve;
@@ -148,6 +154,9 @@ pub struct Scenario {
     /// A measured curve to compare with F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Compare>,
+    /// Values of keys for all combinations of which the task is computed, by `asperity sweep`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
 }
 
 impl Scenario {
@@ -173,6 +182,7 @@ impl Scenario {
             ensemble: None,
             units: Units::default(),
             compare: None,
+            sweep: None,
         }
     }
 
@@ -181,6 +191,7 @@ impl Scenario {
     /// # Errors
     /// The first invalid value, or a task that does not fit in memory.
     pub fn build(&self) -> Result<Model> {
+        self.check_sweep()?;
         let task = self.task()?;
         let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
         let model = Model {

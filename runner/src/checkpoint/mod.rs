@@ -27,7 +27,7 @@ pub use every::Every;
 pub use file::Bits;
 use file::{Content, Header};
 use found::FoundFile;
-use lock::Lock;
+pub use lock::Lock;
 
 /// Number of checkpoint files, written in turn.
 const SLOTS: usize = 2;

@@ -1,6 +1,7 @@
 //! A TOML document as a tree that keeps the position of each key and value in the text.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -9,10 +10,10 @@ use super::deserialise::Fault;
 use super::{Diagnostic, Mark, Source, short};
 
 /// A scenario file with its overrides merged in.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Document {
     /// The file, then each override.
-    sources: Vec<(String, String)>,
+    sources: Arc<Vec<(String, String)>>,
     pub root: Node,
 }
 
@@ -46,7 +47,7 @@ pub enum Kind {
 impl Document {
     pub fn parse(name: &str, text: &str) -> Result<Self, Box<Diagnostic>> {
         let mut document = Self {
-            sources: vec![(name.to_owned(), text.to_owned())],
+            sources: Arc::new(vec![(name.to_owned(), text.to_owned())]),
             root: Node { key: Place::end(text), value: Place::end(text), kind: Kind::Table(Vec::new()) },
         };
         let table = DeTable::parse(text).map_err(|e| document.syntax(0, &e))?;
@@ -56,7 +57,7 @@ impl Document {
 
     /// Adds a source text.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
-        self.sources.push((name.to_owned(), text.to_owned()));
+        Arc::make_mut(&mut self.sources).push((name.to_owned(), text.to_owned()));
         self.sources.len() - 1
     }
 
@@ -70,10 +71,9 @@ impl Document {
     /// Adds the position in the text to a fault.
     pub fn draw(&self, fault: Fault) -> Box<Diagnostic> {
         let mut node = &self.root;
-        let mut path = fault.path.iter();
-        // For values that were read from a file, the position is that of the file name.
-        while let Some(child) = path.next().and_then(|key| node.child(key).or_else(|| node.file(key))) {
-            node = child;
+        let mut path = &fault.path[..];
+        while let Some((child, rest)) = node.along(path) {
+            (node, path) = (child, rest);
         }
         let on_key = fault.on_key || matches!(node.kind, Kind::Table(_));
         let place = if on_key { node.key.clone() } else { node.value.clone() };
@@ -138,6 +138,14 @@ impl Node {
             Kind::List(items) => items.get(key.parse::<usize>().ok()?),
             _ => None,
         }
+    }
+
+    /// The node at the beginning of a path, and the rest of the path. A key may have dots, as those of axes have.
+    fn along<'a, 'p>(&'a self, path: &'p [String]) -> Option<(&'a Self, &'p [String])> {
+        let first = path.first()?;
+        // For values that were read from a file, the position is that of the file name.
+        let own = self.child(first).or_else(|| self.file(first)).map(|node| (node, &path[1..]));
+        own.or_else(|| (2..=path.len()).find_map(|n| Some((self.child(&path[..n].join("."))?, &path[n..]))))
     }
 
     /// The entry that names the file from which `key` was read.

@@ -5,10 +5,11 @@ mod diagnostic;
 mod document;
 mod overrides;
 mod schema;
+mod sweep;
 mod tables;
 mod text;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity::scenario::Scenario;
 use serde::Deserialize as _;
@@ -17,6 +18,7 @@ use serde::de::DeserializeOwned;
 pub use deserialise::nearest;
 pub use diagnostic::{Diagnostic, Mark, Source};
 pub use schema::schema;
+pub(crate) use sweep::{Cases, Choice};
 
 use deserialise::{Fault, Reader};
 use document::{Document, Node};
@@ -27,6 +29,8 @@ pub struct Input {
     /// The scenario, with its tables inlined.
     pub scenario: Scenario,
     document: Document,
+    /// The folder to which the paths of files are relative.
+    directory: PathBuf,
 }
 
 /// Reads the scenario at `path`, with `overrides` of the form `key.path=value`.
@@ -52,13 +56,17 @@ pub fn parse(
     for argument in overrides {
         overrides::apply(&mut document, argument)?;
     }
+    let input = read_document(document, directory)?;
+    input.scenario.build().map_err(|error| input.diagnose(&error))?;
+    Ok(input)
+}
+
+/// The scenario that a document describes, with its tables inlined.
+fn read_document(document: Document, directory: &Path) -> Result<Input, Box<Diagnostic>> {
     let scenario = Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(fault))?;
-    let mut input = Input { scenario, document };
+    let mut input = Input { scenario, document, directory: directory.to_owned() };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
-    match input.scenario.build() {
-        Ok(_) => Ok(input),
-        Err(error) => Err(input.diagnose(&error)),
-    }
+    Ok(input)
 }
 
 impl Input {

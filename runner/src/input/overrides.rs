@@ -60,6 +60,12 @@ fn plain(value: &str) -> Kind {
     value.parse().map_or_else(|_| Kind::Text(value.to_owned()), Kind::Float)
 }
 
+/// Puts a value under a dotted key. Faults are at the value's own place.
+pub fn put(root: &mut Node, key: &str, leaf: Node) -> Result<(), Fault> {
+    let keys: Vec<_> = key.split('.').map(|name| (name.to_owned(), leaf.key.clone())).collect();
+    insert(root, &keys, leaf)
+}
+
 fn insert(node: &mut Node, keys: &[(String, Place)], leaf: Node) -> Result<(), Fault> {
     let Some(((key, place), rest)) = keys.split_first() else {
         *node = leaf;

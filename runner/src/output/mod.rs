@@ -71,6 +71,15 @@ pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Resul
     files.extend(fitted::fitted(outcome).into_iter().map(|(name, text)| (name, text.into_bytes())));
     files.push(("result.nc".to_owned(), netcdf::encode(outcome)?));
     files.extend(posterior::encode(outcome)?.map(|bytes| ("posterior.nc".to_owned(), bytes)));
+    write_files(dir, files, attachments)
+}
+
+/// Makes `files` (names and contents) and `attachments` the folder `dir`, as [`write`] does.
+pub(crate) fn write_files(
+    dir: &Path,
+    files: Vec<(String, Vec<u8>)>,
+    attachments: &[Attachment],
+) -> Result<Written> {
     let borrowed = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
     let attached = attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice()));
     let renamed = directory::replace(dir, borrowed.chain(attached))?;

@@ -1,11 +1,12 @@
 //! Statistics of the events of an interface.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Extended, Fitted};
 
 /// A catalogue of events.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Catalogue {
     /// Number of cells, or of contacts coupled one by one.
     pub cells: usize,
@@ -38,7 +39,7 @@ pub struct Catalogue {
 }
 
 /// p(x) ∝ x^{−τ} e^{−x/ξ} for magnitudes x from `from`, fitted by maximum likelihood.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PowerLaw {
     /// Exponent τ, with its standard error for independent events.
     pub exponent: Fitted,
@@ -62,7 +63,7 @@ impl PowerLaw {
 }
 
 /// The largest event.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Largest {
     /// Number of the event, counted from 1 as in `events.csv`.
     pub event: usize,

@@ -1,5 +1,6 @@
 //! What a fit has found.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Extended, PosteriorSummary};
@@ -7,7 +8,7 @@ use crate::fit::{Correlation, Misfit};
 use crate::scenario::FitSource;
 
 /// What a fit has found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitSummary {
     /// Whether the search has converged; otherwise the values are the last ones.
     pub converged: bool,
@@ -45,7 +46,7 @@ pub struct FitSummary {
 }
 
 /// Thresholds of free form; their density is in the record.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitFreeForm {
     /// Whether the search has converged.
     pub converged: bool,
@@ -63,7 +64,7 @@ pub struct FitFreeForm {
 }
 
 /// A comparison of distributions of thresholds by Akaike's criterion.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitLaws {
     /// The criterion for the distribution of the scenario less the lowest of all.
     pub difference: f64,
@@ -72,7 +73,7 @@ pub struct FitLaws {
 }
 
 /// A fit with another distribution of thresholds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitLaw {
     /// The name of the distribution.
     pub law: String,
@@ -90,7 +91,7 @@ pub struct FitLaw {
 }
 
 /// An estimate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitNumber {
     /// Its key in the scenario.
     pub key: String,
@@ -106,7 +107,7 @@ pub struct FitNumber {
 }
 
 /// A value with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Uncertain {
     /// The value.
     pub value: Extended,
@@ -115,7 +116,7 @@ pub struct Uncertain {
 }
 
 /// Friction of the fitted contacts, with propagated errors.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitFriction {
     /// F_s; absent if it is not reached.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -9,6 +9,9 @@ mod time;
 
 use crate::block::{End, Point, Regime, Slide, StickSlip};
 use crate::scenario::{Disorder, Units};
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use crate::rate_state::Fitted;
@@ -22,7 +25,7 @@ pub use time::{
 };
 
 /// The summary of a run: what it was, and the numbers of its task.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// The scenario's title.
     pub title: String,
@@ -32,14 +35,18 @@ pub struct Summary {
     pub units: Units,
     /// Estimated error of F/(N_c⟨k⟩), a length; absent where all contacts are followed one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length"))]
     pub accuracy: Option<f64>,
     /// Number of contacts N_c of the forces.
+    #[schemars(extend("x-dimension" = "1"))]
     pub contacts: f64,
     /// Background force B, which all friction forces of the results contain; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
     pub background_force: Option<f64>,
     /// Number of contacts of the finite-size band and of the ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub sample: Option<f64>,
     /// Seed of the random numbers; null where none were drawn.
     pub seed: Option<u64>,
@@ -55,7 +62,7 @@ pub struct Summary {
 }
 
 /// The numbers of a task; the key `task` is its name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "task", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Numbers {
@@ -84,7 +91,7 @@ pub enum Numbers {
 }
 
 /// The numbers of a pull.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PullNumbers {
     /// Static and kinetic friction, and the relaxation from one to the other.
     #[serde(flatten)]
@@ -98,7 +105,7 @@ pub struct PullNumbers {
 }
 
 /// The derivatives of friction by a parameter of the contacts, per unit of the parameter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionDerivative {
     /// Name of the parameter, as `thresholds.mean` or `count`.
     pub parameter: String,
@@ -116,7 +123,7 @@ pub struct FrictionDerivative {
 }
 
 /// The numbers of a slider whose top is driven.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DriveNumbers {
     /// Friction of a pull of its base, at the velocity of the drive if there is one.
     #[serde(flatten)]
@@ -127,14 +134,14 @@ pub struct DriveNumbers {
 }
 
 /// The numbers of an interface that is driven.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InterfaceNumbers {
     /// The catalogue of events.
     pub catalogue: Catalogue,
 }
 
 /// The numbers of a rigid slider that is moved in time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ProtocolNumbers {
     /// Estimated upper limit of the error of the force.
     pub force_error: f64,
@@ -146,7 +153,7 @@ pub struct ProtocolNumbers {
 }
 
 /// The numbers of a block that is moved in time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BlockNumbers {
     /// The motion of the slider.
     #[serde(flatten)]
@@ -154,7 +161,7 @@ pub struct BlockNumbers {
 }
 
 /// The numbers of a velocity curve, or of one for each of several temperatures.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VelocityCurveNumbers {
     /// Limits of the curves.
     pub limits: Vec<CurveLimits>,
@@ -164,29 +171,32 @@ pub struct VelocityCurveNumbers {
 }
 
 /// The numbers of a hold curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HoldCurveNumbers {
     /// Steady sliding, and the growth of static friction with the logarithm of the hold time.
     pub hold_curve: HealingCurve,
 }
 
 /// The numbers of the noise of steady sliding.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SpectrumNumbers {
     /// The noise.
     pub noise: Noise,
 }
 
 /// The noise of the force of a finite number of contacts in steady sliding.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Noise {
     /// Number of contacts.
     pub size: f64,
     /// F_k, the mean force.
+    #[schemars(extend("x-dimension" = "force"))]
     pub kinetic_friction: f64,
     /// Standard deviation of the force.
+    #[schemars(extend("x-dimension" = "force"))]
     pub force_std: f64,
     /// Mean displacement between breaks of a contact; the spectrum has peaks at multiples of 2π over it.
+    #[schemars(extend("x-dimension" = "length"))]
     pub mean_life: f64,
     /// S(0), a force squared times a length: the force averaged over a long displacement L has the variance S(0)/L.
     pub at_zero: f64,
@@ -196,21 +206,21 @@ pub struct Noise {
 }
 
 /// The numbers of a slider behind springs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StabilityNumbers {
     /// Whether it sticks and slips, at each velocity.
     pub stick_slip: Vec<StickSlipNumbers>,
 }
 
 /// The numbers of a fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitNumbers {
     /// What the fit has found.
     pub fit: FitSummary,
 }
 
 /// The numbers of a renormalisation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RenormalisationNumbers {
     /// The distribution of first breaks of coupled contacts.
     pub renormalisation: FirstBreakStatistics,
@@ -352,17 +362,21 @@ impl Numbers {
 }
 
 /// Friction from a pull and from steady sliding.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Friction {
     /// Static friction F_s and its position X_s.
     pub static_friction: StaticFriction,
     /// Kinetic friction F_k.
+    #[schemars(extend("x-dimension" = "force"))]
     pub kinetic_friction: f64,
     /// Relaxation length X*, from the slowest root of the characteristic equation.
+    #[schemars(extend("x-dimension" = "length"))]
     pub relaxation_length: Extended,
     /// The paper's estimate x̄²/σ of X*.
+    #[schemars(extend("x-dimension" = "length"))]
     pub relaxation_length_paper: Extended,
     /// Critical stiffness K_c.
+    #[schemars(extend("x-dimension" = "force/length"))]
     pub critical_stiffness: Extended,
     /// Forces divided by the normal load; absent without a normal load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -370,25 +384,30 @@ pub struct Friction {
 }
 
 /// The motion of a driven slider.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Sliding {
     /// Smooth sliding, or a kind of stick-slip.
     pub regime: SlidingKind,
     /// The reason for that classification, in words.
     pub reason: String,
     /// Number of slips.
+    #[schemars(extend("x-dimension" = "1"))]
     pub slips: usize,
     /// Mean advance of the drive from slip to slip; absent unless stick-slip is persistent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length"))]
     pub period: Option<f64>,
     /// Mean force drop of such a slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
     pub mean_drop: Option<f64>,
     /// Mean displacement of the slider in such a slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length"))]
     pub mean_slip: Option<f64>,
     /// Coefficient of variation of the advances from slip to slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub scatter: Option<f64>,
     /// State at the first instability; absent if there was none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -402,7 +421,7 @@ pub struct Sliding {
 }
 
 /// Kinds of sliding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlidingKind {
     /// No slips.
@@ -418,11 +437,13 @@ pub enum SlidingKind {
 }
 
 /// A state of the slider.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SliderState {
     /// Position X of its base.
+    #[schemars(extend("x-dimension" = "length"))]
     pub position: f64,
     /// Friction force.
+    #[schemars(extend("x-dimension" = "force"))]
     pub force: f64,
     /// The drive: position X_T of its top, or the imposed force.
     pub drive: f64,
@@ -497,24 +518,28 @@ pub enum StaticFriction {
 pub struct Extended(pub f64);
 
 /// Friction coefficients.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionCoefficients {
     /// The normal load.
+    #[schemars(extend("x-dimension" = "force"))]
     pub normal_load: f64,
     /// Static friction coefficient: F_s divided by the load; absent if static friction was not reached.
     #[serde(rename = "static", default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub at_rest: Option<f64>,
     /// Kinetic friction coefficient: F_k divided by the load.
+    #[schemars(extend("x-dimension" = "1"))]
     pub kinetic: f64,
 }
 
 /// Comparison of a measured curve with the computed one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
     /// Number of measured points within the pull.
     pub points: usize,
     /// Root mean square of measured minus computed force at these points; absent if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
     pub residual_rms: Option<f64>,
 }
 
@@ -567,6 +592,31 @@ impl<'de> Deserialize<'de> for Extended {
             WordOr::Word(word) if word == INFINITE => Ok(Self(f64::INFINITY)),
             WordOr::Word(word) => Err(unexpected(&word, INFINITE)),
         }
+    }
+}
+
+impl JsonSchema for StaticFriction {
+    fn schema_name() -> Cow<'static, str> {
+        "StaticFriction".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let reached = generator.subschema_for::<Peak>();
+        json_schema!({ "anyOf": [reached, { "type": "string", "const": NOT_REACHED }] })
+    }
+}
+
+impl JsonSchema for Extended {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Extended".into()
+    }
+
+    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["number", "string", "null"] })
     }
 }
 

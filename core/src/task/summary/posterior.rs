@@ -1,11 +1,12 @@
 //! What draws from the posterior of a fit say.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Extended;
 
 /// Draws from the posterior of a fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PosteriorSummary {
     /// Number of chains.
     pub chains: usize,
@@ -18,7 +19,7 @@ pub struct PosteriorSummary {
 }
 
 /// A number by draws from its posterior.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PosteriorNumber {
     /// Its key in the scenario.
     pub key: String,

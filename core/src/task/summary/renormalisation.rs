@@ -1,11 +1,12 @@
 //! Statistics of the distribution of first breaks.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Fitted;
 
 /// The distribution of the drives at which coupled contacts first broke, and the distributions for comparison.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FirstBreakStatistics {
     /// Coupling κ, the fraction of its stretch that a breaking contact passes on.
     pub coupling: f64,
@@ -28,7 +29,7 @@ pub struct FirstBreakStatistics {
 }
 
 /// How large an interface is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InterfaceSize {
     /// Number of contacts coupled one by one.
@@ -47,7 +48,7 @@ impl std::fmt::Display for InterfaceSize {
 }
 
 /// A distribution compared with the measured one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Compared {
     /// Mean of the distribution.
     pub mean: f64,

@@ -2,12 +2,13 @@
 
 use crate::master::Limits;
 use crate::rate_state::{Healing, MeasuredNoise, MeasuredValue, MeasuredVelocityStep, VelocityStep};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Extended;
 
 /// A step of a protocol.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ProtocolStep {
     /// Velocity at its end; 0 in a hold.
     pub velocity: f64,
@@ -37,16 +38,18 @@ pub struct ProtocolStep {
 }
 
 /// A maximum of the force.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Peak {
     /// The force.
+    #[schemars(extend("x-dimension" = "force"))]
     pub force: f64,
     /// Position X there.
+    #[schemars(extend("x-dimension" = "length"))]
     pub position: f64,
 }
 
 /// Rate-and-state parameters of a velocity step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RateState {
     /// Velocity v_0 before the step.
     pub velocity_before: f64,
@@ -71,7 +74,7 @@ pub struct RateState {
 }
 
 /// Rate-and-state parameters of a measured velocity step, with errors and 95 % intervals.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredRateState {
     /// Force F_0 before the step.
     pub force_before: MeasuredValue,
@@ -95,7 +98,7 @@ pub struct MeasuredRateState {
 }
 
 /// Limits of a velocity curve.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CurveLimits {
     /// Temperature of the curve, if there are several curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -111,7 +114,7 @@ pub struct CurveLimits {
 }
 
 /// Stability of steady sliding at the velocities of one or several curves.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SlidingStability {
     /// Largest K_c(v), for a slider without mass and damping or for the block; 0 if sliding is always stable.
     pub critical_stiffness_sliding: Extended,
@@ -123,7 +126,7 @@ pub struct SlidingStability {
 }
 
 /// Healing from a hold curve.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HealingCurve {
     /// Velocity before and after the holds.
     pub velocity: f64,

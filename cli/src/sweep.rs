@@ -1,0 +1,218 @@
+//! `asperity sweep`: plan, compute what is not stored yet, gather, draw, write, summarise.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use asperity_runner::output::{self, Written};
+use asperity_runner::sweep::{Dataset, Error, KeptReport, Part, Plan, Report, Store, Values};
+use asperity_runner::{input, sweep};
+
+use super::arguments::Sweep;
+use super::figure::{self, digits};
+use super::interrupt::{Interrupts, Reason};
+use super::progress::Progress;
+use super::{Failure, print, run, threads};
+
+pub fn sweep(arguments: &Sweep) -> Result<(), Failure> {
+    let interrupts = Interrupts::listen().map_err(Failure::run)?;
+    let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
+    let plan = Plan::new(&input)?;
+    let directory = arguments.directory();
+    let mut store = Store::new(&directory, plan.identity());
+    if arguments.explain {
+        return print(&explained(&plan, &mut store)?);
+    }
+    interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
+    if !arguments.quiet {
+        run::warn(&input.scenario);
+    }
+    let part = arguments.part.unwrap_or(Part::ALL);
+    let _lock = store.lock(arguments.part.map(|part| part.to_string()).as_deref())?;
+    if !arguments.gather {
+        arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
+        compute(&plan, part, &mut store, arguments, &interrupts)?;
+    }
+    if arguments.part.is_some() && !arguments.gather {
+        return computed(part, &mut store, arguments);
+    }
+    let dataset = gathered(&plan, &mut store, arguments)?;
+    let figures = figure::of_sweep(&dataset, &arguments.style()).map_err(Failure::run)?;
+    interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
+    let written = sweep::write(&directory, &dataset, &figures)?;
+    if !arguments.quiet {
+        run::report(&written.renamed);
+    }
+    summarise(&dataset, &directory, &written, arguments)
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::run(error)
+    }
+}
+
+/// Computes the cases of a part that are not stored.
+fn compute(
+    plan: &Plan,
+    part: Part,
+    store: &mut Store,
+    arguments: &Sweep,
+    interrupts: &Interrupts,
+) -> Result<(), Failure> {
+    let gathered = store.gathered()?;
+    tell_of_store(store, arguments);
+    let all = (0..plan.count()).filter(|&case| part.has(case)).count();
+    let missing: Vec<usize> = gathered.missing().filter(|&case| part.has(case)).collect();
+    let stored = gathered.there.iter().filter(|there| **there).count();
+    if stored > 0 && !arguments.resume && arguments.part.is_none() {
+        let path = store.folder().to_owned();
+        return Err(Error::Unfinished { path, stored, all }.into());
+    }
+    if arguments.part.is_some() {
+        store.note_parts(part.of)?;
+    }
+    interrupts.take_over();
+    let mut monitor = Progress::new(arguments.quiet, interrupts);
+    let before = all - missing.len();
+    let work = || sweep::run(plan, &missing, before, store, &mut monitor);
+    match threads::on(arguments.threads, work)? {
+        Err(Error::Stopped(asperity::Error::Stopped)) => {
+            let reason = interrupts.reason().unwrap_or(Reason::Signal);
+            Err(Failure::Interrupted(reason, Some(store.folder().to_owned())))
+        }
+        other => Ok(other?),
+    }
+}
+
+/// Says which stored files are not used.
+fn tell_of_store(store: &Store, arguments: &Sweep) {
+    if arguments.quiet {
+        return;
+    }
+    for (path, what) in store.damaged() {
+        run::say(&format!("warning: {}: {what}; its cases are computed again", path.display()));
+    }
+    for (path, what) in store.others() {
+        run::say(&format!("warning: {} is not used: it holds {what}", path.display()));
+    }
+}
+
+/// What is said after a part.
+fn computed(part: Part, store: &mut Store, arguments: &Sweep) -> Result<(), Failure> {
+    if arguments.quiet {
+        return Ok(());
+    }
+    let gathered = store.gathered()?;
+    let stored = gathered.there.iter().filter(|there| **there).count();
+    let text = format!(
+        "{:<22} {stored} of {} cases, in {}\n",
+        format!("part {}/{}", part.index, part.of),
+        gathered.there.len(),
+        store.folder().display()
+    );
+    let next = if stored == gathered.there.len() { "--gather writes the results\n" } else { "" };
+    print(&(text + next))
+}
+
+/// All cases, or the error that names those that are missing.
+fn gathered(plan: &Plan, store: &mut Store, arguments: &Sweep) -> Result<Dataset, Failure> {
+    let gathered = store.gathered()?;
+    if arguments.gather {
+        tell_of_store(store, arguments);
+    }
+    if gathered.missing().next().is_some() {
+        return Err(store.missing(&gathered)?.into());
+    }
+    store.finish()?;
+    Ok(Dataset::of_plan(plan, &gathered))
+}
+
+/// What would be computed.
+fn explained(plan: &Plan, store: &mut Store) -> Result<String, Failure> {
+    let gathered = store.gathered()?;
+    let stored = gathered.there.iter().filter(|there| **there).count();
+    let dataset = Dataset::of_plan(plan, &gathered);
+    let mut text = heading(&Report::new(&dataset));
+    for variable in &dataset.variables {
+        let unit = if variable.units.is_empty() { String::new() } else { format!(" ({})", variable.units) };
+        let _ = writeln!(text, "{:<22} {}{unit}", "keep", said(&variable.name, &variable.long_name));
+    }
+    let _ = writeln!(
+        text,
+        "{:<22} {stored} of {} cases, in {}",
+        "stored",
+        plan.count(),
+        store.folder().display()
+    );
+    text += "The corners are valid. Nothing was computed.\n";
+    Ok(text)
+}
+
+fn said(name: &str, meaning: &str) -> String {
+    if meaning.is_empty() { name.to_owned() } else { format!("{name}: {meaning}") }
+}
+
+/// Title, cases and axes.
+fn heading(report: &Report) -> String {
+    let mut text = if report.title.is_empty() { String::new() } else { format!("{}\n\n", report.title) };
+    let failed =
+        if report.failed == 0 { String::new() } else { format!(", {} of them failed", report.failed) };
+    let _ = writeln!(text, "{:<22} {}{failed}", "cases", report.cases);
+    for axis in &report.axes {
+        let range = axis
+            .range
+            .map_or(String::new(), |[low, high]| format!(" from {} to {}", digits(low), digits(high)));
+        let _ = writeln!(text, "{:<22} {}: {} values{range}", "axis", axis.keys.join(", "), axis.values);
+    }
+    text
+}
+
+/// Prints the summary in the requested form.
+fn summarise(
+    dataset: &Dataset,
+    directory: &Path,
+    written: &Written,
+    arguments: &Sweep,
+) -> Result<(), Failure> {
+    let report = Report::new(dataset);
+    if arguments.json {
+        let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
+        return print(&format!("{json}\n"));
+    }
+    if arguments.quiet {
+        return Ok(());
+    }
+    let mut text = heading(&report);
+    // Estimated errors are in the files.
+    let kept = || report.kept.iter().filter(|kept| !["failure", "accuracy"].contains(&kept.name.as_str()));
+    let width = kept().fold(22, |widest, kept| widest.max(kept.name.chars().count()));
+    for kept in kept() {
+        let _ = writeln!(text, "{:<width$} {}", kept.name, found(kept));
+    }
+    if let Some(Values::Texts(reasons)) = dataset.get("failure").map(|variable| &variable.values)
+        && let Some(first) = reasons.iter().find(|reason| !reason.is_empty())
+    {
+        let _ = writeln!(text, "{:<22} {first}", "first failure");
+    }
+    text += &run::files(directory, written);
+    let _ = writeln!(text, "  {:<20} {}.sweep-* (may be removed)", "stored cases", directory.display());
+    print(&text)
+}
+
+/// The range of the numbers, or how often there is each word.
+fn found(kept: &KeptReport) -> String {
+    const MOST: usize = 6;
+    let unit =
+        if kept.units.is_empty() || kept.units == "1" { String::new() } else { format!(" {}", kept.units) };
+    if !kept.words.is_empty() {
+        let each = |(word, count): &(String, usize)| format!("{word} ({count})");
+        let some: Vec<_> = kept.words.iter().take(MOST).map(each).collect();
+        let rest = if kept.words.len() > MOST { ", …" } else { "" };
+        return some.join(", ") + rest;
+    }
+    match kept.range {
+        None => "in no case".to_owned(),
+        Some([low, high]) if low == high => format!("{}{unit}", digits(low)),
+        Some([low, high]) => format!("{} to {}{unit}", digits(low), digits(high)),
+    }
+}

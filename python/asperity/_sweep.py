@@ -1,0 +1,277 @@
+"""Parameter sweeps in Python, on this machine or on any executor, with the store of `asperity sweep`."""
+
+import hashlib
+import itertools
+import math
+import pickle
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from asperity._core import __version__, _Sweep, _sweep_cases
+
+if TYPE_CHECKING:
+    from os import PathLike
+    from typing import TypeAlias
+
+    from xarray import Dataset
+
+    _Scenario: TypeAlias = str | PathLike[str] | Mapping[str, Any]
+    _Progress: TypeAlias = Callable[[float], object] | bool | None
+    # A number of a case, with what its function has found or why it failed.
+    _Found: TypeAlias = tuple[int, dict[str, float | str] | None, str | None]
+
+# The least work that is sent to a worker at once, in seconds.
+LEAST = 0.2
+# The work that is aimed at, so that the cost of a batch is small beside it.
+AIM = 0.5
+# Batches that wait for a worker, for each that runs.
+AHEAD = 2
+# The number of workers of an executor that does not tell.
+WORKERS = 8
+# The largest number of cases, as in a scenario.
+MOST = 10_000_000
+
+
+def sweep(
+    scenario: "_Scenario | Callable[..., Any]",
+    over: Mapping[str, Any] | None = None,
+    keep: Sequence[Any] | None = None,
+    *,
+    executor: Executor | None = None,
+    folder: "str | PathLike[str] | None" = None,
+    threads: int | None = None,
+    progress: "_Progress" = None,
+) -> "Dataset":
+    """Computes a scenario, or a function, for all combinations of values.
+
+    Parameters
+    ----------
+    scenario : str or PathLike or Mapping or Callable
+        A scenario as `run` takes it, with or without a table sweep; or a function, which is called with the
+        names of `over` as keywords and returns a number, or numbers and texts by name.
+    over : Mapping, optional
+        Values by dotted key of the scenario, or by argument of the function: a list or an array, or for a
+        scenario {"from": 0.1, "to": 10, "points": 21, "scale": "log"}. The last one runs fastest.
+    keep : Sequence, optional
+        What is kept of each case of a scenario: paths of the summary such as "static_friction.force", and
+        variables on a common grid such as {"variable": "force", "at": [0.0, 0.5, 1.0]}.
+    executor : concurrent.futures.Executor, optional
+        What computes the cases: the executor of a Dask client (`client.get_executor()`), of mpi4py.futures,
+        of loky or of the standard library. None for the threads of this process.
+    folder : str or PathLike, optional
+        The folder for the results. Cases are stored beside it as they come: the same call continues an
+        interrupted sweep, also one of `asperity sweep`, and computes nothing that is there.
+    threads : int, optional
+        Threads of this process, by default one per core for a scenario and one for a function; with an
+        executor, those of each worker, by default one.
+    progress : Callable or bool, optional
+        As for `MasterEquation.pull`.
+
+    Returns
+    -------
+    xarray.Dataset
+        What was kept along the axes, which are coordinates. The axis of a key is named with _ for its dots. A
+        case that failed is nan, with the reason in `failure`.
+
+    Raises
+    ------
+    ValueError
+        For an invalid value of the scenario at a corner of the axes, before anything is computed.
+    FileExistsError
+        For a folder that asperity did not make, or in which another sweep runs.
+    """
+    if callable(scenario):
+        if keep is not None:
+            raise TypeError("keep: expected None beside a function, which returns what is kept")
+        return _of_function(scenario, over or {}, executor, folder, threads, progress)
+    plan = _Sweep.of_scenario(scenario, _table(over, keep), folder)
+    if executor is None:
+        plan.compute(threads, progress=progress)
+    else:
+        specification = plan.specification
+
+        def submit(cases: list[int]) -> "Future[tuple[bytes, float]]":
+            return executor.submit(_timed, specification, cases, threads or 1)
+
+        _collect(executor, plan.missing(), submit, plan.add, _Shown(progress, plan.cases))
+    return _dataset(plan)
+
+
+def _table(over: Mapping[str, Any] | None, keep: Sequence[Any] | None) -> dict[str, Any]:
+    """The table sweep, as overrides of a scenario."""
+    given: dict[str, Any] = {}
+    if over is not None:
+        # One after the other, in their order, instead of those that the scenario has.
+        given["sweep.over"] = {}
+        given |= {f'sweep.over."{key}"': values for key, values in over.items()}
+    if keep is not None:
+        given["sweep.keep"] = list(keep)
+    return given
+
+
+def _timed(specification: Any, cases: list[int], threads: int) -> tuple[bytes, float]:
+    """What a worker does: the cases, and the time that they took."""
+    begun = time.perf_counter()
+    found = _sweep_cases(specification, cases, threads)
+    return found, time.perf_counter() - begun
+
+
+class _Shown:
+    """The progress of a sweep whose cases come from an executor."""
+
+    def __init__(self, wish: "_Progress", cases: int) -> None:
+        if wish is True:
+            from asperity._progress import bar
+
+            wish = bar()
+        self.call = wish if callable(wish) else None
+        self.cases = cases
+
+    def __call__(self, left: int) -> None:
+        if self.call is not None:
+            self.call(1.0 - left / self.cases)
+
+
+def _collect(
+    executor: Executor,
+    missing: list[int],
+    submit: Callable[[list[int]], "Future[tuple[Any, float]]"],
+    add: Callable[[Any], None],
+    shown: _Shown,
+) -> None:
+    """Sends batches of cases to the executor, and adds what comes back, in any order."""
+    workers = getattr(executor, "_max_workers", None) or WORKERS
+    left, sent = len(missing), 0
+    running: dict[Future[tuple[Any, float]], int] = {}
+    # One case after the other at first, until it is known how long one takes.
+    size = 1
+    try:
+        while running or sent < len(missing):
+            while sent < len(missing) and len(running) < AHEAD * workers:
+                cases = missing[sent : sent + size]
+                running[submit(cases)] = len(cases)
+                sent += len(cases)
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                count = running.pop(future)
+                found, seconds = future.result()
+                add(found)
+                left -= count
+                each = max(seconds / count, 1e-6)
+                # The last batches are shorter, so that all workers end together.
+                fair = math.ceil((len(missing) - sent) / (AHEAD * workers))
+                size = max(math.ceil(LEAST / each), min(math.ceil(AIM / each), fair))
+            shown(left)
+    except BaseException:
+        for future in running:
+            future.cancel()
+        raise
+
+
+def _dataset(plan: _Sweep) -> "Dataset":
+    try:
+        from xarray import Dataset
+    except ImportError as error:
+        raise ImportError("sweep() needs xarray: pip install 'asperity[xarray]'") from error
+    attributes, coordinates, variables = plan.finish()
+    lengths = {name: len(values) for name, dimensions, values, _ in coordinates if dimensions == [name]}
+
+    def shaped(found: Iterable[Any]) -> Iterator[tuple[str, Any]]:
+        for name, dimensions, values, about in found:
+            shape = [lengths[dimension] for dimension in dimensions]
+            # Texts are objects, as xarray reads them from a file.
+            array = np.asarray(values, dtype=object) if isinstance(values, list) else values
+            yield name, (dimensions, array.reshape(shape), about)
+
+    return Dataset(dict(shaped(variables)), dict(shaped(coordinates)), attributes)
+
+
+def _of_function(
+    function: Callable[..., Any],
+    over: Mapping[str, Any],
+    executor: Executor | None,
+    folder: "str | PathLike[str] | None",
+    threads: int | None,
+    progress: "_Progress",
+) -> "Dataset":
+    axes = {name: _values(name, values) for name, values in over.items()}
+    if not axes:
+        raise ValueError("over: expected one argument of the function or more, got none")
+    count = math.prod(len(values) for values in axes.values())
+    if count > MOST:
+        raise ValueError(f"over: expected {MOST} cases or fewer, got {count}")
+    text = _identity(function, axes) if folder is not None else ""
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    labels = [(name, _labels(values)) for name, values in axes.items()]
+    plan = _Sweep.of_function(digest, text, labels, folder)
+    places = list(itertools.product(*(range(len(values)) for values in axes.values())))
+
+    def arguments(case: int) -> dict[str, Any]:
+        return {name: values[place] for (name, values), place in zip(axes.items(), places[case], strict=True)}
+
+    def add(found: list["_Found"]) -> None:
+        for i, (case, values, failure) in enumerate(found):
+            plan.add_case(case, values, failure, flush=i + 1 == len(found))
+
+    def collect(chosen: Executor) -> None:
+        def submit(cases: list[int]) -> "Future[tuple[list[_Found], float]]":
+            return chosen.submit(_called, function, [(case, arguments(case)) for case in cases])
+
+        _collect(chosen, plan.missing(), submit, add, _Shown(progress, plan.cases))
+
+    if executor is not None:
+        collect(executor)
+    else:
+        with ThreadPoolExecutor(threads or 1) as pool:
+            collect(pool)
+    return _dataset(plan)
+
+
+def _called(
+    function: Callable[..., Any], cases: list[tuple[int, dict[str, Any]]]
+) -> tuple[list["_Found"], float]:
+    """What a worker does with a function. A case that fails is a value."""
+    begun = time.perf_counter()
+    found: list[_Found] = []
+    for case, arguments in cases:
+        try:
+            found.append((case, _named(function(**arguments)), None))
+        except Exception as error:
+            found.append((case, None, f"{type(error).__name__}: {error}"))
+    return found, time.perf_counter() - begun
+
+
+def _named(value: Any) -> dict[str, float | str]:
+    """What a function has found, by name."""
+    if not isinstance(value, Mapping):
+        value = {"value": value}
+    return {name: found if isinstance(found, str) else float(found) for name, found in value.items()}
+
+
+def _values(name: str, values: Any) -> list[Any]:
+    found = list(values)
+    if not found:
+        raise ValueError(f"over.{name}: expected one value or more, got an empty list")
+    if any(isinstance(value, float) and not math.isfinite(value) for value in found):
+        raise ValueError(f"over.{name}: expected finite numbers, got nan or inf")
+    return found
+
+
+def _labels(values: list[Any]) -> list[float] | list[str]:
+    """Numbers as they are, other objects as text."""
+    if all(isinstance(value, int | float | np.number) for value in values):
+        return [float(value) for value in values]
+    return [str(value) for value in values]
+
+
+def _identity(function: Callable[..., Any], axes: Mapping[str, list[Any]]) -> str:
+    """What identifies a sweep of a function: its name, its code and its values, and the version."""
+    name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', repr(function))}"
+    code = getattr(function, "__code__", None)
+    parts = [__version__, name, "" if code is None else f"{code.co_code.hex()} {code.co_consts!r}"]
+    parts += [f"{key}={hashlib.sha256(pickle.dumps(values)).hexdigest()}" for key, values in axes.items()]
+    return "\n".join(parts)

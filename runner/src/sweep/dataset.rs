@@ -1,0 +1,276 @@
+//! A finished sweep as labelled arrays along its axes: what files, pictures and xarray are made of.
+
+use asperity::record::Quantity;
+use asperity::scenario::{SweepDimension, SweepValue, Units};
+
+use super::gathered::Gathered;
+use super::keep::{ACCURACY, Keep};
+use super::plan::Plan;
+use super::schema;
+use crate::input;
+
+/// Values of a variable.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers; NaN where there is none.
+    Numbers(Vec<f64>),
+    /// Words; empty where there is none.
+    Texts(Vec<String>),
+}
+
+/// A variable with its labels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Labelled {
+    /// Name in files.
+    pub name: String,
+    /// Name for people.
+    pub long_name: String,
+    /// The key of the scenario, or the path in the summary.
+    pub key: String,
+    /// Label of the unit; empty where it is not known.
+    pub units: String,
+    /// Names of its dimensions, slowest first.
+    pub dimensions: Vec<String>,
+    /// The values.
+    pub values: Values,
+}
+
+/// A dimension, and its coordinates, the first of which has its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Its name.
+    pub name: String,
+    /// Its length.
+    pub length: usize,
+    /// Its coordinates.
+    pub coordinates: Vec<Labelled>,
+    /// Whether its values are evenly spaced in their logarithm.
+    pub logarithmic: bool,
+}
+
+/// All variables of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataset {
+    /// Heading of summary and pictures.
+    pub title: String,
+    /// The hash of all that determines the results.
+    pub hash: String,
+    /// The scenario with its axes, or what stands in its place.
+    pub scenario: String,
+    /// The axes of the sweep, slowest first.
+    pub axes: Vec<Axis>,
+    /// The grids of variables, beside the axes.
+    pub grids: Vec<Axis>,
+    /// What was kept.
+    pub variables: Vec<Labelled>,
+    /// Number of cases that failed.
+    pub failed: usize,
+}
+
+/// The name of a variable for a dotted path.
+pub fn named(path: &str) -> String {
+    path.replace('.', "_")
+}
+
+impl Dataset {
+    /// The data set of a plan.
+    pub fn of_plan(plan: &Plan, gathered: &Gathered) -> Self {
+        let units = &plan.scenario.units;
+        let scenario = schemars::schema_for!(asperity::scenario::Scenario).to_value();
+        let label = |path: &str| {
+            let found = plan.summaries.find(path).unwrap_or_default();
+            (found.meaning, found.quantity.map_or_else(String::new, |quantity| units.label(quantity)))
+        };
+        let axes = plan.dimensions.iter().map(|dimension| axis(dimension, &scenario, units)).collect();
+        let kept = plan.keep.iter().filter_map(|keep| match keep {
+            Keep::Entry(path) => Some(path.as_str()),
+            Keep::Curve { .. } => None,
+        });
+        let kept: Vec<&str> = kept.collect();
+        let mut dataset = Self {
+            title: plan.scenario.title.clone(),
+            hash: plan.identity().hash,
+            scenario: input::to_text(&plan.scenario),
+            axes,
+            grids: Vec::new(),
+            variables: Vec::new(),
+            failed: gathered.failures.len(),
+        };
+        dataset.add_entries(gathered, &kept, label);
+        dataset.add_curves(gathered, plan);
+        dataset.add_failures(gathered);
+        dataset
+    }
+
+    /// The data set of cases without a scenario.
+    pub fn of_cases(title: &str, (hash, text): (&str, &str), axes: Vec<Axis>, gathered: &Gathered) -> Self {
+        let mut dataset = Self {
+            title: title.to_owned(),
+            hash: hash.to_owned(),
+            scenario: text.to_owned(),
+            axes,
+            grids: Vec::new(),
+            variables: Vec::new(),
+            failed: gathered.failures.len(),
+        };
+        dataset.add_entries(gathered, &[], |_| (String::new(), String::new()));
+        dataset.add_failures(gathered);
+        dataset
+    }
+
+    /// Number of cases.
+    pub fn cases(&self) -> usize {
+        self.axes.iter().map(|axis| axis.length).product()
+    }
+
+    /// The variable called `name`.
+    pub fn get(&self, name: &str) -> Option<&Labelled> {
+        self.variables.iter().find(|variable| variable.name == name)
+    }
+
+    fn along(&self) -> Vec<String> {
+        self.axes.iter().map(|axis| axis.name.clone()).collect()
+    }
+
+    /// Adds the entries of summaries: those of a kept path in the order of what is kept, and by their names below it.
+    fn add_entries(&mut self, gathered: &Gathered, kept: &[&str], label: impl Fn(&str) -> (String, String)) {
+        let mut paths: Vec<&str> = gathered.numbers.keys().map(String::as_str).collect();
+        // An entry that no case has is there, too.
+        let below = |path: &str, kept: &str| {
+            path.strip_prefix(kept).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let lacking =
+            kept.iter().filter(|kept| **kept != ACCURACY && !paths.iter().any(|path| below(path, kept)));
+        let lacking: Vec<&str> = lacking.copied().collect();
+        paths.extend(lacking);
+        paths.sort_by_key(|path| {
+            let place = kept.iter().position(|kept| below(path, kept));
+            let parts: Vec<(u64, &str)> =
+                path.split('.').map(|part| (part.parse().unwrap_or(u64::MAX), part)).collect();
+            (place, parts)
+        });
+        for path in paths {
+            let (long_name, units) = label(path);
+            let values = values(gathered, path, self.cases());
+            let (name, key, dimensions) = (named(path), path.to_owned(), self.along());
+            self.variables.push(Labelled { name, long_name, key, units, dimensions, values });
+        }
+    }
+
+    fn add_curves(&mut self, gathered: &Gathered, plan: &Plan) {
+        let curves = plan.keep.iter().filter_map(|keep| match keep {
+            Keep::Curve { variable, long_name, quantity, along, places } => {
+                Some((variable, long_name, *quantity, along, places))
+            }
+            Keep::Entry(_) => None,
+        });
+        for (i, (variable, long_name, quantity, along, places)) in curves.enumerate() {
+            let grid = self.grid(variable, along, places, &plan.scenario.units);
+            let mut dimensions = self.along();
+            dimensions.push(grid);
+            let values = gathered.curves.get(i).map(|curve| curve.values.clone());
+            let none = || vec![f64::NAN; self.cases() * places.len()];
+            let values = Values::Numbers(values.filter(|values| !values.is_empty()).unwrap_or_else(none));
+            let units = plan.scenario.units.label(quantity);
+            let (name, long_name, key) = (variable.clone(), long_name.clone(), variable.clone());
+            self.variables.push(Labelled { name, long_name, key, units, dimensions, values });
+        }
+    }
+
+    /// The name of a grid: that of the coordinate, unless another grid has it.
+    fn grid(&mut self, variable: &str, along: &(String, Quantity), places: &[f64], units: &Units) -> String {
+        let (coordinate, quantity) = along;
+        let values = Values::Numbers(places.to_vec());
+        let same =
+            |axis: &&Axis| axis.coordinates[0].key == *coordinate && axis.coordinates[0].values == values;
+        if let Some(axis) = self.grids.iter().find(same) {
+            return axis.name.clone();
+        }
+        let taken = |name: &String| self.grids.iter().chain(&self.axes).any(|axis| axis.name == *name);
+        let name = Some(coordinate.clone()).filter(|name| !taken(name));
+        let name = name.unwrap_or_else(|| format!("{variable}_{coordinate}"));
+        let labelled = Labelled {
+            name: name.clone(),
+            long_name: coordinate.replace('_', " "),
+            key: coordinate.clone(),
+            units: units.label(*quantity),
+            dimensions: vec![name.clone()],
+            values,
+        };
+        let (length, coordinates) = (places.len(), vec![labelled]);
+        self.grids.push(Axis { name: name.clone(), length, coordinates, logarithmic: false });
+        name
+    }
+
+    /// Adds why cases failed, if any did.
+    fn add_failures(&mut self, gathered: &Gathered) {
+        if gathered.failures.is_empty() {
+            return;
+        }
+        let text = |case: usize| gathered.failures.get(&case).cloned().unwrap_or_default();
+        self.variables.push(Labelled {
+            name: "failure".into(),
+            long_name: "Why the case failed".into(),
+            key: "failure".into(),
+            units: String::new(),
+            dimensions: self.along(),
+            values: Values::Texts((0..self.cases()).map(text).collect()),
+        });
+    }
+}
+
+/// The values of an entry: words if any case has one.
+fn values(gathered: &Gathered, path: &str, count: usize) -> Values {
+    let numbers = gathered.numbers.get(path);
+    let Some(words) = gathered.words.get(path) else {
+        return Values::Numbers(numbers.cloned().unwrap_or_else(|| vec![f64::NAN; count]));
+    };
+    let number = |case: usize| numbers.map(|numbers| numbers[case]).filter(|number| !number.is_nan());
+    let text = |case: usize| {
+        let word = words.get(&case).cloned();
+        word.or_else(|| number(case).map(crate::output::shortest)).unwrap_or_default()
+    };
+    Values::Texts((0..count).map(text).collect())
+}
+
+/// An axis with the coordinates of its keys.
+fn axis(dimension: &SweepDimension, scenario: &serde_json::Value, units: &Units) -> Axis {
+    let SweepDimension { keys, length, logarithmic } = dimension;
+    let (length, logarithmic) = (*length, *logarithmic);
+    let Some((first, _)) = keys.first() else {
+        let name = "repeat".to_owned();
+        let coordinates = vec![Labelled {
+            name: name.clone(),
+            long_name: "Number of the replica, added to every seed".into(),
+            key: "sweep.repeat".into(),
+            units: "1".into(),
+            dimensions: vec![name.clone()],
+            values: Values::Numbers((0..length).map(|i| i as f64).collect()),
+        }];
+        return Axis { name, length, coordinates, logarithmic };
+    };
+    let name = named(first);
+    let coordinates = keys.iter().map(|(key, values)| {
+        let entry = schema::find(scenario, key).unwrap_or_default();
+        let numbers: Option<Vec<f64>> = values.iter().map(SweepValue::number).collect();
+        let texts = || values.iter().map(written).collect();
+        Labelled {
+            name: named(key),
+            long_name: if entry.meaning.is_empty() { key.clone() } else { entry.meaning },
+            key: key.clone(),
+            units: entry.quantity.map_or_else(String::new, |quantity| units.label(quantity)),
+            dimensions: vec![name.clone()],
+            values: numbers.map_or_else(|| Values::Texts(texts()), Values::Numbers),
+        }
+    });
+    let coordinates = coordinates.collect();
+    Axis { name, length, coordinates, logarithmic }
+}
+
+/// A value as it is written in a scenario; a text without its quotes.
+fn written(value: &SweepValue) -> String {
+    match value {
+        SweepValue::Text(text) => text.clone(),
+        other => toml::Value::try_from(other).map_or_else(|_| String::new(), |value| value.to_string()),
+    }
+}

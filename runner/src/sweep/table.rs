@@ -1,0 +1,42 @@
+//! `sweep.csv`: a row for each case, with its values of the axes, what was kept of it, and why it failed.
+
+use super::dataset::{Dataset, Labelled, Values};
+use crate::output::shortest;
+
+/// The text of the table. Curves are in `sweep.nc` alone.
+pub fn csv(dataset: &Dataset) -> String {
+    let along = dataset.axes.len();
+    let columns: Vec<&Labelled> = dataset.variables.iter().filter(|v| v.dimensions.len() == along).collect();
+    let coordinates = || dataset.axes.iter().flat_map(|axis| &axis.coordinates);
+    let names: Vec<_> = coordinates().chain(columns.iter().copied()).map(|v| quoted(&v.name)).collect();
+    let mut text = names.join(",") + "\n";
+    for case in 0..dataset.cases() {
+        let mut cells = Vec::new();
+        let mut stride = dataset.cases();
+        for axis in &dataset.axes {
+            stride /= axis.length;
+            let index = case / stride % axis.length;
+            cells.extend(axis.coordinates.iter().map(|coordinate| cell(&coordinate.values, index)));
+        }
+        cells.extend(columns.iter().map(|column| cell(&column.values, case)));
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+fn cell(values: &Values, place: usize) -> String {
+    match values {
+        Values::Numbers(numbers) => shortest(numbers[place]),
+        Values::Texts(texts) => quoted(&texts[place]),
+    }
+}
+
+/// A text in quotes where it has commas, quotes or lines (RFC 4180).
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
