@@ -1,6 +1,7 @@
 //! Input and output shared by the command and the Python package: scenario files, checkpoints, results.
 
 pub mod checkpoint;
+mod columns;
 pub mod duration;
 mod folder;
 pub mod input;
@@ -9,4 +10,5 @@ pub mod output;
 pub mod posterior;
 mod run;
 
+pub use columns::StoredColumns;
 pub use run::{run, run_with};

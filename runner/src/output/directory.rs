@@ -1,11 +1,11 @@
 //! A folder of results that is replaced as a whole or not at all. Files of others in it are kept.
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::{Error, Result};
-use super::listing::Listing;
+use super::listing::{Listing, Summed};
 use crate::folder::Made;
 
 /// The file that marks a folder made by asperity, with the list of its files.
@@ -20,6 +20,21 @@ pub struct Renamed {
     pub to: PathBuf,
 }
 
+/// A file that is to be written.
+pub(super) struct NewFile<'a> {
+    /// Its name.
+    pub name: String,
+    /// Writes its content.
+    pub write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+}
+
+impl<'a> NewFile<'a> {
+    /// A file with this content.
+    pub(super) fn of(name: impl Into<String>, content: impl AsRef<[u8]> + 'a) -> Self {
+        Self { name: name.into(), write: Box::new(move |to| to.write_all(content.as_ref())) }
+    }
+}
+
 /// Refuses, before any work, a destination that [`super::write`] would refuse.
 ///
 /// # Errors
@@ -29,40 +44,34 @@ pub fn check(dir: &Path) -> Result<()> {
     Staging::beside(&dir).map(drop)
 }
 
-/// Makes `files` (names and contents) the results in the folder `dir`. Returns the files of others that were renamed.
-pub(super) fn replace<'a>(
-    dir: &Path,
-    files: impl Iterator<Item = (&'a str, &'a [u8])>,
-) -> Result<Vec<Renamed>> {
+/// Makes `files` the results in the folder `dir`. Returns the files of others that were renamed.
+pub(super) fn replace(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     let (dir, _) = destination(dir)?;
     let staging = Staging::beside(&dir)?;
     let mut listing = Listing::default();
-    for (name, bytes) in files {
-        listing.add(name, bytes);
-        staging.store(name, bytes)?;
+    for file in files {
+        staging.store(file, &mut listing)?;
     }
-    staging.store(MARKER, listing.to_text().as_bytes())?;
+    staging.mark(&listing)?;
     // Another run may have created the folder in the meantime.
     let (dir, occupied) = destination(&dir)?;
     if occupied { clear(&staging.swap_with(&dir)?, &dir) } else { staging.become_(&dir).map(|()| Vec::new()) }
 }
 
-/// Makes `files` (names and contents) files of the folder of results `dir`. Returns the files of others that were renamed.
-pub(super) fn add<'a>(dir: &Path, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Result<Vec<Renamed>> {
+/// Makes `files` part of the folder of results `dir`. Returns the files of others that were renamed.
+pub(super) fn add(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     let (folder, true) = destination(dir)? else {
         return Err(Error::Foreign { path: dir.to_owned(), what: "not a folder of results" });
     };
     let mut listed = listing(&folder).unwrap_or_default();
     let staging = Staging::beside(&folder)?;
-    let (mut names, mut renamed) = (Vec::new(), Vec::new());
+    let mut renamed = Vec::new();
     let before = listed.clone();
-    for (name, bytes) in files {
-        staging.store(name, bytes)?;
-        listed.add(name, bytes);
-        names.push(name);
+    for file in files {
+        staging.store(file, &mut listed)?;
     }
-    staging.store(MARKER, listed.to_text().as_bytes())?;
-    for name in names {
+    staging.mark(&listed)?;
+    for name in files.iter().map(|file| file.name.as_str()) {
         let to = folder.join(name);
         if to.symlink_metadata().is_ok() && !before.is_of_ours(&to) {
             let kept = free_name(&folder, name, to.clone());
@@ -104,7 +113,7 @@ fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
     let former = listing(old).unwrap_or_default();
     let mut renamed = Vec::new();
     let entries = fs::read_dir(old).and_then(|entries| {
-        entries.map(|entry| entry.map(|entry| entry.path())).collect::<std::io::Result<Vec<_>>>()
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<Vec<_>>>()
     });
     let mut paths = entries.map_err(Error::system(old, "read the folder"))?;
     // Files that keep their names move first, so that a new name cannot collide with one of theirs.
@@ -158,11 +167,23 @@ impl Staging {
         unreachable!("numbers do not end")
     }
 
-    fn store(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        let path = self.path.join(name);
-        let mut file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
+    /// Writes a file, and adds it to the listing.
+    fn store(&self, new: &NewFile<'_>, listing: &mut Listing) -> Result<()> {
+        let path = self.path.join(&new.name);
+        let file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
+        let mut summed = Summed::new(BufWriter::new(file));
+        let written = (new.write)(&mut summed);
+        let (file, size, checksum) = summed.finish();
         // A full disk may be reported only when the data are flushed.
-        file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&path, "write"))
+        let flushed = written.and_then(|()| Ok(file.into_inner()?)).and_then(|file| file.sync_all());
+        flushed.map_err(Error::system(&path, "write"))?;
+        listing.add(&new.name, size, checksum);
+        Ok(())
+    }
+
+    /// Writes the listing.
+    fn mark(&self, listing: &Listing) -> Result<()> {
+        self.store(&NewFile::of(MARKER, listing.to_text()), &mut Listing::default())
     }
 
     fn become_(self, dir: &Path) -> Result<()> {
@@ -200,12 +221,12 @@ impl Drop for Staging {
 
 /// Exchanges two folders in one step, if the system can.
 #[cfg(target_os = "linux")]
-fn exchange(a: &Path, b: &Path) -> std::io::Result<()> {
+fn exchange(a: &Path, b: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     Ok(renameat_with(CWD, a, CWD, b, RenameFlags::EXCHANGE)?)
 }
 
 #[cfg(not(target_os = "linux"))]
-fn exchange(_: &Path, _: &Path) -> std::io::Result<()> {
+fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(ErrorKind::Unsupported.into())
 }
