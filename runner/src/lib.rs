@@ -9,6 +9,7 @@ pub mod memory;
 pub mod output;
 pub mod posterior;
 mod run;
+pub mod threads;
 
 pub use columns::StoredColumns;
 pub use run::{run, run_with};

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use super::error::{Error, Result};
 use super::listing::{Listing, Summed};
@@ -49,10 +50,7 @@ pub(super) fn replace(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>>
     let (dir, _) = destination(dir)?;
     let staging = Staging::beside(&dir)?;
     let mut listing = Listing::default();
-    for file in files {
-        staging.store(file, &mut listing)?;
-    }
-    staging.mark(&listing)?;
+    staging.store(files, &mut listing)?;
     // Another run may have created the folder in the meantime.
     let (dir, occupied) = destination(&dir)?;
     if occupied { clear(&staging.swap_with(&dir)?, &dir) } else { staging.become_(&dir).map(|()| Vec::new()) }
@@ -67,10 +65,7 @@ pub(super) fn add(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     let staging = Staging::beside(&folder)?;
     let mut renamed = Vec::new();
     let before = listed.clone();
-    for file in files {
-        staging.store(file, &mut listed)?;
-    }
-    staging.mark(&listed)?;
+    staging.store(files, &mut listed)?;
     for name in files.iter().map(|file| file.name.as_str()) {
         let to = folder.join(name);
         if to.symlink_metadata().is_ok() && !before.is_of_ours(&to) {
@@ -167,23 +162,28 @@ impl Staging {
         unreachable!("numbers do not end")
     }
 
-    /// Writes a file, and adds it to the listing.
-    fn store(&self, new: &NewFile<'_>, listing: &mut Listing) -> Result<()> {
+    /// Writes files, adds them to the listing, and writes the listing.
+    fn store(&self, files: &[NewFile<'_>], listing: &mut Listing) -> Result<()> {
+        let mut written = Vec::new();
+        for new in files {
+            let (path, file, size, checksum) = self.write(new)?;
+            listing.add(&new.name, size, checksum);
+            written.push((path, file));
+        }
+        let (path, file, ..) = self.write(&NewFile::of(MARKER, listing.to_text()))?;
+        written.push((path, file));
+        flush(&written)
+    }
+
+    /// Writes a file. Returns its path, with the size and the checksum of its content.
+    fn write(&self, new: &NewFile<'_>) -> Result<(PathBuf, File, u64, u32)> {
         let path = self.path.join(&new.name);
         let file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
         let mut summed = Summed::new(BufWriter::new(file));
         let written = (new.write)(&mut summed);
         let (file, size, checksum) = summed.finish();
-        // A full disk may be reported only when the data are flushed.
-        let flushed = written.and_then(|()| Ok(file.into_inner()?)).and_then(|file| file.sync_all());
-        flushed.map_err(Error::system(&path, "write"))?;
-        listing.add(&new.name, size, checksum);
-        Ok(())
-    }
-
-    /// Writes the listing.
-    fn mark(&self, listing: &Listing) -> Result<()> {
-        self.store(&NewFile::of(MARKER, listing.to_text()), &mut Listing::default())
+        let file = written.and_then(|()| Ok(file.into_inner()?)).map_err(Error::system(&path, "write"))?;
+        Ok((path, file, size, checksum))
     }
 
     fn become_(self, dir: &Path) -> Result<()> {
@@ -209,6 +209,25 @@ impl Staging {
         }
         Ok(old)
     }
+}
+
+/// Flushes files to the disk, all at once: most of the time the disk is waited for, and it takes several together.
+fn flush(files: &[(PathBuf, File)]) -> Result<()> {
+    // A full disk may be reported only now.
+    let flush = |(path, file): &(PathBuf, File)| file.sync_all().map_err(Error::system(path, "write"));
+    thread::scope(|scope| {
+        let begun: Vec<_> = files
+            .iter()
+            .map(|file| thread::Builder::new().spawn_scoped(scope, move || flush(file)).map_err(|_| file))
+            .collect();
+        let ended = begun.into_iter().map(|flushed| match flushed {
+            Ok(flushed) => flushed.join().expect("a file is flushed or refused"),
+            // The system has no more threads.
+            Err(file) => flush(file),
+        });
+        // Every one is waited for, also after an error.
+        ended.collect::<Vec<_>>().into_iter().collect()
+    })
 }
 
 impl Drop for Staging {

@@ -77,12 +77,15 @@ impl Interface {
         with_error: bool,
         memory: u64,
     ) -> Result<()> {
-        let cells = self.size();
-        let what = format!("an interface of {cells} cells");
+        let what = format!("an interface of {} cells", self.size());
+        fits("interface.cells", what, self.bytes(contacts, ensemble, with_error), memory)
+    }
+
+    /// Upper limit of the bytes of an interface, with an estimate of its error or without.
+    pub fn bytes(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> u64 {
         // Slip rates are recorded, copied, and named as a result.
         let rates = 3.0 * size_of::<f64>() as f64 * self.slip_rates.unwrap_or(0) as f64;
-        let bytes = cells as f64 * (self.bytes_per_cell(contacts, ensemble, with_error) + rates);
-        fits("interface.cells", what, bytes as u64, memory)
+        (self.size() as f64 * (self.bytes_per_cell(contacts, ensemble, with_error) + rates)) as u64
     }
 
     /// Upper limit of the bytes per cell, including its coupling.

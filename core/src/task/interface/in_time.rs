@@ -67,13 +67,8 @@ impl DrivenRateDependentCells {
             Some(most) => interface.with_slip_rates(most),
             None => interface,
         };
-        let required = Self::has_error(model);
+        let required = model.estimates_error_of_cells();
         Ok(Self::new(if required { interface.with_error() } else { interface }, motion))
-    }
-
-    /// Whether the error is estimated: only if an accuracy is required, since the estimate moves copies of all contacts.
-    pub(super) fn has_error(model: &Model) -> bool {
-        model.master_equation.tolerance.is_some() && model.ensemble.is_none()
     }
 
     /// Follows the pieces of a history to the time `to`, or until events have ended, which it returns.

@@ -127,7 +127,8 @@ pub(super) fn run(
     fit_into_memory(model, interface, monitor)?;
     match interface.contacts {
         PerCell::One => {
-            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref())?;
+            let memory = monitor.memory();
+            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref(), memory)?;
             let driven = DrivenContacts { lattice, chain: chain(interface) };
             let points = output_points(task, interface, driven.origin());
             drive(model, &points, (interface, units), driven, storage, monitor)
@@ -205,7 +206,7 @@ fn chain(interface: &scenario::Interface) -> bool {
 /// Refuses, before any work, cells that do not fit in memory.
 fn fit_into_memory(model: &Model, interface: &scenario::Interface, monitor: &dyn Monitor) -> Result<()> {
     let ensemble = model.ensemble.as_ref();
-    interface.fits(&model.contacts, ensemble, DrivenRateDependentCells::has_error(model), monitor.memory())
+    interface.fits(&model.contacts, ensemble, model.estimates_error_of_cells(), monitor.memory())
 }
 
 /// Number of populations of contacts: one for each cell, or one in all where every cell is a contact.
