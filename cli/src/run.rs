@@ -46,7 +46,8 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let figures = draw(&mut outcome, &stored, arguments)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let results = (&outcome, Some(&stored));
-    let written = output::write_only(&directory, results, &figures, arguments.files()).map_err(Failure::run)?;
+    let written =
+        output::write_only(&directory, results, &figures, arguments.files()).map_err(Failure::run)?;
     if !arguments.quiet {
         report(&written.renamed);
     }

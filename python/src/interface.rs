@@ -105,7 +105,13 @@ impl Deformable {
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
         let drive = Drive { distance: Some(distance), points, velocity, maps, ..Drive::default() };
-        outcome(py, Self::plain(slf).scenario(drive), tolerance, (catalogue_from, slip_rates), (threads, progress))
+        outcome(
+            py,
+            Self::plain(slf).scenario(drive),
+            tolerance,
+            (catalogue_from, slip_rates),
+            (threads, progress),
+        )
     }
 
     /// Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an

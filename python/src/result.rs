@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use asperity::monitor::Monitor;
 use asperity::scenario::Scenario;
-use asperity::task::{self, Storage};
 use asperity::task::summary::{FitFriction, Friction, StaticFriction, Summary, Uncertain};
+use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::{Checkpoints, Every};
 use asperity_runner::input;
 use asperity_runner::output::{self, Attribute, Outcome};
@@ -14,9 +14,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
+use crate::convert::Whole;
 use crate::pickle::{self, Reduced, damaged};
 use crate::record::Record;
-use crate::convert::Whole;
 use crate::watch::{detached, watched_on};
 use crate::{convert, error, typed, values};
 

@@ -211,11 +211,7 @@ pub fn unrelaxed_interface(
     }
 }
 
-fn coupled_contacts(
-    surface: &Surface,
-    model: scenario::Model,
-    memory: u64,
-) -> Result<Box<dyn Simulated>> {
+fn coupled_contacts(surface: &Surface, model: scenario::Model, memory: u64) -> Result<Box<dyn Simulated>> {
     let (own, scenario::Model { contacts, initial, .. }) = (&surface.own, model);
     let unit = contacts.stiffness.of(contacts.thresholds.mean());
     // Stiffness by which a contact adds to the force.

@@ -38,13 +38,7 @@ pub struct StoredColumn {
 impl StoredColumns {
     /// None yet. They are put into files beside `directory` once they take more than `in_memory` bytes.
     pub fn beside(directory: &Path, in_memory: u64) -> Self {
-        Self {
-            directory: directory.to_owned(),
-            in_memory,
-            columns: Vec::new(),
-            failure: None,
-            folders: None,
-        }
+        Self { directory: directory.to_owned(), in_memory, columns: Vec::new(), failure: None, folders: None }
     }
 
     /// All of them, in the order in which they were first stored.

@@ -46,7 +46,9 @@ pub fn parse(text: &str) -> Result<u64, String> {
 pub fn in_environment() -> Result<Option<u64>, String> {
     let Some(text) = env::var_os(VARIABLE).filter(|text| !text.is_empty()) else { return Ok(None) };
     let text = text.to_string_lossy();
-    parse(&text).map(Some).map_err(|expected| format!("environment variable {VARIABLE}: {expected}, got {text}"))
+    parse(&text)
+        .map(Some)
+        .map_err(|expected| format!("environment variable {VARIABLE}: {expected}, got {text}"))
 }
 
 /// A number of bytes, as text.

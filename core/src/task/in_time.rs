@@ -62,11 +62,7 @@ const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> 
 ///
 /// # Errors
 /// A trace too large for the memory.
-pub(super) fn check_size(
-    protocol: &scenario::Protocol,
-    model: &Model,
-    monitor: &dyn Monitor,
-) -> Result<()> {
+pub(super) fn check_size(protocol: &scenario::Protocol, model: &Model, monitor: &dyn Monitor) -> Result<()> {
     let traces = if model.ensemble.is_some() { 2 } else { 1 };
     let points = protocol.points();
     fits("protocol", points * WIDTH * traces, || format!("a trace of {points} points"), monitor)

@@ -103,11 +103,13 @@ pub fn write_only(
         files.push(NewFile::of("summary.json", json(&outcome.summary)));
     }
     if only.csv {
-        files.extend(csv::tables(variables).map(|table| {
-            NewFile { name: table.file.to_owned(), write: Box::new(move |to| table.write(to)) }
+        files.extend(csv::tables(variables).map(|table| NewFile {
+            name: table.file.to_owned(),
+            write: Box::new(move |to| table.write(to)),
         }));
     }
-    files.extend(fitted::fitted(outcome).into_iter().map(|(name, text)| NewFile::of(name, text.into_bytes())));
+    files
+        .extend(fitted::fitted(outcome).into_iter().map(|(name, text)| NewFile::of(name, text.into_bytes())));
     if only.netcdf {
         let result = netcdf::assemble(outcome, variables)?;
         files.push(NewFile { name: "result.nc".to_owned(), write: Box::new(move |to| result.write(to)) });

@@ -31,8 +31,7 @@ pub(super) fn assemble<'a>(outcome: &Outcome, variables: Variables<'a>) -> Resul
     let mut dimensions = Vec::new();
     for &(name, length) in &lengths {
         // Only an unlimited dimension may have length 0.
-        let id =
-            if length == 0 { file.add_unlimited_dimension(name)? } else { file.add_dimension(name, 1)? };
+        let id = if length == 0 { file.add_unlimited_dimension(name)? } else { file.add_dimension(name, 1)? };
         dimensions.push((name, id));
     }
     let mut arrays = Vec::new();
@@ -55,7 +54,8 @@ pub(super) fn assemble<'a>(outcome: &Outcome, variables: Variables<'a>) -> Resul
         variable.dimensions.iter().map(|name| variables.length(name) as u64).collect::<Vec<_>>()
     };
     let array = |view: &View<'a>| {
-        let (variable, values) = (view.variable(), if view.len() == 0 { Values::None } else { Values::Behind });
+        let (variable, values) =
+            (view.variable(), if view.len() == 0 { Values::None } else { Values::Behind });
         Array { name: &variable.name, shape: shape(variable), size: size(variable.quantity), values }
     };
     let is_coordinate = |name: &str| variables.get(name).is_some_and(|v| v.variable().dimensions == [name]);

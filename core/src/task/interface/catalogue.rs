@@ -1,7 +1,7 @@
 //! Statistics of a catalogue of events: distribution of magnitudes, waiting times, largest event.
 
-use crate::numerics::cutoff::{CutOff, fit_real, fit_whole};
 use crate::Result;
+use crate::numerics::cutoff::{CutOff, fit_real, fit_whole};
 use crate::record::Quantity;
 use crate::scenario::{Interface, Units};
 

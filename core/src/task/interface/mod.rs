@@ -21,10 +21,10 @@ use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
 pub use cells::DrivenCells;
 pub use contacts::DrivenContacts;
+use found::{CellColumns, Found};
 pub use in_time::{DrivenRateDependentCells, LoadPointMotion, cells_in_time};
 pub use model::DrivenInterface;
 use output_points::{OutputPoint, output_points, points_in_time};
-use found::{CellColumns, Found};
 use run::InterfaceRun;
 
 const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]);
@@ -70,7 +70,8 @@ impl Drive {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, which is driven", "none"))?;
-        run(model, self, (interface, &Units::default()), Storage::default(), monitor).map_err(Error::of_scenario)
+        run(model, self, (interface, &Units::default()), Storage::default(), monitor)
+            .map_err(Error::of_scenario)
     }
 }
 
@@ -88,7 +89,8 @@ impl Protocol {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, whose load point is moved", "none"))?;
-        run_protocol(model, self, (interface, &Units::default()), Storage::default(), monitor).map_err(Error::of_scenario)
+        run_protocol(model, self, (interface, &Units::default()), Storage::default(), monitor)
+            .map_err(Error::of_scenario)
     }
 }
 
@@ -265,7 +267,8 @@ fn record<D: DrivenInterface>(
     output_points: &[OutputPoint],
     found: Found,
 ) -> Record {
-    let mut record = if found.stored { Record::default() } else { found::events(found.events, found.slipped) };
+    let mut record =
+        if found.stored { Record::default() } else { found::events(found.events, found.slipped) };
     let drives = |kind: fn(&OutputPoint) -> bool| {
         output_points.iter().filter(|at| kind(at)).map(|at| at.drive).collect()
     };
