@@ -41,7 +41,7 @@ impl StoredColumns {
         Self { directory: directory.to_owned(), in_memory, columns: Vec::new(), failure: None, folders: None }
     }
 
-    /// All of them, in the order in which they were first stored.
+    /// All of them, in the order of their names: which come first depends on where a run was interrupted.
     pub fn columns(&self) -> &[StoredColumn] {
         &self.columns
     }
@@ -67,20 +67,22 @@ impl StoredColumns {
         if self.folders.is_none() {
             self.folders = Some(Made::above(&self.directory)?);
         }
-        let place = self.columns.iter().position(|column| column.variable.name == variable.name);
-        if place.is_none() {
-            let file = tempfile::tempfile_in(folder::above(&self.directory))?;
-            let variable = Variable {
-                name: variable.name.clone(),
-                long_name: variable.long_name.clone(),
-                quantity: variable.quantity,
-                dimensions: variable.dimensions.clone(),
-                values: Vec::new(),
-            };
-            self.columns.push(StoredColumn { variable, length: 0, file });
-        }
-        let last = self.columns.len() - 1;
-        Ok(&mut self.columns[place.unwrap_or(last)])
+        let place = match self.columns.binary_search_by(|column| column.variable.name.cmp(&variable.name)) {
+            Ok(place) => place,
+            Err(place) => {
+                let file = tempfile::tempfile_in(folder::above(&self.directory))?;
+                let variable = Variable {
+                    name: variable.name.clone(),
+                    long_name: variable.long_name.clone(),
+                    quantity: variable.quantity,
+                    dimensions: variable.dimensions.clone(),
+                    values: Vec::new(),
+                };
+                self.columns.insert(place, StoredColumn { variable, length: 0, file });
+                place
+            }
+        };
+        Ok(&mut self.columns[place])
     }
 }
 
