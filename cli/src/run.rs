@@ -30,8 +30,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     }
     let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
-    let memory = arguments.memory.map_or_else(memory::in_environment, |given| Ok(Some(given)));
-    let memory = memory.map_err(|wrong| Failure::Input(format!("error: {wrong}\n")))?;
+    let memory = allowed(arguments)?;
     if !arguments.quiet {
         estimate(&input.scenario, memory);
     }
@@ -175,6 +174,12 @@ fn compute(
         }
         other => Failure::run(other),
     })
+}
+
+/// The memory that the run may take, if the command or the environment says.
+fn allowed(arguments: &Run) -> Result<Option<u64>, Failure> {
+    let given = arguments.memory.map_or_else(memory::in_environment, |given| Ok(Some(given)));
+    given.map_err(|wrong| Failure::Input(format!("error: {wrong}\n")))
 }
 
 /// Says how much memory a large interface takes.

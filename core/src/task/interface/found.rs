@@ -79,6 +79,15 @@ impl<'a> Found<'a> {
         records.map(|variable| &mut variable.values).chain(&mut self.trace).chain(&mut self.maps)
     }
 
+    /// Adds rows to the columns, in the order of checkpoints.
+    ///
+    /// # Errors
+    /// They outgrow the memory, and cannot be stored.
+    pub fn add(&mut self, rows: Vec<Vec<f64>>) -> Result<()> {
+        self.columns().zip(rows).for_each(|(column, rows)| column.extend(rows));
+        if self.outgrow_memory() { self.put_into_store() } else { Ok(()) }
+    }
+
     /// Whether there is a store, and it is time to put values into it.
     pub fn outgrow_memory(&self) -> bool {
         let maps = self.maps.iter().map(|map| size_of_val(map.as_slice()) as u64).sum::<u64>();

@@ -11,7 +11,7 @@ use super::found::{CellColumns, Found};
 use super::model::DrivenInterface;
 use super::output_points::OutputPoint;
 use crate::monitor::{Part, report};
-use crate::task::{Checkpoint, Checkpoints, Storage};
+use crate::task::{Checkpoints, Storage};
 
 /// Largest number of events between two calls of the monitor.
 const SLICE: u64 = 256;
@@ -67,15 +67,24 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             Self { model, count, recorded, passed, found, from, chain, checkpoints, last, kept, slice: 1 };
         // The columns of a checkpoint hold what was recorded up to it, so that a resumed run has
         // the same file as one that was never stopped.
-        if let Some(kept) = run.checkpoints.as_mut().and_then(|checkpoints| checkpoints.take()) {
-            run.resume(kept, monitor)?;
+        if let Some(state) = run.take()? {
+            run.resume(&state, monitor)?;
         }
         Ok(run)
     }
 
-    fn resume(&mut self, kept: Checkpoint, monitor: &mut dyn Monitor) -> Result<()> {
-        let Checkpoint { state, columns } = kept;
-        let RunState { state, count, passed } = match ciborium::from_reader(state.as_slice()) {
+    /// The rows of the checkpoint, and its state, if there is one.
+    fn take(&mut self) -> Result<Option<Vec<u8>>> {
+        let Self { checkpoints: Some(checkpoints), found, recorded, .. } = self else { return Ok(None) };
+        checkpoints.take(&mut |rows| {
+            // The first column is one of events.
+            *recorded += rows.first().map_or(0, Vec::len);
+            found.add(rows)
+        })
+    }
+
+    fn resume(&mut self, state: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
+        let RunState { state, count, passed } = match ciborium::from_reader(state) {
             Ok(kept) => kept,
             Err(error) => {
                 return Err(self
@@ -86,8 +95,6 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         };
         self.model.restore(state, monitor)?;
         (self.count, self.last, self.passed) = (count, count, passed);
-        self.found.columns().zip(columns).for_each(|(column, values)| *column = values);
-        self.recorded = self.found.events.length("event").unwrap_or(0);
         self.kept = self.found.columns().map(|column| column.len()).collect();
         Ok(())
     }
