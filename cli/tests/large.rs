@@ -118,7 +118,7 @@ fn a_full_disk_ends_a_run_with_1_and_leaves_nothing() {
     let folder = folder();
     let before = folder.names();
     // Blocks of 512 bytes: columns beside the results, and the results themselves, are larger.
-    for blocks in [8_000, 32_500] {
+    for blocks in [8_000, 31_300] {
         let limit = format!("trap '' XFSZ; ulimit -f {blocks}");
         let output = after(&folder, &limit, &["run", "chain.toml", "--memory", "32MB", "-o", "results"]);
         assert_eq!(output.status.code(), Some(1), "{blocks}: {}", errors(&output));
@@ -140,7 +140,7 @@ fn cells_beyond_the_memory_are_refused_with_what_they_need_and_what_there_is() {
     let parts =
         ["memory: up to 768 MiB for the interface, of 477 MiB available", "interface.cells", "4194304"];
     assert!(parts.iter().all(|part| said.contains(part)), "{said}");
-    assert!(said.matches("768 MiB").count() == 2 && said.matches("477 MiB").count() == 2, "{said}");
+    assert!(said.contains("expected what fits in the 477 MiB of memory available"), "{said}");
     let quiet = errors(&folder.run(&["run", "cells.toml", "--memory", "500MB", "--quiet"]));
     assert!(!quiet.contains("memory: up to") && quiet.contains("768 MiB"), "{quiet}");
     assert!(!folder.path().join("out").exists(), "{:?}", folder.names());
