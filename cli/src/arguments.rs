@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use asperity_runner::checkpoint::Every;
-use asperity_runner::duration;
+use asperity_runner::output::Only;
 use asperity_runner::sweep::Part;
+use asperity_runner::{duration, memory};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
@@ -93,6 +94,9 @@ pub struct Run {
     /// Number of threads; results do not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads::parse)]
     pub threads: Option<usize>,
+    /// Memory that the run may take (8GB, 7.5GiB, 16G); more is refused before any work [default: what the machine has free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    pub memory: Option<u64>,
     /// Write checkpoints of the drive of an [interface], for --resume: after each number of events (2000) or time interval (10min)
     #[arg(long, value_name = "EVENTS|TIME")]
     pub checkpoint: Option<Every>,
@@ -107,6 +111,9 @@ pub struct Run {
     /// Draw no pictures
     #[arg(long, conflicts_with = "figures")]
     pub no_figures: bool,
+    /// Write only these files beside scenario.toml, separated by commas: nc, csv, json, figures [default: all]
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = ["nc", "csv", "json", "figures"])]
+    pub only: Vec<String>,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
@@ -201,7 +208,17 @@ fn positive(text: &str) -> Result<f64, String> {
 impl Run {
     /// How pictures are written.
     pub fn style(&self) -> Style {
-        self.pictures.unless(self.no_figures)
+        self.pictures.unless(self.no_figures || !self.writes("figures"))
+    }
+
+    /// Which files of results are written.
+    pub fn files(&self) -> Only {
+        Only { netcdf: self.writes("nc"), csv: self.writes("csv"), json: self.writes("json") }
+    }
+
+    /// Whether files of this kind are written.
+    fn writes(&self, kind: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|only| only == kind)
     }
 
     /// Where the results go.

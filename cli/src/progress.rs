@@ -19,6 +19,8 @@ pub struct Progress<'a> {
     view: View,
     /// Number of events, if they are counted.
     counted: String,
+    /// Bytes that the run may take; those that are free if none is given.
+    memory: Option<u64>,
 }
 
 /// The form in which progress is shown.
@@ -38,13 +40,13 @@ const LONGEST: Duration = Duration::from_secs(600);
 
 impl<'a> Progress<'a> {
     /// A monitor that starts now.
-    pub fn new(quiet: bool, interrupts: &'a Interrupts) -> Self {
+    pub fn new(quiet: bool, memory: Option<u64>, interrupts: &'a Interrupts) -> Self {
         let view = match (quiet, std::io::stderr().is_terminal()) {
             (true, _) => View::Nowhere,
             (false, true) => View::Bar(None),
             (false, false) => View::Log(LINE),
         };
-        Self { interrupts, began: Instant::now(), first: None, view, counted: String::new() }
+        Self { interrupts, began: Instant::now(), first: None, view, counted: String::new(), memory }
     }
 
     fn show(&mut self, fraction: f64) {
@@ -105,7 +107,7 @@ impl Monitor for Progress<'_> {
     }
 
     fn memory(&self) -> u64 {
-        memory::available()
+        self.memory.unwrap_or_else(memory::available)
     }
 
     fn events(&mut self, events: u64, drive: f64) {

@@ -5,14 +5,20 @@ use std::path::Path;
 
 use asperity::scenario::Scenario;
 use asperity::task::summary::Summary;
+use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::Checkpoints;
-use asperity_runner::output::{Outcome, Renamed, Written};
-use asperity_runner::{input, output, run_with};
+use asperity_runner::output::{Attachment, Outcome, Renamed, Written};
+use asperity_runner::{StoredColumns, input, memory, output, run_with};
 
 use super::arguments::Run;
 use super::interrupt::{Interrupts, Reason};
 use super::progress::Progress;
 use super::{Failure, drawing, figure, print, summary, threads};
+
+/// Columns of results are kept in memory up to this fraction of it.
+const SHARE: u64 = 8;
+/// Bytes of an interface that are worth a word.
+const LARGE: u64 = 256 << 20;
 
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     let interrupts = Interrupts::listen().map_err(Failure::run)?;
@@ -26,14 +32,23 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     }
     let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
-    let mut outcome = compute(&input, checkpoints.as_mut(), arguments, &interrupts)?;
+    let memory = allowed(arguments)?;
+    if !arguments.quiet {
+        estimate(&input.scenario, memory);
+    }
+    let in_memory = memory.unwrap_or_else(memory::available) / SHARE;
+    let mut stored = StoredColumns::beside(&directory, in_memory);
+    let storage = (checkpoints.as_mut(), &mut stored);
+    let mut outcome = compute(&input, storage, (arguments, memory), &interrupts)?;
     if checkpoints.is_some() {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures = figure::draw(&mut outcome, &arguments.style()).map_err(Failure::run)?;
+    let figures = draw(&mut outcome, &stored, arguments)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
-    let written = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
+    let results = (&outcome, Some(&stored));
+    let written =
+        output::write_only(&directory, results, &figures, arguments.files()).map_err(Failure::run)?;
     if !arguments.quiet {
         report(&written.renamed);
     }
@@ -141,14 +156,19 @@ fn checkpoints(
 /// Computes the scenario on the requested number of threads.
 fn compute(
     input: &input::Input,
-    mut checkpoints: Option<&mut Checkpoints>,
-    arguments: &Run,
+    (mut checkpoints, stored): (Option<&mut Checkpoints>, &mut StoredColumns),
+    (arguments, memory): (&Run, Option<u64>),
     interrupts: &Interrupts,
 ) -> Result<Outcome, Failure> {
-    let mut monitor = Progress::new(arguments.quiet, interrupts);
-    let compute = || run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
-    threads::on(arguments.threads, compute)?.map_err(|error| match error {
-        asperity::Error::Stopped => stopped(checkpoints, interrupts),
+    let mut monitor = Progress::new(arguments.quiet, memory, interrupts);
+    let computed = threads::on(arguments.threads, || {
+        let checkpoints = checkpoints.as_deref_mut().map(|kept| kept as &mut dyn task::Checkpoints);
+        run_with(&input.scenario, Storage { checkpoints, columns: Some(&mut *stored) }, &mut monitor)
+    })?;
+    computed.map_err(|error| match error {
+        asperity::Error::Stopped => {
+            stored.failure().map_or_else(|| stopped(checkpoints, interrupts), Failure::run)
+        }
         asperity::Error::Invalid { .. } => input.diagnose(&error).into(),
         // The input is valid but too large.
         asperity::Error::TooLarge { .. } | asperity::Error::Accuracy { .. } => {
@@ -156,6 +176,36 @@ fn compute(
         }
         other => Failure::run(other),
     })
+}
+
+/// The memory that the run may take, if the command or the environment says.
+fn allowed(arguments: &Run) -> Result<Option<u64>, Failure> {
+    let given = arguments.memory.map_or_else(memory::in_environment, |given| Ok(Some(given)));
+    given.map_err(|wrong| Failure::Input(format!("error: {wrong}\n")))
+}
+
+/// Says how much memory a large interface takes.
+fn estimate(scenario: &Scenario, memory: Option<u64>) {
+    let model = scenario.interface.as_ref().and_then(|_| scenario.build().ok());
+    let needed = model.and_then(|model| model.memory_of_interface());
+    let Some(needed) = needed.filter(|&needed| needed >= LARGE) else { return };
+    let available = memory::words(memory.unwrap_or_else(memory::available));
+    say(&format!("memory: up to {} for the interface, of {available} available", memory::words(needed)));
+}
+
+/// The pictures, unless they need columns that have outgrown the memory.
+fn draw(outcome: &mut Outcome, stored: &StoredColumns, arguments: &Run) -> Result<Vec<Attachment>, Failure> {
+    let style = arguments.style();
+    if style.formats.is_empty() || stored.columns().is_empty() {
+        return figure::draw(outcome, &style).map_err(Failure::run);
+    }
+    if !arguments.quiet {
+        let size = memory::words(stored.bytes());
+        say(&format!(
+            "no pictures are drawn: {size} of results were written as they came; asperity plot draws them where they fit in memory"
+        ));
+    }
+    Ok(Vec::new())
 }
 
 /// The reason why a run was stopped.

@@ -72,7 +72,7 @@ fn compute(
         store.note_parts(part.of)?;
     }
     interrupts.take_over();
-    let mut monitor = Progress::new(arguments.quiet, interrupts);
+    let mut monitor = Progress::new(arguments.quiet, None, interrupts);
     let before = all - missing.len();
     let work = || sweep::run(plan, &missing, before, store, &mut monitor);
     match threads::on(arguments.threads, work)? {

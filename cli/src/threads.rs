@@ -1,12 +1,9 @@
 //! The number of threads of a run.
 
-use std::num::NonZeroUsize;
-use std::thread::available_parallelism;
+use asperity_runner::threads;
 
 use super::Failure;
 
-/// Largest number of threads per core: more gain nothing, and each needs memory.
-const PER_CORE: usize = 8;
 /// The environment variable with the default of `--threads`.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
@@ -15,13 +12,8 @@ const VARIABLE: &str = "RAYON_NUM_THREADS";
 /// # Errors
 /// Text that is not a number above 0, or more threads than are useful on this machine.
 pub fn parse(text: &str) -> Result<usize, String> {
-    let cores = available_parallelism().map_or(1, NonZeroUsize::get);
-    let most = PER_CORE * cores;
-    let number = text.parse().ok().filter(|number| (1..=most).contains(number));
-    number.ok_or_else(|| {
-        let have = if cores == 1 { "core".to_owned() } else { format!("{cores} cores") };
-        format!("expected a number from 1 to {most}, {PER_CORE} times the {have} cores of this machine")
-    })
+    let number = text.parse().map_err(|_| threads::expected()).and_then(threads::check);
+    number.map_err(|expected| format!("expected {expected}"))
 }
 
 /// Sets the number of threads: the given one, that of the environment, or one per core.

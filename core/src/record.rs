@@ -81,9 +81,6 @@ impl Quantity {
     }
 }
 
-/// The largest record that a task makes, in bytes: files of results are built in memory before they are written.
-pub const LARGEST: u64 = 500_000_000;
-
 /// What a variable is, without its values: each is declared once, and everything that shows it reads this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Column {

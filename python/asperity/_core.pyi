@@ -498,6 +498,7 @@ class Deformable(Description):
         catalogue_from: _Number = 0.0,
         slip_rates: SupportsIndex | None = None,
         progress: _Progress = None,
+        threads: SupportsIndex | None = None,
     ) -> Result:
         """Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
         contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
@@ -512,12 +513,14 @@ class Deformable(Description):
         slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
         shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
         progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+        those of the process, one per core or RAYON_NUM_THREADS.
 
         Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
         `summary["catalogue"]` describes the distributions of their sizes and intervals. run computes the same
         scenarios and can write checkpoints.
 
-        Raises ValueError for invalid values, or for more results than fit in a file.
+        Raises ValueError for invalid values, or for more results than fit in memory.
         """
 
     @property
@@ -533,17 +536,18 @@ class Deformable(Description):
         catalogue_from: _Number = 0.0,
         slip_rates: SupportsIndex | None = None,
         progress: _Progress = None,
+        threads: SupportsIndex | None = None,
     ) -> Result:
         """Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
         interface over time-dependent contacts.
 
         steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-        tolerance, catalogue_from, slip_rates, progress: as for drive.
+        tolerance, catalogue_from, slip_rates, progress, threads: as for drive.
 
         Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
         trace, and of a lattice where steps begin and end.
 
-        Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
+        Raises ValueError for no steps, for time-independent contacts, and for more results than fit in memory.
         """
 
     @property
@@ -646,6 +650,7 @@ class Ensemble(Model):
         snapshots: ArrayLike | None = None,
         edges: ArrayLike | None = None,
         progress: _Progress = None,
+        threads: SupportsIndex | None = None,
     ) -> EnsemblePull:
         """Displaces the slider's base from X = 0 to distance, from break to break.
 
@@ -654,6 +659,8 @@ class Ensemble(Model):
         snapshots: a list of m positions, in increasing order, at which the stretches are counted.
         edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
         to where hardly any contact holds. Ctrl-C interrupts the computation.
+        threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+        those of the process, one per core or RAYON_NUM_THREADS.
 
         Raises ValueError for invalid values, MemoryError for results that do not fit.
         """
@@ -826,6 +833,7 @@ class Estimates:
         seed: _Seed = 1,
         *,
         progress: _Progress = None,
+        threads: SupportsIndex | None = None,
     ) -> Posterior:
         """Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
 
@@ -838,6 +846,8 @@ class Estimates:
         seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
         numpy.random.Generator, from which one is drawn.
         progress: as for MasterEquation.pull.
+        threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+        those of the process, one per core or RAYON_NUM_THREADS.
 
         Raises ValueError for a planned measurement, and if no number is known to better than a limit.
         """
@@ -2862,6 +2872,7 @@ def run(
     folder: str | PathLike[str] | None = None,
     checkpoint: SupportsIndex | timedelta | str | None = None,
     resume: bool = False,
+    threads: SupportsIndex | None = None,
 ) -> Result:
     """Computes a scenario.
 
@@ -2875,6 +2886,8 @@ def run(
     number of events, or after each time interval, a datetime.timedelta or a text such as "10min". They are
     removed once the results are written.
     resume: whether to continue from the last checkpoint; without one, the run starts at the beginning.
+    threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+    those of the process, one per core or RAYON_NUM_THREADS.
 
     Raises ValueError for an invalid scenario, with the key, what was expected and what was found, and for a
     checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of

@@ -18,7 +18,7 @@ use crate::pickle::{self, Reduced};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::transport::{self, Step};
-use crate::watch::watched;
+use crate::watch::{watched, watched_on};
 use crate::{error, typed};
 
 /// Random contacts followed one by one (Monte Carlo): the earthquake-like model.
@@ -98,15 +98,18 @@ impl Ensemble {
     /// snapshots: a list of m positions, in increasing order, at which the stretches are counted.
     /// edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
     /// to where hardly any contact holds. Ctrl-C interrupts the computation.
+    /// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+    /// those of the process, one per core or RAYON_NUM_THREADS.
     ///
     /// Raises ValueError for invalid values, MemoryError for results that do not fit.
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots: "ArrayLike | None" = None, edges: "ArrayLike | None" = None,
-            progress: "_Progress" = None
+            progress: "_Progress" = None, threads = None
         ),
-        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, snapshots=None, edges=None, progress=None)"
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, snapshots=None, edges=None, progress=None, threads=None)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn pull(
         slf: Bound<'_, Self>,
         distance: f64,
@@ -115,6 +118,7 @@ impl Ensemble {
         snapshots: Option<&Bound<'_, PyAny>>,
         edges: Option<&Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
+        threads: Option<Whole>,
     ) -> PyResult<Py<EnsemblePull>> {
         let py = slf.py();
         let snapshots = snapshots.map_or(Ok(Vec::new()), |at| convert::list("snapshots", at))?;
@@ -133,7 +137,7 @@ impl Ensemble {
         };
         let positions = asked.positions();
         let snapshots = Snapshots { positions: asked.snapshots, edges };
-        let pull = watched(progress, py, |monitor| match velocity {
+        let pull = watched_on(threads, progress, py, |monitor| match velocity {
             Some(velocity) => ensemble.pull_at_with(velocity, &positions, &snapshots, monitor),
             None => ensemble.pull_with(&positions, &snapshots, monitor),
         })?;

@@ -33,7 +33,6 @@ pub fn files(error: output::Error) -> PyErr {
     match error {
         output::Error::System { source, .. } => IoError::new(source.kind(), text).into(),
         output::Error::Foreign { .. } => PyFileExistsError::new_err(text),
-        output::Error::TooLarge { .. } => PyMemoryError::new_err(text),
         _ => PyValueError::new_err(text),
     }
 }

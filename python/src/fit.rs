@@ -25,7 +25,7 @@ use crate::pickle::{self, Reduced};
 use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
-use crate::watch::watched;
+use crate::watch::{watched, watched_on};
 use crate::{error, typed, values};
 
 /// Fits numbers of contacts, and of the machine, to one or more measured curves of force.
@@ -419,11 +419,13 @@ impl Estimates {
     /// seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
     /// numpy.random.Generator, from which one is drawn.
     /// progress: as for MasterEquation.pull.
+    /// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+    /// those of the process, one per core or RAYON_NUM_THREADS.
     ///
     /// Raises ValueError for a planned measurement, and if no number is known to better than a limit.
     #[pyo3(
-        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None),
-        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None)"
+        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None, threads = None),
+        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None, threads=None)"
     )]
     fn sample(
         &self,
@@ -432,10 +434,12 @@ impl Estimates {
         chains: Whole,
         seed: Seed,
         progress: Option<Bound<'_, PyAny>>,
+        threads: Option<Whole>,
     ) -> PyResult<Posterior> {
         let sampling =
             FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
-        let drawn = watched(progress, py, |monitor| posterior::sample(&self.found, sampling, monitor))?;
+        let drawn =
+            watched_on(threads, progress, py, |monitor| posterior::sample(&self.found, sampling, monitor))?;
         Ok(Posterior::new(drawn))
     }
 

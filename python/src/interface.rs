@@ -17,7 +17,7 @@ use crate::result::{self, Result};
 use crate::simulation::Simulation;
 use crate::stretches::StretchGrid;
 use crate::transport::{self, Step};
-use crate::watch::watched;
+use crate::watch::{watched, watched_on};
 use crate::{description, error, simulated, typed, values};
 
 /// A deformable interface, and the initial state of its contacts.
@@ -73,18 +73,20 @@ impl Deformable {
     /// slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
     /// shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
     /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+    /// those of the process, one per core or RAYON_NUM_THREADS.
     ///
     /// Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
     /// `summary["catalogue"]` describes the distributions of their sizes and intervals. run computes the same
     /// scenarios and can write checkpoints.
     ///
-    /// Raises ValueError for invalid values, or for more results than fit in a file.
+    /// Raises ValueError for invalid values, or for more results than fit in memory.
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
-            catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None
+            catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None
         ),
-        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None)"
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn drive(
@@ -97,28 +99,36 @@ impl Deformable {
         catalogue_from: f64,
         slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
+        threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
         let py = slf.py();
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
         let drive = Drive { distance: Some(distance), points, velocity, maps, ..Drive::default() };
-        outcome(py, Self::plain(slf).scenario(drive), tolerance, (catalogue_from, slip_rates), progress)
+        outcome(
+            py,
+            Self::plain(slf).scenario(drive),
+            tolerance,
+            (catalogue_from, slip_rates),
+            (threads, progress),
+        )
     }
 
     /// Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
     /// interface over time-dependent contacts.
     ///
     /// steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-    /// tolerance, catalogue_from, slip_rates, progress: as for drive.
+    /// tolerance, catalogue_from, slip_rates, progress, threads: as for drive.
     ///
     /// Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
     /// trace, and of a lattice where steps begin and end.
     ///
-    /// Raises ValueError for no steps, for time-independent contacts, and for more results than fit in a file.
+    /// Raises ValueError for no steps, for time-independent contacts, and for more results than fit in memory.
     #[pyo3(
-        signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None),
-        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None)"
+        signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None),
+        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn follow(
         slf: &Bound<'_, Self>,
         steps: Vec<Bound<'_, Step>>,
@@ -126,13 +136,14 @@ impl Deformable {
         catalogue_from: f64,
         slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
+        threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
         let mut protocol = transport::protocol(steps)?;
         let surface = Self::plain(slf);
         protocol.0[0].start = Some(surface.contacts.start);
         let scenario =
             Scenario { drive: None, protocol: Some(protocol), ..surface.scenario(Drive::default()) };
-        outcome(slf.py(), scenario, tolerance, (catalogue_from, slip_rates), progress)
+        outcome(slf.py(), scenario, tolerance, (catalogue_from, slip_rates), (threads, progress))
     }
 
     /// The distribution of the drives at which contacts break for the first time: what renormalisation calls.
@@ -442,14 +453,14 @@ fn outcome(
     mut scenario: Scenario,
     tolerance: Option<f64>,
     (catalogue_from, slip_rates): (f64, Option<Whole>),
-    progress: Option<Bound<'_, PyAny>>,
+    (threads, progress): (Option<Whole>, Option<Bound<'_, PyAny>>),
 ) -> PyResult<Py<Result>> {
     scenario.master_equation.tolerance = tolerance;
     if let Some(own) = &mut scenario.interface {
         own.catalogue_from = catalogue_from;
         own.slip_rates = slip_rates.map(|steps| steps.get("slip_rates")).transpose()?;
     }
-    let outcome = watched(progress, py, |monitor| {
+    let outcome = watched_on(threads, progress, py, |monitor| {
         scenario.build()?;
         asperity_runner::run(&scenario, monitor)
     })?;

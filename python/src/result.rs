@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use asperity::monitor::Monitor;
 use asperity::scenario::Scenario;
 use asperity::task::summary::{FitFriction, Friction, StaticFriction, Summary, Uncertain};
+use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::{Checkpoints, Every};
 use asperity_runner::input;
 use asperity_runner::output::{self, Attribute, Outcome};
@@ -12,9 +14,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
+use crate::convert::Whole;
 use crate::pickle::{self, Reduced, damaged};
 use crate::record::Record;
-use crate::watch::{detached, watched};
+use crate::watch::{detached, watched_on};
 use crate::{convert, error, typed, values};
 
 /// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
@@ -200,6 +203,8 @@ impl Result {
 /// number of events, or after each time interval, a datetime.timedelta or a text such as "10min". They are
 /// removed once the results are written.
 /// resume: whether to continue from the last checkpoint; without one, the run starts at the beginning.
+/// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+/// those of the process, one per core or RAYON_NUM_THREADS.
 ///
 /// Raises ValueError for an invalid scenario, with the key, what was expected and what was found, and for a
 /// checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of
@@ -208,8 +213,9 @@ impl Result {
 #[pyo3(signature = (
     scenario: "str | PathLike[str] | Mapping[str, Any]", overrides: "Mapping[str, Any] | None" = None, *,
     progress: "_Progress" = None, folder = None, checkpoint: "SupportsIndex | timedelta | str | None" = None,
-    resume = false
+    resume = false, threads = None
 ))]
+#[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
     scenario: &Bound<'_, PyAny>,
     overrides: Option<&Bound<'_, PyDict>>,
@@ -217,6 +223,7 @@ pub fn run(
     folder: Option<PathBuf>,
     checkpoint: Option<&Bound<'_, PyAny>>,
     resume: bool,
+    threads: Option<Whole>,
 ) -> PyResult<Py<Result>> {
     let py = scenario.py();
     let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
@@ -227,12 +234,15 @@ pub fn run(
         if checkpoint.is_some() || resume {
             return Err(error::invalid("folder", "one, beside which checkpoints are kept", "None"));
         }
-        return object(py, watched(progress, py, |monitor| asperity_runner::run(&input.scenario, monitor))?);
+        let compute = |monitor: &mut dyn Monitor| asperity_runner::run(&input.scenario, monitor);
+        return object(py, watched_on(threads, progress, py, compute)?);
     };
     output::check(&folder).map_err(error::files)?;
     let mut kept = checkpoints(&input.scenario, &folder, checkpoint, resume)?;
-    let outcome =
-        watched(progress, py, |monitor| asperity_runner::run_with(&input.scenario, kept.as_mut(), monitor));
+    let outcome = watched_on(threads, progress, py, |monitor| {
+        let checkpoints = kept.as_mut().map(|kept| kept as &mut dyn task::Checkpoints);
+        asperity_runner::run_with(&input.scenario, Storage { checkpoints, columns: None }, monitor)
+    });
     // A failed checkpoint is reported as the reason of the stop.
     let failure = kept.as_mut().and_then(Checkpoints::failure);
     let outcome = failure.map_or(outcome, |failure| Err(error::checkpoint(failure)))?;

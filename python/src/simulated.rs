@@ -203,7 +203,7 @@ pub fn unrelaxed_interface(
     scenario.master_equation.tolerance = tolerance;
     let model = scenario.build()?;
     if surface.own.contacts == PerCell::One {
-        return coupled_contacts(surface, model);
+        return coupled_contacts(surface, model, monitor.memory());
     }
     match velocity.filter(|_| model.contacts.rules.are_time_dependent()) {
         Some(velocity) => rate_dependent_cells(surface, &model, velocity, monitor),
@@ -211,12 +211,12 @@ pub fn unrelaxed_interface(
     }
 }
 
-fn coupled_contacts(surface: &Surface, model: scenario::Model) -> Result<Box<dyn Simulated>> {
+fn coupled_contacts(surface: &Surface, model: scenario::Model, memory: u64) -> Result<Box<dyn Simulated>> {
     let (own, scenario::Model { contacts, initial, .. }) = (&surface.own, model);
     let unit = contacts.stiffness.of(contacts.thresholds.mean());
     // Stiffness by which a contact adds to the force.
     let stiffness = unit * contacts.count / own.size() as f64;
-    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref())?;
+    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref(), memory)?;
     Ok(Box::new(SimulatedInterface {
         model: DrivenContacts { lattice, chain: false },
         cells: 1,

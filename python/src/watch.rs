@@ -1,13 +1,17 @@
 //! The monitor of long computations: Ctrl-C and progress, while other Python threads run.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use asperity::monitor::Monitor;
 use asperity::{Error, Result};
 use asperity_runner::memory;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::convert::Whole;
 use crate::{error, threads};
 
 /// Interval between two checks for signals, and between two reports of progress.
@@ -15,6 +19,8 @@ const PERIOD: Duration = Duration::from_millis(20);
 
 struct Watch {
     progress: Option<Py<PyAny>>,
+    /// Bytes that the computation may take; those that are free if none is given.
+    memory: Option<u64>,
     called: Instant,
     /// The largest fraction so far, so that repeated work does not lower the reported progress.
     most: f64,
@@ -45,8 +51,55 @@ impl Monitor for Watch {
     }
 
     fn memory(&self) -> u64 {
-        memory::available()
+        self.memory.unwrap_or_else(memory::available)
     }
+}
+
+/// The monitor of work on other threads. This thread, on which Python hears of signals, calls the watch for it.
+struct Relay<'a> {
+    /// The bits of the fraction done.
+    done: &'a AtomicU64,
+    stop: &'a AtomicBool,
+    memory: Option<u64>,
+}
+
+impl Monitor for Relay<'_> {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        self.done.store(fraction.to_bits(), Ordering::Relaxed);
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn memory(&self) -> u64 {
+        self.memory.unwrap_or_else(memory::available)
+    }
+}
+
+/// Runs `work` on so many threads of its own.
+fn on_threads<T: Send>(
+    number: usize,
+    watch: &mut Watch,
+    work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
+) -> PyResult<Result<T>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(number).build();
+    let pool = pool.map_err(|refused| PyRuntimeError::new_err(format!("threads: {refused}")))?;
+    let (done, stop) = (AtomicU64::new(0), AtomicBool::new(false));
+    let mut relay = Relay { done: &done, stop: &stop, memory: watch.memory };
+    let (send, receive) = mpsc::sync_channel(1);
+    pool.in_place_scope(|scope| {
+        // A panic drops the sender, and goes on where the scope ends.
+        scope.spawn(move |_| drop(send.send(work(&mut relay))));
+        let outcome = loop {
+            match receive.recv_timeout(PERIOD) {
+                Ok(outcome) => break Some(outcome),
+                Err(RecvTimeoutError::Disconnected) => break None,
+                Err(RecvTimeoutError::Timeout) => {
+                    let stops = watch.progress(f64::from_bits(done.load(Ordering::Relaxed))).is_break();
+                    stop.store(stops, Ordering::Relaxed);
+                }
+            }
+        };
+        Ok(outcome.unwrap_or(Err(Error::Stopped)))
+    })
 }
 
 /// Runs `work` without holding the interpreter lock. `progress` is None or False, a function of the completed
@@ -56,9 +109,28 @@ pub fn watched<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
 ) -> PyResult<T> {
+    watched_on(None, progress, py, work)
+}
+
+/// The same on this number of `threads`, for this computation alone.
+pub fn watched_on<T: Send>(
+    threads: Option<Whole>,
+    progress: Option<Bound<'_, PyAny>>,
+    py: Python<'_>,
+    work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
+) -> PyResult<T> {
+    let threads = threads.map(|number| number.get("threads")).transpose()?;
+    if let Some(number) = threads {
+        asperity_runner::threads::check(number)
+            .map_err(|expected| error::invalid("threads", expected, number))?;
+    }
     let progress = progress.map(|wish| listener(wish)).transpose()?.flatten();
-    let mut watch = Watch { progress, called: Instant::now(), most: 0.0, raised: None };
-    let outcome = detached(py, || work(&mut watch));
+    let memory = memory::in_environment().map_err(PyValueError::new_err)?;
+    let mut watch = Watch { progress, memory, called: Instant::now(), most: 0.0, raised: None };
+    let outcome = match threads {
+        None => detached(py, || work(&mut watch)),
+        Some(number) => py.detach(|| on_threads(number, &mut watch, work))?,
+    };
     match (outcome, watch.raised.take()) {
         (Err(Error::Stopped), Some(raised)) => Err(raised),
         (Err(other), _) => Err(error::core(other)),

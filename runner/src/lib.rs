@@ -1,6 +1,7 @@
 //! Input and output shared by the command and the Python package: scenario files, checkpoints, results.
 
 pub mod checkpoint;
+mod columns;
 pub mod duration;
 mod folder;
 pub mod input;
@@ -14,6 +15,8 @@ pub mod posterior;
 mod run;
 #[cfg(not(target_family = "wasm"))]
 pub mod sweep;
+pub mod threads;
 
+pub use columns::StoredColumns;
 #[cfg(not(target_family = "wasm"))]
 pub use run::{run, run_with};

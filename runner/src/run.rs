@@ -3,38 +3,32 @@
 use asperity::monitor::{Monitor, Part};
 use asperity::record::Record;
 use asperity::scenario::{FitPosterior, Scenario};
+use asperity::task::Storage;
 use asperity::task::summary::{FitNumbers, Numbers, Summary};
 use asperity::{Result, task};
 
-use crate::checkpoint::Checkpoints;
 use crate::output::Outcome;
 use crate::{input, posterior};
 
 /// Computes `scenario`.
 ///
 /// # Errors
-/// An invalid value, results too large for one file, a stop by the monitor.
+/// An invalid value, results too large for the memory, a stop by the monitor.
 pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
-    run_with(scenario, None, monitor)
+    run_with(scenario, Storage::default(), monitor)
 }
 
-/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` and `[[protocol]]` of an `[interface]` use
-/// them.
+/// As [`run`], resumed from the last checkpoint of `storage`, and storing new ones. What is put into its store of columns is not
+/// in the record of the outcome.
 ///
 /// # Errors
-/// As [`run`]; a stop if a checkpoint cannot be written or read ([`Checkpoints::failure`]).
-pub fn run_with(
-    scenario: &Scenario,
-    checkpoints: Option<&mut Checkpoints>,
-    monitor: &mut dyn Monitor,
-) -> Result<Outcome> {
+/// As [`run`]; a stop if something cannot be stored or read ([`Checkpoints::failure`](crate::checkpoint::Checkpoints::failure),
+/// [`StoredColumns::failure`](crate::StoredColumns::failure)).
+pub fn run_with(scenario: &Scenario, storage: Storage<'_>, monitor: &mut dyn Monitor) -> Result<Outcome> {
     scenario.is_one_case("asperity sweep, or sweep() in Python")?;
     let (summary, record) = match scenario.fit.as_ref().and_then(|fit| fit.posterior) {
         Some(sampling) => fit_and_sample(scenario, sampling, monitor)?,
-        None => {
-            let checkpoints = checkpoints.map(|checkpoints| checkpoints as &mut dyn task::Checkpoints);
-            task::run_with(scenario, checkpoints, monitor)?
-        }
+        None => task::run_with(scenario, storage, monitor)?,
     };
     Ok(Outcome { scenario: input::to_text(scenario), summary, record })
 }

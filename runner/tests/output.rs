@@ -255,14 +255,6 @@ fn a_link_to_our_folder_stays_a_link() {
 }
 
 #[test]
-fn results_too_large_for_one_file_say_how_large() {
-    let (_base, dir) = place();
-    let error = output::check_size(asperity::record::LARGEST + 8).unwrap_err().to_string();
-    assert!(error.contains("500000008") && error.contains("500000000"), "{error}");
-    output::check(&dir).unwrap();
-}
-
-#[test]
 fn a_broken_result_file_is_named() {
     let (_base, dir) = place();
     output::write(&dir, &outcome(1), &[]).unwrap();

@@ -159,11 +159,11 @@ fn a_compared_curve_is_kept_and_measured() {
 }
 
 #[test]
-fn results_that_no_file_could_hold_are_refused_before_any_work() {
+fn results_beyond_the_memory_are_refused_before_any_work() {
     let mut scenario = scenario(FIGURE_2);
-    scenario.pull.as_mut().unwrap().points = 10_500_000;
+    scenario.pull.as_mut().unwrap().points = 400_000_000;
     let error = asperity_runner::run(&scenario, &mut Patience { left: 0, last: 0.0 }).unwrap_err();
-    assert!(matches!(error, Error::TooLarge { needed: 504_000_000.., .. }), "{error}");
+    assert!(matches!(error, Error::TooLarge { needed: 19_200_000_000.., .. }), "{error}");
     assert!(error.to_string().starts_with("pull.points: "), "{error}");
 }
 

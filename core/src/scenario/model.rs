@@ -53,6 +53,18 @@ impl Model {
         }
     }
 
+    /// Upper limit of the bytes that its interface takes; `None` without one.
+    pub fn memory_of_interface(&self) -> Option<u64> {
+        let interface = self.interface.as_ref()?;
+        Some(interface.bytes(&self.contacts, self.ensemble.as_ref(), self.estimates_error_of_cells()))
+    }
+
+    /// Whether the error of cells in time is estimated: only if an accuracy is required, since the estimate moves copies of all
+    /// contacts.
+    pub(crate) fn estimates_error_of_cells(&self) -> bool {
+        self.master_equation.tolerance.is_some() && self.ensemble.is_none()
+    }
+
     /// N_c⟨k⟩, the stiffness of all contacts together, force per length.
     pub fn stiffness(&self) -> f64 {
         let Contacts { count, stiffness, thresholds, .. } = &self.contacts;

@@ -242,6 +242,6 @@ impl Protocol {
         for (i, step) in self.0.iter().enumerate() {
             step.check().and_then(|()| step.check_start(i == 0)).map_err(|e| e.under(&i.to_string()))?;
         }
-        size::check("0.points", self.points(), size::BYTES_PER_POINT)
+        size::check_anywhere("0.points", self.points(), size::BYTES_PER_POINT)
     }
 }

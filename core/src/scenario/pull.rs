@@ -67,7 +67,7 @@ impl Pull {
         if self.points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
         }
-        size::check("points", self.points, size::BYTES_PER_POINT)?;
+        size::check_anywhere("points", self.points, size::BYTES_PER_POINT)?;
         self.ascending("snapshots", &self.snapshots)?;
         self.ascending("covariance", &self.covariance)?;
         size::check("covariance", self.covariance.len().pow(2), size::BYTES_PER_POINT / 4.0)

@@ -4,11 +4,11 @@ use crate::{Error, Result};
 
 /// Largest memory of results, in bytes.
 const ALLOWED: f64 = 4.0 * GIBIBYTE;
-/// Largest memory of an interface on any machine, in bytes; a run also compares with the free memory.
-const ANYWHERE: f64 = 64.0 * GIBIBYTE;
+/// More memory than any machine has, in bytes; a run compares with the free memory.
+const ANYWHERE: f64 = 16384.0 * GIBIBYTE;
 const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
 
-/// Memory of an output position: its numbers, their text, and the results file, which is built in memory.
+/// Memory of an output position, and of what is computed there.
 pub(super) const BYTES_PER_POINT: f64 = 360.0;
 
 /// Refuses a number of points that does not fit in memory.
@@ -16,8 +16,8 @@ pub(super) fn check(key: &str, number: usize, bytes_each: f64) -> Result<()> {
     within(ALLOWED, key, number, bytes_each)
 }
 
-/// Refuses a number of cells that fits on no machine.
-pub(super) fn check_cells(key: &str, number: usize, bytes_each: f64) -> Result<()> {
+/// Refuses a number of points or cells that fits on no machine.
+pub(super) fn check_anywhere(key: &str, number: usize, bytes_each: f64) -> Result<()> {
     within(ANYWHERE, key, number, bytes_each)
 }
 

@@ -49,6 +49,6 @@ impl Spectrum {
         if self.points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
         }
-        size::check("points", self.points, size::BYTES_PER_POINT)
+        size::check_anywhere("points", self.points, size::BYTES_PER_POINT)
     }
 }

@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::sweep_axis::{SweepAxes, SweepAxis, SweepValue};
 use super::sweep_kept::SweepKept;
 use super::{Scenario, exactly_one};
-use crate::record::LARGEST;
 use crate::{Error, Result};
+
+/// Largest `sweep.nc` in bytes: it is put together in memory.
+const LARGEST: u64 = 500_000_000;
 
 /// A parameter sweep: the task of the scenario is computed for every combination of the values of its axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -7,8 +7,12 @@ pub trait Checkpoints {
     /// Number of events left until the next checkpoint is due, `since` events after the last one.
     fn events_left(&self, since: u64) -> u64;
 
-    /// The checkpoint to resume from; `None` if the run begins at its start. A second call returns `None`.
-    fn take(&mut self) -> Option<Checkpoint>;
+    /// Passes on the rows of every column recorded up to the checkpoint to resume from, a piece at a time, and returns its
+    /// state, in CBOR (RFC 8949); `None` if the run begins at its start.
+    ///
+    /// # Errors
+    /// That of `rows`; [`Error::Stopped`] if they cannot be read.
+    fn take(&mut self, rows: &mut dyn FnMut(Vec<Vec<f64>>) -> Result<()>) -> Result<Option<Vec<u8>>>;
 
     /// Stores the state after `events` events, and the rows added to every column since the last checkpoint.
     ///
@@ -18,13 +22,4 @@ pub trait Checkpoints {
 
     /// The error of a run whose checkpoint cannot be read, for the reason `what`: [`Error::Stopped`].
     fn damaged(&mut self, what: String) -> Error;
-}
-
-/// A stored state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Checkpoint {
-    /// The state, in CBOR (RFC 8949).
-    pub state: Vec<u8>,
-    /// All columns recorded up to that state.
-    pub columns: Vec<Vec<f64>>,
 }

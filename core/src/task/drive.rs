@@ -63,7 +63,7 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
 /// Drives the slider as `task` says.
 ///
 /// # Errors
-/// Results too large for one file, errors of the solvers, a stop by the monitor.
+/// Results too large for the memory, errors of the solvers, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Drive,
@@ -76,7 +76,7 @@ pub(super) fn run(
     if contacts.rules.are_time_dependent() {
         return at_a_velocity(model, &task.forward()?, monitor);
     }
-    check_size(task, model.ensemble.is_some())?;
+    check_size(task, model.ensemble.is_some(), monitor)?;
     let build = |ensemble: &scenario::Ensemble| ensemble.build(contacts.clone(), initial.clone());
     let ensemble = model.ensemble.as_ref().map(build).transpose()?;
     ensemble.as_ref().map_or(Ok(()), |ensemble| ensemble.population_fits(monitor.memory()))?;
@@ -131,7 +131,7 @@ fn at_a_velocity(
 ) -> Result<Output<DriveNumbers>> {
     const PULL: f64 = 0.1;
     let Model { contacts, initial, .. } = model;
-    in_time::check_size(protocol, model)?;
+    in_time::check_size(protocol, model, monitor)?;
     let velocity = protocol.0[0].velocities().0;
     let equation = MasterEquation::at_with(
         contacts.clone(),
@@ -165,12 +165,11 @@ pub fn first_loading_distance(contacts: &Contacts) -> f64 {
     LOADING * contacts.thresholds.mean()
 }
 
-/// Refuses, before any work, results that are too large for one file.
-fn check_size(task: &scenario::Drive, ensemble: bool) -> Result<()> {
+/// Refuses, before any work, results that do not fit in memory.
+fn check_size(task: &scenario::Drive, ensemble: bool, monitor: &dyn Monitor) -> Result<()> {
     let traces = if ensemble { 2 } else { 1 };
-    fits("drive.points", task.points * WIDTH * traces, || {
-        format!("a result file of a trace of {} points", task.points)
-    })
+    let what = || format!("a trace of {} points", task.points);
+    fits("drive.points", task.points * WIDTH * traces, what, monitor)
 }
 
 /// Records the equilibria of the slider on the first loading, and its potential around the first slip.

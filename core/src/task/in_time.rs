@@ -58,14 +58,14 @@ const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> 
     Column::new(name, long_name, quantity, &["point"])
 }
 
-/// Refuses, before any work, a trace that is too large for one file.
+/// Refuses, before any work, a trace that does not fit in memory.
 ///
 /// # Errors
-/// A trace too large for one file.
-pub(super) fn check_size(protocol: &scenario::Protocol, model: &Model) -> Result<()> {
+/// A trace too large for the memory.
+pub(super) fn check_size(protocol: &scenario::Protocol, model: &Model, monitor: &dyn Monitor) -> Result<()> {
     let traces = if model.ensemble.is_some() { 2 } else { 1 };
     let points = protocol.points();
-    fits("protocol", points * WIDTH * traces, || format!("a result file of a trace of {points} points"))
+    fits("protocol", points * WIDTH * traces, || format!("a trace of {points} points"), monitor)
 }
 
 /// Moves a rigid slider. Returns its trace, and the variables of the trace and of the force of the ensemble.

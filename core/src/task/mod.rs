@@ -45,6 +45,7 @@ pub mod sliding;
 mod spectrum;
 mod stability;
 mod stick_slip;
+mod storage;
 pub mod summary;
 mod velocity_curve;
 
@@ -57,7 +58,7 @@ use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Compare, Contacts, Model, Scenario, Task};
 use crate::{Error, Result};
 
-pub use checkpoint::{Checkpoint, Checkpoints};
+pub use checkpoint::Checkpoints;
 pub use coordinates::{COORDINATES, is_coordinate};
 pub use drive::first_loading_distance;
 pub use fit::KeyedEstimates;
@@ -69,6 +70,7 @@ pub use linear_stability::{LinearStability, stability};
 pub use posterior::record_posterior;
 pub use pull::record_pull;
 pub use stick_slip::{StickSlipStability, stick_slip_stability};
+pub use storage::{ColumnStore, Storage};
 use summary::{
     Comparison, Extended, FitSummary, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary,
 };
@@ -110,23 +112,23 @@ impl<N> Output<N> {
 /// Computes the task of `scenario`; returns its summary and all arrays. Front ends draw `fit.posterior`, see [`run_fit`].
 ///
 /// # Errors
-/// An invalid value, results too large for one file, errors of the solvers, a stop by the monitor.
+/// An invalid value, results too large for the memory, errors of the solvers, a stop by the monitor.
 pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, Record)> {
-    run_with(scenario, None, monitor)
+    run_with(scenario, Storage::default(), monitor)
 }
 
-/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` and `[[protocol]]` of an
-/// `[interface]` use them.
+/// As [`run`], resumed from the last checkpoint of `storage`, and storing new ones. What is put into its store of columns is
+/// missing in the arrays.
 ///
 /// # Errors
-/// As [`run`]; a stop if a checkpoint cannot be written or read.
+/// As [`run`]; a stop if something cannot be stored or read.
 pub fn run_with(
     scenario: &Scenario,
-    checkpoints: Option<&mut dyn Checkpoints>,
+    storage: Storage<'_>,
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let model = &scenario.build()?;
-    let output = compute(scenario, model, checkpoints, monitor).map_err(Error::of_scenario)?;
+    let output = compute(scenario, model, storage, monitor).map_err(Error::of_scenario)?;
     Ok(summarised(scenario, output))
 }
 
@@ -176,21 +178,21 @@ fn background_force(contacts: &Contacts, numbers: &Numbers) -> Option<f64> {
 fn compute(
     scenario: &Scenario,
     model: &Model,
-    checkpoints: Option<&mut dyn Checkpoints>,
+    storage: Storage<'_>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<Numbers>> {
     Ok(match scenario.task()? {
         Task::Pull(task) => pull::run(model, task, monitor)?.erased(),
         Task::Drive(task) => match &scenario.interface {
             Some(interface) => {
-                interface::run(model, task, (interface, &scenario.units), checkpoints, monitor)?.erased()
+                interface::run(model, task, (interface, &scenario.units), storage, monitor)?.erased()
             }
             None => drive::run(model, task, monitor)?.erased(),
         },
         Task::Protocol(task) => match (&scenario.interface, &scenario.block) {
             (Some(interface), _) => {
                 let described = (interface, &scenario.units);
-                interface::run_protocol(model, task, described, checkpoints, monitor)?.erased()
+                interface::run_protocol(model, task, described, storage, monitor)?.erased()
             }
             (None, Some(block)) => protocol::run_block(model, task, block, monitor)?.erased(),
             (None, None) => protocol::run(model, task, monitor)?.erased(),
@@ -211,7 +213,7 @@ macro_rules! tasks {
             /// Computes the task for `model`: see [`task`](crate::task).
             ///
             /// # Errors
-            /// A value that is invalid or incompatible with the model; results too large for one file; errors of the
+            /// A value that is invalid or incompatible with the model; results too large for the memory; errors of the
             /// solvers.
             pub fn run(&self, model: &Model) -> Result<Output<summary::$numbers>> {
                 self.run_with(model, &mut ())
@@ -312,11 +314,11 @@ fn placed(atom: &Atom) -> ([f64; 1], f64) {
     ([atom.position], atom.weight)
 }
 
-/// Refuses, before any work, a record of more numbers than fit in one file.
-fn fits(key: &str, numbers: usize, what: impl FnOnce() -> String) -> Result<()> {
-    let needed = (numbers * size_of::<f64>()) as u64;
-    if needed <= crate::record::LARGEST {
+/// Refuses, before any work, results of more numbers than fit in memory.
+fn fits(key: &str, numbers: usize, what: impl FnOnce() -> String, monitor: &dyn Monitor) -> Result<()> {
+    let (needed, allowed) = (numbers.saturating_mul(size_of::<f64>()) as u64, monitor.memory());
+    if needed <= allowed {
         return Ok(());
     }
-    Err(Error::TooLarge { key: key.into(), what: what(), needed, allowed: crate::record::LARGEST })
+    Err(Error::TooLarge { key: key.into(), what: what(), needed, allowed })
 }

@@ -44,7 +44,7 @@ impl scenario::Protocol {
 /// Moves a rigid slider as `task` says.
 ///
 /// # Errors
-/// Results too large for one file, errors of the solvers, a stop by the monitor.
+/// Results too large for the memory, errors of the solvers, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Protocol,
@@ -56,7 +56,7 @@ pub(super) fn run(
     if model.interface.is_some() {
         return Err(Error::invalid("interface", "none: Protocol::run_interface moves an interface", "one"));
     }
-    in_time::check_size(task, model)?;
+    in_time::check_size(task, model, monitor)?;
     let (trace, mut record) = in_time::rigid(model, task, monitor)?;
     let steps = steps(model, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
     let compare = model.compare.as_ref().map(|curve| compared(curve, &trace, &mut record));
@@ -75,7 +75,7 @@ pub(super) fn run_block(
     block: &scenario::Block,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<BlockNumbers>> {
-    in_time::check_size(task, model)?;
+    in_time::check_size(task, model, monitor)?;
     let (sliding, record, accuracy) = in_time::behind(model, task, block, monitor)?;
     let output = Output::new(model, BlockNumbers { sliding }, record);
     match accuracy {

@@ -92,14 +92,14 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
 /// Pulls the slider as `task` says.
 ///
 /// # Errors
-/// Results too large for one file, a stop by the monitor.
+/// Results too large for the memory, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Pull,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<PullNumbers>> {
     let Model { contacts, initial, .. } = model;
-    check_size(model, task, None)?;
+    check_size(model, task, None, monitor)?;
     let solved = if contacts.rules.are_time_dependent() { LIVES } else { 0.0 };
     let part = &mut Part::new(monitor, 0.0, solved);
     let equation = match task.velocity {
@@ -108,7 +108,7 @@ pub(super) fn run(
     };
     let monitor = &mut Part::new(monitor, solved, 1.0 - solved);
     let grid = Grid::new(&equation, initial, &task.snapshots);
-    check_size(model, task, Some(&grid))?;
+    check_size(model, task, Some(&grid), monitor)?;
     let master = if model.ensemble.is_some() { 0.5 } else { 1.0 };
     let tolerance = model.master_equation.tolerance();
     let pull = equation.pull_with(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
@@ -141,15 +141,19 @@ pub(super) fn run(
     accuracy.of(model, "the force on a pull", Output::new(model, numbers, record))
 }
 
-/// Refuses, before any work, results too large for one file. The grid is known once there is an equation.
-fn check_size(model: &Model, pull: &scenario::Pull, grid: Option<&Grid>) -> Result<()> {
+/// Refuses, before any work, results that do not fit in memory. The grid is known once there is an equation.
+fn check_size(
+    model: &Model,
+    pull: &scenario::Pull,
+    grid: Option<&Grid>,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let densities = (pull.snapshots.len() + 3) * grid.map_or(0, |grid| grid.stretches.len());
     let bins = grid.zip(model.ensemble.as_ref()).map_or(0, |(grid, ensemble)| grid.bins(ensemble.size()));
     let covariances = pull.covariance.len().pow(2) + 2 * pull.covariance.len();
     let histograms = (pull.snapshots.len() + 1) * bins;
-    fits("pull.points", pull.points * COLUMNS.len() + densities + histograms + covariances, || {
-        format!("a result file of {} points and {} snapshots", pull.points, pull.snapshots.len())
-    })
+    let what = || format!("a pull of {} points and {} snapshots", pull.points, pull.snapshots.len());
+    fits("pull.points", pull.points * COLUMNS.len() + densities + histograms + covariances, what, monitor)
 }
 
 /// Adds force and breaking rate at `positions` to `record`, the standard deviation of the force of `sample` contacts, and

@@ -109,7 +109,7 @@ fn of_contacts(
     let first = model.ensemble.clone().unwrap_or_default();
     let ensemble = Ensemble { seed: first.seed + run as u64, ..first };
     let (contacts, initial) = (model.contacts.clone(), model.initial.clone());
-    let mut lattice = interface.lattice(contacts, initial, Some(&ensemble))?;
+    let mut lattice = interface.lattice(contacts, initial, Some(&ensemble), monitor.memory())?;
     Ok(FirstBreaks::of_contacts(&lattice.first_breaks(monitor)?))
 }
 

@@ -104,7 +104,7 @@ pub(super) fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<Output<SpectrumNumbers>> {
     let Model { contacts, initial, .. } = model;
-    fits("spectrum.points", 4 * task.points, || format!("a result file of {} points", task.points))?;
+    fits("spectrum.points", 4 * task.points, || format!("a spectrum of {} points", task.points), monitor)?;
     let part = &mut Part::new(monitor, 0.0, 0.1);
     let equation = match task.velocity {
         Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, part)?,
@@ -161,9 +161,8 @@ fn periodogram(
 ) -> Result<Periodogram> {
     let spacing = std::f64::consts::PI / (SAMPLES * highest);
     let length = 2 * (0.5 * segment / spacing).ceil() as usize;
-    fits("spectrum.highest", SEGMENTS * length, || {
-        format!("a record of {} forces of the ensemble", SEGMENTS * length)
-    })?;
+    let what = || format!("a record of {} forces of the ensemble", SEGMENTS * length);
+    fits("spectrum.highest", SEGMENTS * length, what, monitor)?;
     let positions: Vec<f64> = (0..SEGMENTS * length).map(|i| settled + spacing * i as f64).collect();
     let nothing = Snapshots::default();
     let pull = match velocity {

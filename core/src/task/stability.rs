@@ -70,7 +70,7 @@ const fn of(name: &'static str, long_name: &'static str) -> Column {
 /// Answers for every velocity and stiffness of `task`.
 ///
 /// # Errors
-/// Those of [`super::stick_slip_stability`]; results too large for one file.
+/// Those of [`super::stick_slip_stability`]; results too large for the memory.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Stability,
@@ -84,7 +84,7 @@ pub(super) fn run(
     let own = model.block.as_ref().map(|block| block.stiffness);
     let stiffnesses =
         if task.stiffnesses.is_empty() { Vec::from_iter(own) } else { task.stiffnesses.clone() };
-    fits("stability.stiffnesses", 2 * velocities.len() * stiffnesses.len(), || "a result file".into())?;
+    fits("stability.stiffnesses", 2 * velocities.len() * stiffnesses.len(), || "a map".into(), monitor)?;
     let mut accuracy = ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean());
     let (mut numbers, mut map) = (Vec::new(), Vec::new());
     for (i, &velocity) in velocities.iter().enumerate() {

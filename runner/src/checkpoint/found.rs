@@ -5,7 +5,7 @@
 //! bytes of the file belong to it, with their CRC-32. Bytes after these belong to a checkpoint that was lost.
 
 use std::fs::{File, OpenOptions};
-use std::io::{Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -40,14 +40,36 @@ impl FoundFile {
         Self { path, file: None, extent: Extent::default() }
     }
 
-    /// Reads the columns that belong to a checkpoint. More rows can be appended to them.
+    /// Takes up the rows that belong to a checkpoint. More can be appended to them.
     ///
     /// # Errors
     /// The file is damaged, or cannot be read.
-    pub fn take_up(&mut self, extent: Extent) -> Result<Vec<Bits>> {
-        let columns = read(&self.path, extent)?;
+    pub fn take_up(&mut self, extent: Extent) -> Result<()> {
+        check(&self.path, extent)?;
         self.extent = extent;
-        Ok(columns)
+        Ok(())
+    }
+
+    /// Passes on the rows that were taken up, as they were appended, until one is refused.
+    ///
+    /// # Errors
+    /// The file has changed, or cannot be read.
+    pub fn rows(
+        &self,
+        each: &mut dyn FnMut(Vec<Bits>) -> asperity::Result<()>,
+    ) -> Result<asperity::Result<()>> {
+        let read = || Error::system(&self.path, "read");
+        let mut file = opened(&self.path, self.extent).map_err(read())?;
+        // It has been checked.
+        file.read_exact(&mut [0; FIRST.len()]).map_err(read())?;
+        while !file.fill_buf().map_err(read())?.is_empty() {
+            let rows: Vec<Bits> = ciborium::from_reader(&mut file)
+                .map_err(|error| Error::Damaged { path: self.path.clone(), what: error.to_string() })?;
+            if let Err(refused) = each(rows) {
+                return Ok(Err(refused));
+            }
+        }
+        Ok(Ok(()))
     }
 
     /// The part of the file that belongs to this run.
@@ -95,29 +117,55 @@ impl FoundFile {
     }
 }
 
-/// Reads the columns in the first bytes of the file.
-fn read(path: &Path, extent: Extent) -> Result<Vec<Bits>> {
-    let damaged = |what: &str| Error::Damaged { path: path.to_owned(), what: what.to_owned() };
-    let bytes = std::fs::read(path).map_err(Error::system(path, "read"))?;
-    let bytes = usize::try_from(extent.bytes).ok().and_then(|length| bytes.get(..length));
-    let bytes = bytes.ok_or_else(|| damaged("its end is missing"))?;
-    if crc32fast::hash(bytes) != extent.checksum {
-        return Err(damaged("its checksum is wrong"));
+/// The part of a file that belongs to a checkpoint.
+type Opened = BufReader<io::Take<File>>;
+
+fn opened(path: &Path, extent: Extent) -> io::Result<Opened> {
+    Ok(BufReader::new(File::open(path)?.take(extent.bytes)))
+}
+
+/// Checks the first bytes of the file.
+fn check(path: &Path, extent: Extent) -> Result<()> {
+    let damaged = |what: &str| Err(Error::Damaged { path: path.to_owned(), what: what.to_owned() });
+    let mut file = opened(path, extent).map_err(Error::system(path, "read"))?;
+    let (mut checksum, mut bytes) = (crc32fast::Hasher::new(), 0);
+    loop {
+        let piece = file.fill_buf().map_err(Error::system(path, "read"))?;
+        if piece.is_empty() {
+            break;
+        }
+        if bytes == 0 && !piece.starts_with(FIRST) {
+            return damaged("its first line is wrong");
+        }
+        checksum.update(piece);
+        let length = piece.len();
+        bytes += length as u64;
+        file.consume(length);
     }
-    let mut rest = bytes.strip_prefix(FIRST).ok_or_else(|| damaged("its first line is wrong"))?;
-    let mut columns: Vec<Bits> = Vec::new();
-    while !rest.is_empty() {
-        let rows: Vec<Bits> =
-            ciborium::from_reader(&mut rest).map_err(|error| damaged(&error.to_string()))?;
-        columns.resize(rows.len().max(columns.len()), Bits::default());
-        columns.iter_mut().zip(rows).for_each(|(column, rows)| column.0.extend(rows.0));
+    match (bytes == extent.bytes, checksum.finalize() == extent.checksum) {
+        (false, _) => damaged("its end is missing"),
+        (true, false) => damaged("its checksum is wrong"),
+        (true, true) => Ok(()),
     }
-    Ok(columns)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The columns that belong to a checkpoint.
+    fn read(path: &Path, extent: Extent) -> Result<Vec<Bits>> {
+        let mut file = FoundFile::new(path.to_owned());
+        file.take_up(extent)?;
+        let mut columns: Vec<Bits> = Vec::new();
+        let mut add = |rows: Vec<Bits>| {
+            columns.resize(rows.len().max(columns.len()), Bits::default());
+            columns.iter_mut().zip(rows).for_each(|(column, rows)| column.0.extend(rows.0));
+            Ok(())
+        };
+        file.rows(&mut add)?.unwrap();
+        Ok(columns)
+    }
 
     #[test]
     fn what_is_added_is_read_back_and_what_stands_behind_it_forgotten() {

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use asperity::scenario::Scenario;
-use asperity::task::{self, Checkpoint};
+use asperity::task;
 
 use crate::folder;
 use crate::input;
@@ -58,7 +58,6 @@ pub struct Checkpoints {
 struct Resumed {
     path: PathBuf,
     content: Content,
-    columns: Vec<Bits>,
 }
 
 impl Checkpoints {
@@ -87,10 +86,10 @@ impl Checkpoints {
         for (slot, path, content) in kept {
             difference::refuse(&path, &content.header, &checkpoints.scenario)?;
             match checkpoints.found.take_up(content.header.found) {
-                Ok(columns) => {
+                Ok(()) => {
                     checkpoints.number = content.header.number;
                     checkpoints.slot = (slot + 1) % SLOTS;
-                    checkpoints.resumed = Some(Resumed { path, content, columns });
+                    checkpoints.resumed = Some(Resumed { path, content });
                     return Ok(checkpoints);
                 }
                 Err(error) => checkpoints.damaged.push(error),
@@ -231,10 +230,15 @@ impl task::Checkpoints for Checkpoints {
         }
     }
 
-    fn take(&mut self) -> Option<Checkpoint> {
-        let Resumed { content, columns, .. } = self.resumed.as_mut()?;
-        let columns = std::mem::take(columns).into_iter().map(|Bits(values)| values).collect();
-        Some(Checkpoint { state: std::mem::take(&mut content.state), columns })
+    fn take(
+        &mut self,
+        rows: &mut dyn FnMut(Vec<Vec<f64>>) -> asperity::Result<()>,
+    ) -> asperity::Result<Option<Vec<u8>>> {
+        let Some(Resumed { content, .. }) = &mut self.resumed else { return Ok(None) };
+        let state = std::mem::take(&mut content.state);
+        let mut pass = |columns: Vec<Bits>| rows(columns.into_iter().map(|Bits(values)| values).collect());
+        self.found.rows(&mut pass).map_err(|error| self.stop(error))??;
+        Ok(Some(state))
     }
 
     fn keep(&mut self, events: u64, state: Vec<u8>, rows: Vec<Vec<f64>>) -> asperity::Result<()> {

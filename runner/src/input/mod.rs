@@ -20,6 +20,7 @@ pub use diagnostic::{Diagnostic, Mark, Source};
 pub use schema::schema;
 pub(crate) use sweep::{Cases, Choice};
 
+use crate::memory;
 use deserialise::{Fault, Reader};
 use document::{Document, Node};
 
@@ -77,8 +78,9 @@ impl Input {
                 Fault::among_names(expected, found).under(key)
             }
             asperity::Error::TooLarge { key, what, needed, allowed } => {
-                let found = format!("{what}: {} or more", amount(*needed));
-                Fault::new(&format!("what fits in {}", amount(*allowed)), &found).under(key)
+                let found = format!("{what}: {} or more", memory::words(*needed));
+                let expected = format!("what fits in the {} of memory available", memory::words(*allowed));
+                Fault::new(&expected, &found).under(key)
             }
             asperity::Error::Accuracy { key, what, reached, wanted } if !key.is_empty() => {
                 // Rounded up to two digits, so that the suggested tolerance is above the error that was reached.
@@ -102,12 +104,6 @@ fn short(text: &str) -> String {
     let begin: String = letters.by_ref().take(MOST).collect();
     let rest = letters.count();
     if rest == 0 { begin } else { format!("{begin}… ({rest} more letters)") }
-}
-
-/// A number of bytes, as text.
-fn amount(bytes: u64) -> String {
-    let mebibytes = bytes as f64 / f64::from(1 << 20);
-    if mebibytes < 1024.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
 }
 
 /// Reads a value from a fixed set of words, such as `quenched`.

@@ -1,12 +1,23 @@
 //! CSV tables: a header, then numbers in the shortest form that reads back exactly.
 
+use std::borrow::Cow;
+use std::io::{self, Write};
+
 use asperity::record::{CsvTable, Record, Variable};
 use asperity::task;
 
+use super::view::{Variables, View};
+
 /// `value` in the shortest form that reads back exactly.
 pub fn shortest(value: f64) -> String {
+    let mut text = Vec::new();
+    write_shortest(value, &mut text).expect("memory does not refuse it");
+    String::from_utf8(text).expect("digits are text")
+}
+
+fn write_shortest(value: f64, to: &mut Vec<u8>) -> io::Result<()> {
     let size = value.abs();
-    if size == 0.0 || (1e-5..1e16).contains(&size) { value.to_string() } else { format!("{value:e}") }
+    if size == 0.0 || (1e-5..1e16).contains(&size) { write!(to, "{value}") } else { write!(to, "{value:e}") }
 }
 
 /// Names of the columns of slips.
@@ -51,32 +62,114 @@ const EVENT: [&str; 20] = [
 /// Names of further columns of slips in time.
 const IN_TIME: [&str; 4] = ["time", "duration", "velocity", "strengthening"];
 
-/// The tables of a record that have any rows: name and text.
-pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
+/// A table of a result.
+pub(super) struct Table<'a> {
+    /// Name of the file.
+    pub file: &'static str,
+    content: Content<'a>,
+}
+
+enum Content<'a> {
+    Text(String),
+    /// Columns, each with its header; rows numbered from 1 if there is a header for the number.
+    Columns(Option<&'static str>, Vec<(String, Column<'a>)>),
+}
+
+/// A column of a table.
+enum Column<'a> {
+    /// Row by row.
+    Variable(View<'a>),
+    /// Repeated along the dimensions of another variable.
+    Repeated(&'a Record, &'a Variable, &'a Variable),
+}
+
+/// Rows that are written at once.
+const ROWS: usize = 1 << 12;
+
+/// The tables of a result that have any rows.
+pub(super) fn tables(variables: Variables<'_>) -> impl Iterator<Item = Table<'_>> {
+    let record = variables.record;
     let others = [
-        ("atoms.csv", atoms(record)),
-        ("trace.csv", trace(record, "")),
-        ("events.csv", catalogue(record).or_else(|| events(record, ""))),
-        ("ensemble_trace.csv", trace(record, "ensemble_")),
-        ("ensemble_events.csv", events(record, "ensemble_")),
-        ("sizes.csv", sizes(record)),
+        ("atoms.csv", atoms(record).map(Content::Text)),
+        ("trace.csv", trace(variables, "")),
+        ("events.csv", catalogue(variables).or_else(|| events(variables, ""))),
+        ("ensemble_trace.csv", trace(variables, "ensemble_")),
+        ("ensemble_events.csv", events(variables, "ensemble_")),
+        ("sizes.csv", sizes(variables)),
     ];
-    let declared = task::tables().map(|table| (table.file, declared(record, table)));
-    declared.chain(others).filter_map(|(name, text)| text.map(|text| (name, text)))
+    let declared = task::tables().map(move |table| (table.file, declared(record, table)));
+    declared.chain(others).filter_map(|(file, content)| content.map(|content| Table { file, content }))
+}
+
+impl Table<'_> {
+    /// Writes the table.
+    ///
+    /// # Errors
+    /// The system refuses to write it, or to read values.
+    pub(super) fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+        let (number, columns) = match &self.content {
+            Content::Text(text) => return to.write_all(text.as_bytes()),
+            Content::Columns(number, columns) => (number, columns),
+        };
+        let header = number.iter().copied().chain(columns.iter().map(|(header, _)| header.as_str()));
+        writeln!(to, "{}", header.collect::<Vec<_>>().join(","))?;
+        let rows = columns.first().map_or(0, |(_, column)| column.len());
+        let mut text = Vec::new();
+        for from in (0..rows).step_by(ROWS) {
+            let block = columns.iter().map(|(_, column)| column.read(from, ROWS));
+            let block: Vec<Cow<'_, [f64]>> = block.collect::<io::Result<_>>()?;
+            text.clear();
+            for row in 0..block[0].len() {
+                if number.is_some() {
+                    write!(text, "{},", from + row + 1)?;
+                }
+                for (place, column) in block.iter().enumerate() {
+                    if place > 0 {
+                        text.push(b',');
+                    }
+                    write_shortest(column[row], &mut text)?;
+                }
+                text.push(b'\n');
+            }
+            to.write_all(&text)?;
+        }
+        Ok(())
+    }
+}
+
+impl<'a> Column<'a> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Variable(view) => view.len(),
+            Self::Repeated(_, needed, _) => needed.values.len(),
+        }
+    }
+
+    fn read(&self, from: usize, count: usize) -> io::Result<Cow<'a, [f64]>> {
+        match self {
+            Self::Variable(view) => view.read(from, count),
+            Self::Repeated(record, needed, column) => {
+                let rows = from..needed.values.len().min(from + count);
+                Ok(rows.map(|row| column.values[place(record, needed, row, column)]).collect())
+            }
+        }
+    }
 }
 
 /// A table that a task declares.
-fn declared(record: &Record, table: &CsvTable) -> Option<String> {
+fn declared<'a>(record: &'a Record, table: &CsvTable) -> Option<Content<'a>> {
     let needed = record.get(table.needed.name)?;
-    let columns: Vec<_> = table.columns.iter().filter_map(|column| record.get(column.name)).collect();
-    let header: Vec<_> = columns.iter().map(|column| column.name.as_str()).collect();
-    let mut text = header.join(",") + "\n";
-    for row in 0..needed.values.len() {
-        let value = |column: &&Variable| shortest(column.values[place(record, needed, row, column)]);
-        text += &columns.iter().map(value).collect::<Vec<_>>().join(",");
-        text.push('\n');
-    }
-    Some(text)
+    let columns = table.columns.iter().filter_map(|column| record.get(column.name));
+    let columns = columns.map(|column| {
+        let like = column.dimensions == needed.dimensions;
+        let values = if like {
+            Column::Variable(View::Kept(column))
+        } else {
+            Column::Repeated(record, needed, column)
+        };
+        (column.name.clone(), values)
+    });
+    Some(Content::Columns(None, columns.collect()))
 }
 
 /// The index in `column`, which may have fewer dimensions, of the value in the same row as the value `row` of `needed`.
@@ -98,67 +191,60 @@ fn same(name: &str) -> (String, String) {
     (name.to_owned(), name.to_owned())
 }
 
-fn trace(record: &Record, prefix: &str) -> Option<String> {
-    if prefix.is_empty() && record.get("spring_force").is_none() {
+fn trace<'a>(variables: Variables<'a>, prefix: &str) -> Option<Content<'a>> {
+    if prefix.is_empty() && variables.get("spring_force").is_none() {
         // An interface has several springs, single contacts have no positions, and only some tasks have a time.
         let optional = ["position", "time", "velocity", "friction_coefficient"].map(same);
-        return table(record, &["drive", "force"].map(same), &optional);
+        return table(variables, None, &["drive", "force"].map(same), &optional);
     }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
     let timed = ["time", "velocity", "free", "friction_coefficient"].map(column);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);
     // An ensemble at the same points is added to the table; one with its own points gets a table of its own.
-    let beside = record.get("ensemble_drive").map_or(&ensemble[..], |_| &[]);
+    let beside = variables.get("ensemble_drive").map_or(&ensemble[..], |_| &[]);
     let optional = [&timed[..], beside].concat();
-    table(record, &["drive", "position", "force", "spring_force"].map(column), &optional)
+    table(variables, None, &["drive", "position", "force", "spring_force"].map(column), &optional)
 }
 
-fn events(record: &Record, prefix: &str) -> Option<String> {
-    record.get(&format!("{prefix}spring_force"))?;
-    let column = |name: &str| record.get(&format!("{prefix}{name}"));
+/// The header of the numbers of events.
+const NUMBER: Option<&str> = Some("event");
+
+fn events<'a>(variables: Variables<'a>, prefix: &str) -> Option<Content<'a>> {
+    variables.get(&format!("{prefix}spring_force"))?;
+    let column = |name: &str| variables.get(&format!("{prefix}{name}"));
     if column("velocity").is_some() && column("event_drive").is_none() {
         return None;
     }
     let named = |name: &str| (name.to_owned(), format!("{prefix}event_{name}"));
-    let text = table(record, &SLIP.map(named), &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
-    Some(numbered(&text))
+    let none = || Content::Text(format!("event,{}\n", SLIP.join(",")));
+    Some(table(variables, NUMBER, &SLIP.map(named), &IN_TIME.map(named)).unwrap_or_else(none))
 }
 
 /// The events of an interface.
-fn catalogue(record: &Record) -> Option<String> {
+fn catalogue(variables: Variables<'_>) -> Option<Content<'_>> {
     let named = |name: &str| (name.to_owned(), format!("event_{name}"));
-    record.get("event_epicentre")?;
-    table(record, &[], &EVENT.map(named)).map(|text| numbered(&text))
+    variables.get("event_epicentre")?;
+    table(variables, NUMBER, &[], &EVENT.map(named))
 }
 
-/// The rows of a table, numbered from 1.
-fn numbered(text: &str) -> String {
-    let row = |(row, line): (usize, &str)| match row {
-        0 => format!("event,{line}\n"),
-        event => format!("{event},{line}\n"),
-    };
-    text.lines().enumerate().map(row).collect()
-}
-
-fn sizes(record: &Record) -> Option<String> {
+fn sizes(variables: Variables<'_>) -> Option<Content<'_>> {
     let column = |name: &str| (name.to_owned(), format!("size_{name}"));
     let contacts = [("contacts".to_owned(), "size".to_owned())];
-    table(record, &[&contacts[..], &["events", "slip", "drop"].map(column)].concat(), &[])
+    table(variables, None, &[&contacts[..], &["events", "slip", "drop"].map(column)].concat(), &[])
 }
 
-/// The columns `required`, and those of `optional` that exist: their headers and their variables.
-fn table(record: &Record, required: &[(String, String)], optional: &[(String, String)]) -> Option<String> {
-    let get = |(header, name): &(String, String)| record.get(name).map(|variable| (header.clone(), variable));
+/// The columns `required`, and those of `optional` that exist, under their headers.
+fn table<'a>(
+    variables: Variables<'a>,
+    number: Option<&'static str>,
+    required: &[(String, String)],
+    optional: &[(String, String)],
+) -> Option<Content<'a>> {
+    let get = |(header, name): &(String, String)| {
+        variables.get(name).map(|view| (header.clone(), Column::Variable(view)))
+    };
     let needed: Option<Vec<_>> = required.iter().map(get).collect();
-    let columns: Vec<_> = needed?.into_iter().chain(optional.iter().filter_map(get)).collect();
-    let header: Vec<_> = columns.iter().map(|(header, _)| header.as_str()).collect();
-    let mut text = header.join(",") + "\n";
-    for row in 0..columns[0].1.values.len() {
-        let cells: Vec<_> = columns.iter().map(|(_, column)| shortest(column.values[row])).collect();
-        text += &cells.join(",");
-        text.push('\n');
-    }
-    Some(text)
+    Some(Content::Columns(number, needed?.into_iter().chain(optional.iter().filter_map(get)).collect()))
 }
 
 /// Point masses: the density to which they belong, and the dimension along which they are listed.

@@ -1,11 +1,12 @@
 //! A folder of results that is replaced as a whole or not at all. Files of others in it are kept.
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use super::error::{Error, Result};
-use super::listing::Listing;
+use super::listing::{Listing, Summed};
 use crate::folder::Made;
 
 /// The file that marks a folder made by asperity, with the list of its files.
@@ -20,6 +21,21 @@ pub struct Renamed {
     pub to: PathBuf,
 }
 
+/// A file that is to be written.
+pub(crate) struct NewFile<'a> {
+    /// Its name.
+    pub name: String,
+    /// Writes its content.
+    pub write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+}
+
+impl<'a> NewFile<'a> {
+    /// A file with this content.
+    pub(crate) fn of(name: impl Into<String>, content: impl AsRef<[u8]> + 'a) -> Self {
+        Self { name: name.into(), write: Box::new(move |to| to.write_all(content.as_ref())) }
+    }
+}
+
 /// Refuses, before any work, a destination that [`super::write`] would refuse.
 ///
 /// # Errors
@@ -29,40 +45,28 @@ pub fn check(dir: &Path) -> Result<()> {
     Staging::beside(&dir).map(drop)
 }
 
-/// Makes `files` (names and contents) the results in the folder `dir`. Returns the files of others that were renamed.
-pub(super) fn replace<'a>(
-    dir: &Path,
-    files: impl Iterator<Item = (&'a str, &'a [u8])>,
-) -> Result<Vec<Renamed>> {
+/// Makes `files` the results in the folder `dir`. Returns the files of others that were renamed.
+pub(super) fn replace(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     let (dir, _) = destination(dir)?;
     let staging = Staging::beside(&dir)?;
     let mut listing = Listing::default();
-    for (name, bytes) in files {
-        listing.add(name, bytes);
-        staging.store(name, bytes)?;
-    }
-    staging.store(MARKER, listing.to_text().as_bytes())?;
+    staging.store(files, &mut listing)?;
     // Another run may have created the folder in the meantime.
     let (dir, occupied) = destination(&dir)?;
     if occupied { clear(&staging.swap_with(&dir)?, &dir) } else { staging.become_(&dir).map(|()| Vec::new()) }
 }
 
-/// Makes `files` (names and contents) files of the folder of results `dir`. Returns the files of others that were renamed.
-pub(super) fn add<'a>(dir: &Path, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Result<Vec<Renamed>> {
+/// Makes `files` part of the folder of results `dir`. Returns the files of others that were renamed.
+pub(super) fn add(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     let (folder, true) = destination(dir)? else {
         return Err(Error::Foreign { path: dir.to_owned(), what: "not a folder of results" });
     };
     let mut listed = listing(&folder).unwrap_or_default();
     let staging = Staging::beside(&folder)?;
-    let (mut names, mut renamed) = (Vec::new(), Vec::new());
+    let mut renamed = Vec::new();
     let before = listed.clone();
-    for (name, bytes) in files {
-        staging.store(name, bytes)?;
-        listed.add(name, bytes);
-        names.push(name);
-    }
-    staging.store(MARKER, listed.to_text().as_bytes())?;
-    for name in names {
+    staging.store(files, &mut listed)?;
+    for name in files.iter().map(|file| file.name.as_str()) {
         let to = folder.join(name);
         if to.symlink_metadata().is_ok() && !before.is_of_ours(&to) {
             let kept = free_name(&folder, name, to.clone());
@@ -104,7 +108,7 @@ fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
     let former = listing(old).unwrap_or_default();
     let mut renamed = Vec::new();
     let entries = fs::read_dir(old).and_then(|entries| {
-        entries.map(|entry| entry.map(|entry| entry.path())).collect::<std::io::Result<Vec<_>>>()
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<Vec<_>>>()
     });
     let mut paths = entries.map_err(Error::system(old, "read the folder"))?;
     // Files that keep their names move first, so that a new name cannot collide with one of theirs.
@@ -158,11 +162,28 @@ impl Staging {
         unreachable!("numbers do not end")
     }
 
-    fn store(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        let path = self.path.join(name);
-        let mut file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
-        // A full disk may be reported only when the data are flushed.
-        file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&path, "write"))
+    /// Writes files, adds them to the listing, and writes the listing.
+    fn store(&self, files: &[NewFile<'_>], listing: &mut Listing) -> Result<()> {
+        let mut written = Vec::new();
+        for new in files {
+            let (path, file, size, checksum) = self.write(new)?;
+            listing.add(&new.name, size, checksum);
+            written.push((path, file));
+        }
+        let (path, file, ..) = self.write(&NewFile::of(MARKER, listing.to_text()))?;
+        written.push((path, file));
+        flush(&written)
+    }
+
+    /// Writes a file. Returns its path, with the size and the checksum of its content.
+    fn write(&self, new: &NewFile<'_>) -> Result<(PathBuf, File, u64, u32)> {
+        let path = self.path.join(&new.name);
+        let file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
+        let mut summed = Summed::new(BufWriter::new(file));
+        let written = (new.write)(&mut summed);
+        let (file, size, checksum) = summed.finish();
+        let file = written.and_then(|()| Ok(file.into_inner()?)).map_err(Error::system(&path, "write"))?;
+        Ok((path, file, size, checksum))
     }
 
     fn become_(self, dir: &Path) -> Result<()> {
@@ -190,6 +211,25 @@ impl Staging {
     }
 }
 
+/// Flushes files to the disk, all at once: most of the time the disk is waited for, and it takes several together.
+fn flush(files: &[(PathBuf, File)]) -> Result<()> {
+    // A full disk may be reported only now.
+    let flush = |(path, file): &(PathBuf, File)| file.sync_all().map_err(Error::system(path, "write"));
+    thread::scope(|scope| {
+        let begun: Vec<_> = files
+            .iter()
+            .map(|file| thread::Builder::new().spawn_scoped(scope, move || flush(file)).map_err(|_| file))
+            .collect();
+        let ended = begun.into_iter().map(|flushed| match flushed {
+            Ok(flushed) => flushed.join().expect("a file is flushed or refused"),
+            // The system has no more threads.
+            Err(file) => flush(file),
+        });
+        // Every one is waited for, also after an error.
+        ended.collect::<Vec<_>>().into_iter().collect()
+    })
+}
+
 impl Drop for Staging {
     fn drop(&mut self) {
         if !self.path.as_os_str().is_empty() {
@@ -200,12 +240,12 @@ impl Drop for Staging {
 
 /// Exchanges two folders in one step, if the system can.
 #[cfg(target_os = "linux")]
-fn exchange(a: &Path, b: &Path) -> std::io::Result<()> {
+fn exchange(a: &Path, b: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     Ok(renameat_with(CWD, a, CWD, b, RenameFlags::EXCHANGE)?)
 }
 
 #[cfg(not(target_os = "linux"))]
-fn exchange(_: &Path, _: &Path) -> std::io::Result<()> {
+fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(ErrorKind::Unsupported.into())
 }

@@ -27,16 +27,6 @@ pub enum Error {
         /// The message of the system.
         source: std::io::Error,
     },
-    /// The results do not fit in one result file.
-    #[error(
-        "result.nc would need {needed} bytes, more than the {allowed} allowed; ask for fewer points or snapshots"
-    )]
-    TooLarge {
-        /// Bytes needed.
-        needed: u64,
-        /// Bytes allowed.
-        allowed: u64,
-    },
     /// A file was not written by asperity, or is damaged.
     #[error("{path}: {what}")]
     Malformed {
@@ -48,6 +38,9 @@ pub enum Error {
     /// The results cannot be put into a NetCDF file.
     #[error("result.nc: {0}")]
     Encoding(#[from] netcdf_writer::Error),
+    /// The file that `netcdf-writer` assembled has no places for values.
+    #[error("result.nc: the assembled file is not of the form in which values can be placed")]
+    Unplaced,
 }
 
 impl Error {

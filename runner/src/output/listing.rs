@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Beginning of a listing, followed by the version that wrote it.
@@ -16,9 +17,9 @@ const SECOND: &str =
 pub struct Listing(BTreeMap<String, (u64, u32)>);
 
 impl Listing {
-    /// Adds a file.
-    pub fn add(&mut self, name: &str, bytes: &[u8]) {
-        self.0.insert(name.to_owned(), (bytes.len() as u64, crc32fast::hash(bytes)));
+    /// Adds a file of this size and CRC-32.
+    pub fn add(&mut self, name: &str, size: u64, checksum: u32) {
+        self.0.insert(name.to_owned(), (size, checksum));
     }
 
     /// The text of the listing, for [`Listing::read`]: a line with checksum, size and name for each file.
@@ -45,7 +46,44 @@ impl Listing {
         let name = path.file_name().and_then(|name| name.to_str());
         let Some(&(size, sum)) = name.and_then(|name| self.0.get(name)) else { return false };
         let same_size = fs::symlink_metadata(path).is_ok_and(|found| found.is_file() && found.len() == size);
-        same_size && fs::read(path).is_ok_and(|bytes| crc32fast::hash(&bytes) == sum)
+        let checksum = || -> io::Result<u32> {
+            let mut summed = Summed::new(io::sink());
+            io::copy(&mut fs::File::open(path)?, &mut summed)?;
+            Ok(summed.finish().2)
+        };
+        same_size && checksum().is_ok_and(|found| found == sum)
+    }
+}
+
+/// A writer that keeps count of the bytes written and of their CRC-32.
+pub struct Summed<W> {
+    writer: W,
+    size: u64,
+    checksum: crc32fast::Hasher,
+}
+
+impl<W: Write> Summed<W> {
+    /// Writes to `writer`.
+    pub fn new(writer: W) -> Self {
+        Self { writer, size: 0, checksum: crc32fast::Hasher::new() }
+    }
+
+    /// The writer, the number of bytes, and their CRC-32.
+    pub fn finish(self) -> (W, u64, u32) {
+        (self.writer, self.size, self.checksum.finalize())
+    }
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.writer.write(bytes)?;
+        self.size += written as u64;
+        self.checksum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
     }
 }
 
@@ -56,8 +94,8 @@ mod tests {
     #[test]
     fn a_listing_is_read_as_it_was_written_and_nothing_else_is_one() {
         let mut listing = Listing::default();
-        listing.add("force.csv", b"position,force\n");
-        listing.add("with blanks.svg", b"");
+        listing.add("force.csv", 15, 0x89ab_cdef);
+        listing.add("with blanks.svg", 0, 0);
         assert_eq!(Listing::read(&listing.to_text()), Some(listing));
         for text in ["", "made by asperity 0.1.0\n", "made by somebody\nforce.csv\n"] {
             assert_eq!(Listing::read(text), None, "{text}");
@@ -70,7 +108,7 @@ mod tests {
         let mut listing = Listing::default();
         let path = |name| folder.path().join(name);
         for (name, now) in [("same", "abc"), ("longer", "abcd"), ("changed", "abd")] {
-            listing.add(name, b"abc");
+            listing.add(name, 3, crc32fast::hash(b"abc"));
             fs::write(path(name), now).unwrap();
         }
         fs::write(path("foreign"), "abc").unwrap();

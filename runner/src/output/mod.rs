@@ -5,21 +5,26 @@ mod csv;
 mod directory;
 mod error;
 mod fitted;
+mod hdf5;
 mod listing;
 mod netcdf;
 mod posterior;
 mod read;
+mod view;
 
 use std::path::Path;
 
 use asperity::record::Record;
 use asperity::task::summary::Summary;
 
+use crate::columns::StoredColumns;
+use view::Variables;
+
 pub use attributes::{Attribute, attributes, common};
 pub use csv::shortest;
+pub(crate) use directory::NewFile;
 pub use directory::{Renamed, check};
 pub use error::{Error, Result};
-pub use netcdf::check_size;
 pub use read::read;
 
 /// A finished run.
@@ -53,6 +58,22 @@ pub struct Written {
     pub renamed: Vec<Renamed>,
 }
 
+/// Which files of results are written. The scenario is always among them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Only {
+    /// `result.nc`, and `posterior.nc`.
+    pub netcdf: bool,
+    /// Tables.
+    pub csv: bool,
+    /// The summary.
+    pub json: bool,
+}
+
+impl Only {
+    /// All files.
+    pub const ALL: Self = Self { netcdf: true, csv: true, json: true };
+}
+
 /// Writes `outcome` and `attachments` as the folder `dir`.
 ///
 /// The files are written to a hidden folder next to `dir`, which then takes its place. After any error
@@ -61,30 +82,53 @@ pub struct Written {
 /// since, are kept; those with the name of a result are renamed and returned.
 ///
 /// # Errors
-/// `dir` was not made by asperity or cannot be written; the results are too large for one file.
+/// `dir` was not made by asperity or cannot be written.
 pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Result<Written> {
-    let mut files = vec![
-        ("scenario.toml".to_owned(), outcome.scenario.clone().into_bytes()),
-        ("summary.json".to_owned(), json(&outcome.summary)),
-    ];
-    files.extend(csv::tables(&outcome.record).map(|(name, text)| (name.to_owned(), text.into_bytes())));
-    files.extend(fitted::fitted(outcome).into_iter().map(|(name, text)| (name, text.into_bytes())));
-    files.push(("result.nc".to_owned(), netcdf::encode(outcome)?));
-    files.extend(posterior::encode(outcome)?.map(|bytes| ("posterior.nc".to_owned(), bytes)));
+    write_only(dir, (outcome, None), attachments, Only::ALL)
+}
+
+/// The same of an outcome some of whose columns are `stored`, and of these files alone.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_only(
+    dir: &Path,
+    (outcome, stored): (&Outcome, Option<&StoredColumns>),
+    attachments: &[Attachment],
+    only: Only,
+) -> Result<Written> {
+    let variables = Variables { record: &outcome.record, stored };
+    let mut files = vec![NewFile::of("scenario.toml", outcome.scenario.as_bytes())];
+    if only.json {
+        files.push(NewFile::of("summary.json", json(&outcome.summary)));
+    }
+    if only.csv {
+        files.extend(csv::tables(variables).map(|table| NewFile {
+            name: table.file.to_owned(),
+            write: Box::new(move |to| table.write(to)),
+        }));
+    }
+    files
+        .extend(fitted::fitted(outcome).into_iter().map(|(name, text)| NewFile::of(name, text.into_bytes())));
+    if only.netcdf {
+        let result = netcdf::assemble(outcome, variables)?;
+        files.push(NewFile { name: "result.nc".to_owned(), write: Box::new(move |to| result.write(to)) });
+        files.extend(posterior::encode(outcome)?.map(|bytes| NewFile::of("posterior.nc", bytes)));
+    }
     write_files(dir, files, attachments)
 }
 
-/// Makes `files` (names and contents) and `attachments` the folder `dir`, as [`write`] does.
-pub(crate) fn write_files(
+/// Makes `files` and `attachments` the folder `dir`, as [`write`] does.
+pub(crate) fn write_files<'a>(
     dir: &Path,
-    files: Vec<(String, Vec<u8>)>,
-    attachments: &[Attachment],
+    mut files: Vec<NewFile<'a>>,
+    attachments: &'a [Attachment],
 ) -> Result<Written> {
-    let borrowed = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-    let attached = attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice()));
-    let renamed = directory::replace(dir, borrowed.chain(attached))?;
+    let results = files.iter().map(|file| file.name.clone()).collect();
+    files.extend(attachments.iter().map(|a| NewFile::of(a.name.as_str(), a.bytes.as_slice())));
+    let renamed = directory::replace(dir, &files)?;
     let attached = attachments.iter().map(|attachment| attachment.name.clone()).collect();
-    Ok(Written { results: files.into_iter().map(|(name, _)| name).collect(), attached, renamed })
+    Ok(Written { results, attached, renamed })
 }
 
 /// Writes `attachments` into the folder of results `dir`, in place of those with the same names; all other files stay. A
@@ -93,7 +137,8 @@ pub(crate) fn write_files(
 /// # Errors
 /// `dir` was not made by asperity or cannot be written.
 pub fn attach(dir: &Path, attachments: &[Attachment]) -> Result<Vec<Renamed>> {
-    directory::add(dir, attachments.iter().map(|a| (a.name.as_str(), a.bytes.as_slice())))
+    let files = attachments.iter().map(|a| NewFile::of(a.name.as_str(), a.bytes.as_slice()));
+    directory::add(dir, &files.collect::<Vec<_>>())
 }
 
 fn json(summary: &Summary) -> Vec<u8> {

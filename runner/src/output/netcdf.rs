@@ -1,44 +1,110 @@
-//! `result.nc`: the record as NetCDF-4, with labels, units and the scenario that reproduces it.
+//! `result.nc`: the variables as NetCDF-4, with labels, units and the scenario that reproduces them.
+//!
+//! `netcdf-writer` assembles a file in memory. It is given one value of each array, and [`super::hdf5`] makes places for the
+//! others behind what it assembled; values are written there a piece at a time.
 
-use asperity::record::{LARGEST, Quantity, Record, Variable};
+use std::io::{self, Write};
+
+use asperity::record::{Quantity, Variable};
 use asperity::scenario::Units;
 use asperity::task::is_coordinate;
-use netcdf_writer::{NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
+use netcdf_writer::{DimensionId, NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
 
+use super::hdf5::{Array, Values, padding, place};
+use super::view::{Variables, View};
 use super::{Attribute, Error, Outcome, Result, attributes};
 
-/// Refuses results that are too large for one file.
-///
-/// # Errors
-/// `needed` bytes are more than [`LARGEST`].
-pub fn check_size(needed: u64) -> Result<()> {
-    if needed > LARGEST { Err(Error::TooLarge { needed, allowed: LARGEST }) } else { Ok(()) }
+/// Values that are written at once.
+const PIECE: usize = 1 << 13;
+
+/// The file `result.nc` without the values of its arrays, and the variables whose values follow.
+pub(super) struct Assembled<'a> {
+    bytes: Vec<u8>,
+    arrays: Vec<View<'a>>,
 }
 
-/// The bytes of `result.nc`; the same outcome gives the same bytes.
-pub(super) fn encode(outcome: &Outcome) -> Result<Vec<u8>> {
-    check_size(outcome.record.bytes())?;
+/// Assembles the file; the same variables give the same bytes.
+pub(super) fn assemble<'a>(outcome: &Outcome, variables: Variables<'a>) -> Result<Assembled<'a>> {
     let mut file = NcFileBuilder::new();
     describe(&mut file, outcome)?;
+    let lengths = variables.dimensions();
     let mut dimensions = Vec::new();
-    for (name, length) in outcome.record.dimensions() {
+    for &(name, length) in &lengths {
         // Only an unlimited dimension may have length 0.
-        let id = match length {
-            0 => file.add_unlimited_dimension(name)?,
-            length => file.add_dimension(name, length as u64)?,
-        };
+        let id = if length == 0 { file.add_unlimited_dimension(name)? } else { file.add_dimension(name, 1)? };
         dimensions.push((name, id));
     }
-    for variable in &outcome.record.variables {
+    let mut arrays = Vec::new();
+    for view in variables.all() {
+        let variable = view.variable();
         let along: Vec<_> = variable
             .dimensions
             .iter()
             .filter_map(|d| dimensions.iter().find(|(name, _)| name == d).map(|&(_, id)| id))
             .collect();
-        let places = places(&outcome.record, variable);
-        add(&mut file, variable, &along, (&outcome.summary.units, &places))?;
+        let first = view.read(0, 1).map_err(Error::system("result.nc".as_ref(), "read the values of"))?;
+        let places = places(variables, variable);
+        add(&mut file, (variable, &first), &along, (&outcome.summary.units, &places))?;
+        if !variable.dimensions.is_empty() {
+            arrays.push(view);
+        }
     }
-    Ok(file.to_vec(NcWriteOptions { format: NcWriteFormat::Nc4 })?.1)
+    let mut bytes = file.to_vec(NcWriteOptions { format: NcWriteFormat::Nc4 })?.1;
+    let shape = |variable: &Variable| {
+        variable.dimensions.iter().map(|name| variables.length(name) as u64).collect::<Vec<_>>()
+    };
+    let array = |view: &View<'a>| {
+        let (variable, values) =
+            (view.variable(), if view.len() == 0 { Values::None } else { Values::Behind });
+        Array { name: &variable.name, shape: shape(variable), size: size(variable.quantity), values }
+    };
+    let is_coordinate = |name: &str| variables.get(name).is_some_and(|v| v.variable().dimensions == [name]);
+    // A dimension without a coordinate has an array of its own, without values.
+    let bare = lengths.iter().filter(|(name, length)| *length > 0 && !is_coordinate(name));
+    let bare = bare.map(|&(name, length)| Array {
+        name,
+        shape: vec![length as u64],
+        size: size_of::<i32>() as u64,
+        values: Values::Zero,
+    });
+    let all: Vec<Array<'_>> = arrays.iter().map(array).chain(bare).collect();
+    place(&mut bytes, &all).ok_or(Error::Unplaced)?;
+    Ok(Assembled { bytes, arrays })
+}
+
+impl Assembled<'_> {
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// The system refuses to write it, or to read values.
+    pub(super) fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+        to.write_all(&self.bytes)?;
+        for array in &self.arrays {
+            let quantity = array.variable().quantity;
+            let mut bytes = Vec::with_capacity(PIECE * size_of::<f64>());
+            for from in (0..array.len()).step_by(PIECE) {
+                bytes.clear();
+                encode(quantity, &array.read(from, PIECE)?, &mut bytes);
+                to.write_all(&bytes)?;
+            }
+            to.write_all(&[0; 8][..padding(array.len() as u64 * size(quantity))])?;
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of a value.
+fn size(quantity: Quantity) -> u64 {
+    if quantity == Quantity::Flag { 1 } else { 8 }
+}
+
+/// Appends values as they are in the file: counts are integers, flags bytes.
+fn encode(quantity: Quantity, values: &[f64], bytes: &mut Vec<u8>) {
+    match quantity {
+        Quantity::Count => bytes.extend(values.iter().flat_map(|&value| (value as i64).to_ne_bytes())),
+        Quantity::Flag => bytes.extend(values.iter().map(|&value| u8::from(value != 0.0))),
+        _ => bytes.extend(values.iter().flat_map(|value| value.to_ne_bytes())),
+    }
 }
 
 /// Title, version, seed, the numbers of the summary, and the scenario. The scenario is a variable, because attributes are
@@ -54,7 +120,7 @@ fn describe(file: &mut NcFileBuilder, outcome: &Outcome) -> Result<()> {
 }
 
 /// The coordinates at which a variable is given, beside those named like its dimensions; none for a coordinate.
-fn places(record: &Record, variable: &Variable) -> String {
+fn places(variables: Variables<'_>, variable: &Variable) -> String {
     if is_coordinate(&variable.name, &variable.dimensions) {
         return String::new();
     }
@@ -63,27 +129,26 @@ fn places(record: &Record, variable: &Variable) -> String {
             && place.dimensions[0] != place.name
             && variable.dimensions.contains(&place.dimensions[0])
     };
-    let names: Vec<&str> = record.variables.iter().filter(there).map(|place| place.name.as_str()).collect();
-    names.join(" ")
+    let all = variables.all().map(View::variable).filter(there);
+    all.map(|place| place.name.as_str()).collect::<Vec<_>>().join(" ")
 }
 
+/// Adds a variable with its `first` value, or with none.
 fn add(
     file: &mut NcFileBuilder,
-    variable: &Variable,
-    along: &[netcdf_writer::DimensionId],
+    (variable, first): (&Variable, &[f64]),
+    along: &[DimensionId],
     (units, places): (&Units, &str),
 ) -> Result<()> {
     let id = match variable.quantity {
         Quantity::Count => {
             let id = file.add_variable::<i64>(&variable.name, along)?;
-            let values: Vec<i64> = variable.values.iter().map(|value| *value as i64).collect();
-            file.write_variable(id, &values)?;
+            file.write_variable(id, &first.iter().map(|&value| value as i64).collect::<Vec<_>>())?;
             id
         }
         Quantity::Flag => {
             let id = file.add_variable::<i8>(&variable.name, along)?;
-            let values: Vec<i8> = variable.values.iter().map(|value| i8::from(*value != 0.0)).collect();
-            file.write_variable(id, &values)?;
+            file.write_variable(id, &first.iter().map(|&value| i8::from(value != 0.0)).collect::<Vec<_>>())?;
             file.add_variable_attribute(id, "flag_values", NcAttrValue::Bytes(vec![0, 1]))?;
             file.add_variable_attribute(id, "flag_meanings", text("false true"))?;
             // What xarray writes beside bytes that are truth values, and reads.
@@ -92,7 +157,7 @@ fn add(
         }
         _ => {
             let id = file.add_variable::<f64>(&variable.name, along)?;
-            file.write_variable(id, &variable.values)?;
+            file.write_variable(id, first)?;
             id
         }
     };

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::dataset::{Dataset, Labelled, Values};
 use super::error::Result;
 use super::{netcdf, table};
-use crate::output::{self, Attachment, Written};
+use crate::output::{self, Attachment, NewFile, Written};
 
 /// What a sweep has found, in `summary.json` and on the terminal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,10 +110,10 @@ pub fn write(dir: &Path, dataset: &Dataset, attachments: &[Attachment]) -> Resul
     let mut summary = serde_json::to_vec_pretty(&Report::new(dataset)).expect("a report is plain data");
     summary.push(b'\n');
     let files = vec![
-        ("scenario.toml".to_owned(), dataset.scenario.clone().into_bytes()),
-        ("summary.json".to_owned(), summary),
-        ("sweep.csv".to_owned(), table::csv(dataset).into_bytes()),
-        ("sweep.nc".to_owned(), netcdf::encode(dataset)?),
+        NewFile::of("scenario.toml", dataset.scenario.as_bytes()),
+        NewFile::of("summary.json", summary),
+        NewFile::of("sweep.csv", table::csv(dataset)),
+        NewFile::of("sweep.nc", netcdf::encode(dataset)?),
     ];
     Ok(output::write_files(dir, files, attachments)?)
 }

@@ -4,7 +4,7 @@ use netcdf_writer::{DimensionId, NcAttrValue, NcFileBuilder, NcWriteFormat, NcWr
 
 use super::dataset::{Dataset, Labelled, Values};
 use super::error::Result;
-use crate::output::{Attribute, check_size, common};
+use crate::output::{Attribute, common};
 
 /// The attributes of the whole.
 pub fn attributes(dataset: &Dataset) -> Vec<(String, Attribute)> {
@@ -21,10 +21,8 @@ pub fn attributes(dataset: &Dataset) -> Vec<(String, Attribute)> {
 /// The bytes of `sweep.nc`; the same data set gives the same bytes.
 ///
 /// # Errors
-/// More than one file may have.
+/// None is expected: the names and lengths of a sweep are valid.
 pub fn encode(dataset: &Dataset) -> Result<Vec<u8>> {
-    let coordinates = || dataset.axes.iter().chain(&dataset.grids).flat_map(|axis| &axis.coordinates);
-    check_size(coordinates().chain(&dataset.variables).map(bytes).sum())?;
     let mut file = NcFileBuilder::new();
     for (name, attribute) in attributes(dataset) {
         let value = match attribute {
@@ -42,7 +40,8 @@ pub fn encode(dataset: &Dataset) -> Result<Vec<u8>> {
     for axis in dataset.axes.iter().chain(&dataset.grids) {
         dimensions.push((axis.name.clone(), file.add_dimension(axis.name.clone(), axis.length as u64)?));
     }
-    for variable in coordinates().chain(&dataset.variables) {
+    let coordinates = dataset.axes.iter().chain(&dataset.grids).flat_map(|axis| &axis.coordinates);
+    for variable in coordinates.chain(&dataset.variables) {
         let places = others(dataset, variable);
         add(&mut file, variable, &dimensions, &places)?;
     }
@@ -88,14 +87,6 @@ fn add(
         file.add_variable_attribute(id, name, text(label))?;
     }
     Ok(())
-}
-
-/// Bytes that the values take.
-fn bytes(variable: &Labelled) -> u64 {
-    match &variable.values {
-        Values::Numbers(values) => size_of_val(values.as_slice()) as u64,
-        Values::Texts(values) => values.iter().map(|text| text.len() as u64 + 16).sum(),
-    }
 }
 
 fn text(value: &str) -> NcAttrValue {

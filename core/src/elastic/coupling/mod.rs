@@ -17,8 +17,8 @@ use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
 
-/// Bytes that a coupling may take.
-const BYTES: u64 = 16 << 30;
+/// Bytes that a coupling may take: 1 TiB. Who drives an interface compares with the free memory.
+const BYTES: u64 = 1 << 40;
 
 /// Linear elasticity of the slider between its cells: displacements X_i make the forces −Σ_i A_ji X_i.
 ///

@@ -29,18 +29,19 @@ pub enum CellStart<'a> {
 }
 
 impl Interface {
-    /// Contacts coupled one by one.
+    /// Contacts coupled one by one, in so many bytes of memory.
     ///
     /// # Errors
-    /// What [`Lattice::new`] refuses.
+    /// What [`Lattice::within`] refuses.
     pub fn lattice(
         &self,
         contacts: Contacts,
         initial: Initial,
         ensemble: Option<&Ensemble>,
+        memory: u64,
     ) -> Result<Lattice> {
         let Ensemble { seed, disorder, .. } = ensemble.cloned().unwrap_or_default();
-        Lattice::new(contacts, initial, &self.springs()?, seed, disorder)
+        Lattice::within(memory, contacts, initial, &self.springs()?, seed, disorder)
     }
 
     /// Cells whose contacts move together. They follow the master equation, or are those of an `ensemble`: `size` contacts in

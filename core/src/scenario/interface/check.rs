@@ -5,7 +5,6 @@ use super::{CellLoading, CellSlip, Elasticity, Interface, PerCell};
 use crate::contacts::Contacts;
 use crate::ensemble::lattice::Lattice;
 use crate::monitor::fits;
-use crate::record::LARGEST;
 use crate::{Error, Result};
 
 /// Bytes that a contact coupled one by one takes at most.
@@ -78,10 +77,15 @@ impl Interface {
         with_error: bool,
         memory: u64,
     ) -> Result<()> {
-        let cells = self.size();
-        let what = format!("an interface of {cells} cells");
-        let bytes = cells as f64 * self.bytes_per_cell(contacts, ensemble, with_error);
-        fits("interface.cells", what, bytes as u64, memory)
+        let what = format!("an interface of {} cells", self.size());
+        fits("interface.cells", what, self.bytes(contacts, ensemble, with_error), memory)
+    }
+
+    /// Upper limit of the bytes of an interface, with an estimate of its error or without.
+    pub fn bytes(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> u64 {
+        // Slip rates are recorded, copied, and named as a result.
+        let rates = 3.0 * size_of::<f64>() as f64 * self.slip_rates.unwrap_or(0) as f64;
+        (self.size() as f64 * (self.bytes_per_cell(contacts, ensemble, with_error) + rates)) as u64
     }
 
     /// Upper limit of the bytes per cell, including its coupling.
@@ -99,7 +103,7 @@ impl Interface {
         }
     }
 
-    /// Refuses a record of slip rates of cells that do not move in time, of one step, or too large for a file.
+    /// Refuses a record of slip rates of cells that do not move in time, or of one step.
     fn check_slip_rates(&self, contacts: &Contacts) -> Result<()> {
         let Some(steps) = self.slip_rates else { return Ok(()) };
         if !contacts.rules.are_time_dependent() {
@@ -109,13 +113,7 @@ impl Interface {
         if steps < 2 {
             return Err(Error::invalid("slip_rates", "2 steps or more, the first and another one", steps));
         }
-        let bytes = size_of::<f64>() as f64 * self.size() as f64;
-        let most = (LARGEST as f64 / bytes).floor();
-        if steps as f64 <= most {
-            return Ok(());
-        }
-        let expected = format!("at most {most} steps, whose slip rates fit in a result file");
-        Err(Error::invalid("slip_rates", expected, steps))
+        size::check_anywhere("slip_rates", steps.saturating_mul(self.size()), size_of::<f64>() as f64)
     }
 
     /// Checks the values that do not depend on other tables; keys are relative to this table.
@@ -125,7 +123,7 @@ impl Interface {
             PerCell::Many => BYTES_PER_CELL,
             PerCell::One => BYTES_PER_CONTACT,
         };
-        size::check_cells("cells", shape.size(), bytes)?;
+        size::check_anywhere("cells", shape.size(), bytes)?;
         match self.contacts {
             PerCell::Many => positive("connection", self.connection)?,
             PerCell::One => not_negative("connection", self.connection)?,
@@ -140,7 +138,7 @@ impl Interface {
     fn many(&self, ensemble: Option<&Ensemble>, bytes: [f64; 2]) -> Result<()> {
         let check = || {
             self.shape()?.check(self.edges)?;
-            self.disorder.as_ref().map_or(Ok(()), |scales| scales.build(self.size()).map(drop))
+            self.disorder.as_ref().map_or(Ok(()), |scales| scales.try_out(self.size()))
         };
         check().map_err(|e| e.under("interface"))?;
         ensemble.map_or(Ok(()), |ensemble| self.few(ensemble, bytes))
@@ -158,7 +156,7 @@ impl Interface {
             let expected = format!("\"overdamped\" with a viscosity, {reason}");
             return Err(Error::invalid("slip", expected, "reset"));
         }
-        if few { Ok(()) } else { size::check_cells("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
+        if few { Ok(()) } else { size::check_anywhere("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
     }
 
     /// Checks an interface of ensembles, with the bytes per cell and per contact.
@@ -172,7 +170,7 @@ impl Interface {
                             contacts of a cell would break with its first one";
             return Err(Error::invalid("interface.slip", expected, "reset"));
         }
-        size::check_cells("interface.cells", self.size(), cell + contact * size as f64)
+        size::check_anywhere("interface.cells", self.size(), cell + contact * size as f64)
     }
 
     /// Refuses values that single contacts exclude.

@@ -36,6 +36,14 @@ impl Scales {
         self.seed.unwrap_or(1)
     }
 
+    /// Checks the values for this number of cells, and draws the scale factors unless they are too many to be drawn twice.
+    pub(super) fn try_out(&self, cells: usize) -> Result<()> {
+        /// About a tenth of a second.
+        const MANY: usize = 1 << 22;
+        self.check(cells).map_err(|e| e.under("disorder"))?;
+        if cells > MANY { Ok(()) } else { self.build(cells).map(drop) }
+    }
+
     /// The scale factors of this number of cells.
     pub(super) fn build(&self, cells: usize) -> Result<Vec<f64>> {
         self.check(cells).map_err(|e| e.under("disorder"))?;

@@ -1,38 +1,60 @@
 //! Statistics of a catalogue of events: distribution of magnitudes, waiting times, largest event.
 
+use crate::Result;
 use crate::numerics::cutoff::{CutOff, fit_real, fit_whole};
-use crate::record::{Quantity, Record};
+use crate::record::Quantity;
 use crate::scenario::{Interface, Units};
 
+use super::found::Found;
 use super::model::DrivenInterface;
 use crate::task::summary::{Catalogue, Extended, Fitted, Largest, PowerLaw};
 
-/// The statistics of `events`.
-pub fn read<M: DrivenInterface>(interface: &Interface, units: &Units, events: &Record) -> Catalogue {
-    let column = |name: &str| events.values(name).unwrap_or_default();
-    let (drives, magnitudes) = (column("drive"), column(M::MAGNITUDE));
-    let fit = if M::WHOLE { fit_whole(magnitudes) } else { fit_real(magnitudes) };
+/// The statistics of the events found. Columns are read one after the other, since they may not all fit in memory.
+pub fn read<M: DrivenInterface>(
+    interface: &Interface,
+    units: &Units,
+    found: &mut Found<'_>,
+) -> Result<Catalogue> {
+    let quantity = found.events.get(M::MAGNITUDE).map_or(Quantity::Number, |column| column.quantity);
+    let drives = found.of_events("drive")?.unwrap_or_default();
     // Clusters of one slide are events at the same drive, with no waiting time between them.
     let waiting: Vec<f64> =
         drives.windows(2).map(|pair| pair[1] - pair[0]).filter(|&wait| wait > 0.0).collect();
+    let events = drives.len();
+    drop(drives);
     let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);
-    let sum = |name: &str| {
-        events.values(name).filter(|values| !values.is_empty()).map(|values| values.iter().sum())
-    };
-    Catalogue {
+    let variation = mean.map(|mean| spread(&waiting, mean) / mean);
+    drop(waiting);
+    let magnitudes = found.of_events(M::MAGNITUDE)?.unwrap_or_default();
+    let fit = if M::WHOLE { fit_whole(&magnitudes) } else { fit_real(&magnitudes) };
+    let at = (0..magnitudes.len()).max_by(|&a, &b| magnitudes[a].total_cmp(&magnitudes[b]));
+    let largest = at.map(|at| (at, magnitudes[at]));
+    drop(magnitudes);
+    Ok(Catalogue {
         cells: interface.size(),
-        events: drives.len(),
+        events,
         from: interface.catalogue_from,
         magnitude: M::MAGNITUDE.to_owned(),
-        magnitude_unit: units
-            .label(events.get(M::MAGNITUDE).map_or(Quantity::Number, |column| column.quantity)),
+        magnitude_unit: units.label(quantity),
         law: fit.map(law),
         mean_waiting: mean,
-        waiting_variation: mean.map(|mean| spread(&waiting, mean) / mean),
-        largest: largest(drives, magnitudes, column("cells")),
-        dissipated_breaks: sum("dissipated_breaks"),
-        dissipated_slip: sum("dissipated_slip"),
-    }
+        waiting_variation: variation,
+        largest: largest.map(|(at, magnitude)| read_largest(found, at, magnitude)).transpose()?,
+        dissipated_breaks: sum(found, "dissipated_breaks")?,
+        dissipated_slip: sum(found, "dissipated_slip")?,
+    })
+}
+
+/// The sum of a column of events, if there are any.
+fn sum(found: &mut Found<'_>, name: &str) -> Result<Option<f64>> {
+    let values = found.of_events(name)?.unwrap_or_default();
+    Ok((!values.is_empty()).then(|| values.iter().sum()))
+}
+
+/// The event with the index `at`.
+fn read_largest(found: &mut Found<'_>, at: usize, magnitude: f64) -> Result<Largest> {
+    let mut value = |name: &str| -> Result<f64> { Ok(found.of_events(name)?.unwrap_or_default()[at]) };
+    Ok(Largest { magnitude, cells: value("cells")?, drive: value("drive")?, event: at + 1 })
 }
 
 fn law(fit: CutOff) -> PowerLaw {
@@ -48,9 +70,4 @@ fn law(fit: CutOff) -> PowerLaw {
 
 fn spread(values: &[f64], mean: f64) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-fn largest(drives: &[f64], magnitudes: &[f64], cells: &[f64]) -> Option<Largest> {
-    let at = (0..magnitudes.len()).max_by(|&a, &b| magnitudes[a].total_cmp(&magnitudes[b]))?;
-    Some(Largest { magnitude: magnitudes[at], cells: cells[at], drive: drives[at], event: at + 1 })
 }

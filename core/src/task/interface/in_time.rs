@@ -67,8 +67,7 @@ impl DrivenRateDependentCells {
             Some(most) => interface.with_slip_rates(most),
             None => interface,
         };
-        // The error estimate moves copies of all contacts, so it is made only if an accuracy is required.
-        let required = model.master_equation.tolerance.is_some() && model.ensemble.is_none();
+        let required = model.estimates_error_of_cells();
         Ok(Self::new(if required { interface.with_error() } else { interface }, motion))
     }
 

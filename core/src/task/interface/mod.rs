@@ -3,6 +3,7 @@
 mod catalogue;
 mod cells;
 mod contacts;
+mod found;
 mod in_time;
 mod model;
 mod output_points;
@@ -10,19 +11,21 @@ mod run;
 
 use super::accuracy::ForceAccuracy;
 use super::background::coefficient;
+use super::fits;
 use super::summary::{Catalogue, InterfaceNumbers};
-use super::{Checkpoints, Output};
+use super::{Output, Storage};
 use crate::elastic::{Event, SlipRates};
 use crate::monitor::{Monitor, Part};
-use crate::record::{Column, LARGEST, Quantity, Record};
+use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
 pub use cells::DrivenCells;
 pub use contacts::DrivenContacts;
+use found::{CellColumns, Found};
 pub use in_time::{DrivenRateDependentCells, LoadPointMotion, cells_in_time};
 pub use model::DrivenInterface;
 use output_points::{OutputPoint, output_points, points_in_time};
-use run::{Found, InterfaceRun};
+use run::InterfaceRun;
 
 const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]);
 const CELL: Column = Column::new("cell", "cell, counted from 0", Quantity::Count, &["cell"]);
@@ -67,7 +70,8 @@ impl Drive {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, which is driven", "none"))?;
-        run(model, self, (interface, &Units::default()), None, monitor).map_err(Error::of_scenario)
+        run(model, self, (interface, &Units::default()), Storage::default(), monitor)
+            .map_err(Error::of_scenario)
     }
 }
 
@@ -85,7 +89,8 @@ impl Protocol {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, whose load point is moved", "none"))?;
-        run_protocol(model, self, (interface, &Units::default()), None, monitor).map_err(Error::of_scenario)
+        run_protocol(model, self, (interface, &Units::default()), Storage::default(), monitor)
+            .map_err(Error::of_scenario)
     }
 }
 
@@ -97,41 +102,44 @@ pub(super) fn run_protocol(
     model: &Model,
     task: &Protocol,
     (interface, units): (&scenario::Interface, &Units),
-    checkpoints: Option<&mut dyn Checkpoints>,
+    storage: Storage<'_>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<InterfaceNumbers>> {
     let motion = task.build()?;
+    fit_into_memory(model, interface, monitor)?;
     let part = &mut Part::new(monitor, 0.0, 0.0);
     let driven =
         DrivenRateDependentCells::of(model, interface, LoadPointMotion::History(motion.clone()), part)?;
     let points = points_in_time(task, &motion, interface, driven.origin());
-    drive(model, &points, (interface, units), driven, checkpoints, monitor)
+    drive(model, &points, (interface, units), driven, storage, monitor)
 }
 
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
 ///
 /// # Errors
-/// Results too large for one file, errors of the interface, a stop by the monitor.
+/// An interface or results too large for the memory, errors of the interface, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &Drive,
     (interface, units): (&scenario::Interface, &Units),
-    checkpoints: Option<&mut dyn Checkpoints>,
+    storage: Storage<'_>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<InterfaceNumbers>> {
     let Model { contacts, initial, ensemble, .. } = model;
+    fit_into_memory(model, interface, monitor)?;
     match interface.contacts {
         PerCell::One => {
-            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref())?;
+            let memory = monitor.memory();
+            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref(), memory)?;
             let driven = DrivenContacts { lattice, chain: chain(interface) };
             let points = output_points(task, interface, driven.origin());
-            drive(model, &points, (interface, units), driven, checkpoints, monitor)
+            drive(model, &points, (interface, units), driven, storage, monitor)
         }
         PerCell::Many if contacts.rules.are_time_dependent() => {
             let (motion, part) = (LoadPointMotion::of(task)?, &mut Part::new(monitor, 0.0, 0.0));
             let driven = DrivenRateDependentCells::of(model, interface, motion, part)?;
             let points = output_points(task, interface, driven.origin());
-            drive(model, &points, (interface, units), driven, checkpoints, monitor)
+            drive(model, &points, (interface, units), driven, storage, monitor)
         }
         PerCell::Many => {
             let tolerance = model.master_equation.tolerance();
@@ -140,7 +148,7 @@ pub(super) fn run(
             let (timed, solved) = (interface.viscosity.is_some(), ensemble.is_none());
             let driven = DrivenCells { interface: built, timed, solved };
             let points = output_points(task, interface, driven.origin());
-            drive(model, &points, (interface, units), driven, checkpoints, monitor)
+            drive(model, &points, (interface, units), driven, storage, monitor)
         }
     }
 }
@@ -150,22 +158,23 @@ fn drive<D: DrivenInterface>(
     output_points: &[OutputPoint],
     (interface, units): (&scenario::Interface, &Units),
     driven: D,
-    checkpoints: Option<&mut dyn Checkpoints>,
+    mut storage: Storage<'_>,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<InterfaceNumbers>> {
-    check_size::<D>(output_points, interface)?;
+    check_size::<D>(output_points, (interface, storage.columns.is_some()), monitor)?;
     let from = driven.origin() + interface.catalogue_from;
-    let run = InterfaceRun::new(driven, from, chain(interface), checkpoints, monitor)?;
-    let found = run.follow(output_points, monitor)?;
+    let columns = CellColumns::of(model, interface);
+    let mut run = InterfaceRun::new(driven, (from, chain(interface)), columns, storage.borrowed(), monitor)?;
+    run.follow(output_points, monitor)?;
+    let mut found = run.finish()?;
     let error = found.error;
     let catalogue = Catalogue {
         from: if interface.catalogue_from > 0.0 { from } else { 0.0 },
-        ..catalogue::read::<D>(interface, units, &found.events)
+        ..catalogue::read::<D>(interface, units, &mut found)?
     };
     let numbers = InterfaceNumbers { catalogue };
     let mut record = record::<D>(interface, output_points, found);
-    let cells = if interface.contacts == PerCell::One { 1 } else { interface.size() };
-    model.add_background_of_cells(cells, &mut record);
+    model.add_background_of_cells(contacts_of_all(interface), &mut record);
     let output = Output { seed: seed(model, interface), sample: None, ..Output::new(model, numbers, record) };
     match error {
         Some(force) => accuracy(model, force).of(model, "the force of a cell", output),
@@ -196,29 +205,33 @@ fn chain(interface: &scenario::Interface) -> bool {
     interface.cells.len() == 1
 }
 
-/// Refuses, before any work, maps of the cells that are too large for one file.
+/// Refuses, before any work, cells that do not fit in memory.
+fn fit_into_memory(model: &Model, interface: &scenario::Interface, monitor: &dyn Monitor) -> Result<()> {
+    let ensemble = model.ensemble.as_ref();
+    interface.fits(&model.contacts, ensemble, model.estimates_error_of_cells(), monitor.memory())
+}
+
+/// Number of populations of contacts: one for each cell, or one in all where every cell is a contact.
+fn contacts_of_all(interface: &scenario::Interface) -> usize {
+    if interface.contacts == PerCell::One { 1 } else { interface.size() }
+}
+
+/// Refuses, before any work, maps of the cells that do not fit in memory. What is `stored` need not.
 fn check_size<D: DrivenInterface>(
     output_points: &[OutputPoint],
-    interface: &scenario::Interface,
+    (interface, stored): (&scenario::Interface, bool),
+    monitor: &dyn Monitor,
 ) -> Result<()> {
     let maps = output_points.iter().filter(|at| at.map).count();
-    let each = (interface.size() * D::MAPS.len() * size_of::<f64>()) as u64;
-    let needed = maps as u64 * each;
-    if needed <= LARGEST {
-        return Ok(());
-    }
+    let kept = if stored { maps.min(1) } else { maps };
+    let numbers = kept.saturating_mul(interface.size() * D::MAPS.len());
     // The cells of a chain are recorded at every point of the trace.
     let key = match (output_points.iter().any(|at| at.time.is_some()), chain(interface)) {
         (true, _) => "protocol",
         (false, true) => "drive.points",
         (false, false) => "drive.maps",
     };
-    let expected = format!(
-        "maps of the cells that fit in a result file of {} MB: {}",
-        LARGEST / 1_000_000,
-        LARGEST / each
-    );
-    Err(Error::invalid(key, expected, format!("{maps}, which take {} MB", needed / 1_000_000)))
+    fits(key, numbers, || format!("{maps} maps of the cells"), monitor)
 }
 
 /// The variables that the drive of an interface may record, without values: for cells, and for contacts coupled one by one.
@@ -243,18 +256,19 @@ fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
     record
 }
 
+/// The columns that number the cells: those of a lattice lie along two dimensions, those of a chain along one.
+fn sides_of(interface: &scenario::Interface) -> Vec<Column> {
+    if chain(interface) { vec![CELL] } else { vec![ROW, COLUMN] }
+}
+
 /// Events as variables `event_…`, the trace, and the maps of the cells.
 fn record<D: DrivenInterface>(
     interface: &scenario::Interface,
     output_points: &[OutputPoint],
     found: Found,
 ) -> Record {
-    let mut record = Record::default();
-    for mut variable in found.events.variables {
-        variable.name = format!("event_{}", variable.name);
-        record.variables.push(variable);
-    }
-    record.variables.extend(found.slipped.variables.into_iter().filter(|listed| !listed.values.is_empty()));
+    let mut record =
+        if found.stored { Record::default() } else { found::events(found.events, found.slipped) };
     let drives = |kind: fn(&OutputPoint) -> bool| {
         output_points.iter().filter(|at| kind(at)).map(|at| at.drive).collect()
     };
@@ -262,17 +276,13 @@ fn record<D: DrivenInterface>(
     for (column, values) in D::TRACE.iter().zip(found.trace) {
         record.add(*column, values);
     }
-    let sides = match interface.cells[..] {
-        [rows, columns] => vec![(ROW, rows), (COLUMN, columns)],
-        _ => vec![(CELL, interface.size())],
-    };
+    let sides: Vec<_> = sides_of(interface).into_iter().zip(&interface.cells).collect();
     let maps: Vec<f64> = drives(|at| at.map);
     if !maps.is_empty() || found.slip_rates.is_some() {
         for &(side, size) in &sides {
-            record.add(side, (0..size).map(|i| i as f64).collect());
+            record.add(side, (0..*size).map(|i| i as f64).collect());
         }
     }
-    // The cells of a lattice lie along two dimensions, those of a chain along one.
     let along = |first: &'static str| -> Vec<&str> {
         [first].into_iter().chain(sides.iter().map(|(side, _)| side.name)).collect()
     };
@@ -283,8 +293,8 @@ fn record<D: DrivenInterface>(
         if !times.is_empty() {
             record.add(MAP_TIME, times);
         }
-        for (column, values) in D::MAPS.iter().zip(found.maps) {
-            record.push(column.name, column.long_name, column.quantity, &along("map_drive"), values);
+        if !found.stored {
+            found::add_maps(D::MAPS, found.maps, &sides_of(interface), &mut record);
         }
     }
     if let Some(rates) = &found.slip_rates {

@@ -2,17 +2,16 @@
 
 use std::time::Duration;
 
-use crate::elastic::SlipRates;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
+use super::found::{CellColumns, Found};
 use super::model::DrivenInterface;
 use super::output_points::OutputPoint;
 use crate::monitor::{Part, report};
-use crate::record::LARGEST;
-use crate::task::{Checkpoint, Checkpoints};
+use crate::task::{Checkpoints, Storage};
 
 /// Largest number of events between two calls of the monitor.
 const SLICE: u64 = 256;
@@ -24,9 +23,11 @@ pub struct InterfaceRun<'a, M> {
     model: M,
     /// Events so far, including those that are not recorded.
     count: u64,
+    /// Events that are recorded.
+    recorded: usize,
     /// Output points passed so far.
     passed: usize,
-    found: Found,
+    found: Found<'a>,
     /// Drive from which events are recorded.
     from: f64,
     /// Whether cells that took part in events are recorded.
@@ -40,23 +41,6 @@ pub struct InterfaceRun<'a, M> {
     slice: u64,
 }
 
-/// The recorded columns.
-#[derive(Debug, Clone, Default)]
-pub struct Found {
-    /// Events as columns.
-    pub events: Record,
-    /// Cells that took part in the events of a chain, as columns.
-    pub slipped: Record,
-    /// Columns of the whole interface, one value at each output point.
-    pub trace: Vec<Vec<f64>>,
-    /// Columns of the cells, one row at each output point with a map.
-    pub maps: Vec<Vec<f64>>,
-    /// Estimated error of the force of a cell; `None` if contacts are followed one by one.
-    pub error: Option<f64>,
-    /// The velocities of all cells at steps in time, if they are recorded.
-    pub slip_rates: Option<SlipRates>,
-}
-
 /// The content of a checkpoint in addition to the columns.
 #[derive(Serialize, Deserialize)]
 struct RunState<S> {
@@ -65,50 +49,42 @@ struct RunState<S> {
     passed: usize,
 }
 
-impl Found {
-    fn empty<M: DrivenInterface>(model: &M) -> Self {
-        Self {
-            events: model.columns(&[]),
-            slipped: model.slipped(&[], 0),
-            trace: vec![Vec::new(); M::TRACE.len()],
-            maps: vec![Vec::new(); M::MAPS.len()],
-            error: None,
-            slip_rates: None,
-        }
-    }
-
-    /// All columns, in the order of checkpoints.
-    fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        let records = self.events.variables.iter_mut().chain(&mut self.slipped.variables);
-        records.map(|variable| &mut variable.values).chain(&mut self.trace).chain(&mut self.maps)
-    }
-}
-
 impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     /// A run of a new `model`, resumed from the checkpoint if there is one. Events are recorded from the drive `from`, with
     /// the cells that took part in them if it is a `chain`.
     pub fn new(
         model: M,
-        from: f64,
-        chain: bool,
-        checkpoints: Option<&'a mut dyn Checkpoints>,
+        (from, chain): (f64, bool),
+        described: CellColumns<'a>,
+        storage: Storage<'a>,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mut found = Found::empty(&model);
+        let Storage { checkpoints, columns } = storage;
+        let mut found = Found::empty(&model, described, columns);
         let kept = vec![0; found.columns().count()];
-        let (count, passed, last) = (0, 0, 0);
-        let mut run = Self { model, count, passed, found, from, chain, checkpoints, last, kept, slice: 1 };
+        let (count, recorded, passed, last) = (0, 0, 0, 0);
+        let mut run =
+            Self { model, count, recorded, passed, found, from, chain, checkpoints, last, kept, slice: 1 };
         // The columns of a checkpoint hold what was recorded up to it, so that a resumed run has
         // the same file as one that was never stopped.
-        if let Some(kept) = run.checkpoints.as_mut().and_then(|checkpoints| checkpoints.take()) {
-            run.resume(kept, monitor)?;
+        if let Some(state) = run.take()? {
+            run.resume(&state, monitor)?;
         }
         Ok(run)
     }
 
-    fn resume(&mut self, kept: Checkpoint, monitor: &mut dyn Monitor) -> Result<()> {
-        let Checkpoint { state, columns } = kept;
-        let RunState { state, count, passed } = match ciborium::from_reader(state.as_slice()) {
+    /// The rows of the checkpoint, and its state, if there is one.
+    fn take(&mut self) -> Result<Option<Vec<u8>>> {
+        let Self { checkpoints: Some(checkpoints), found, recorded, .. } = self else { return Ok(None) };
+        checkpoints.take(&mut |rows| {
+            // The first column is one of events.
+            *recorded += rows.first().map_or(0, Vec::len);
+            found.add(rows)
+        })
+    }
+
+    fn resume(&mut self, state: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
+        let RunState { state, count, passed } = match ciborium::from_reader(state) {
             Ok(kept) => kept,
             Err(error) => {
                 return Err(self
@@ -119,13 +95,12 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         };
         self.model.restore(state, monitor)?;
         (self.count, self.last, self.passed) = (count, count, passed);
-        self.found.columns().zip(columns).for_each(|(column, values)| *column = values);
         self.kept = self.found.columns().map(|column| column.len()).collect();
         Ok(())
     }
 
-    /// Drives to one output point after the other, and returns the recorded columns.
-    pub fn follow(mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<Found> {
+    /// Drives to one output point after the other.
+    pub fn follow(&mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<()> {
         let end = output_points.last().map_or(0.0, OutputPoint::progress);
         for output in &output_points[self.passed..] {
             match self.reach(output.progress(), end, monitor) {
@@ -135,8 +110,17 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             }
             self.observe(output)?;
         }
-        let slip_rates = self.model.slip_rates().cloned();
-        Ok(Found { error: self.model.error(), slip_rates, ..self.found })
+        Ok(())
+    }
+
+    /// The recorded columns of a run that is over.
+    pub fn finish(mut self) -> Result<Found<'a>> {
+        if self.found.stored {
+            self.found.put_into_store()?;
+        }
+        self.found.error = self.model.error();
+        self.found.slip_rates = self.model.slip_rates().cloned();
+        Ok(self.found)
     }
 
     fn observe(&mut self, output: &OutputPoint) -> Result<()> {
@@ -149,7 +133,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             maps.for_each(|(column, now)| column.extend(now));
         }
         self.passed += 1;
-        Ok(())
+        self.store()
     }
 
     /// Drives to `next`, the drive or the time of the next output point. The whole drive ends at `end`.
@@ -190,17 +174,24 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         let drives = added.values("drive").unwrap_or_default();
         let first = drives.partition_point(|&drive| drive < self.from);
         if self.chain {
-            let number = self.found.events.length("event").unwrap_or(0) + 1;
-            append(&mut self.found.slipped, &self.model.slipped(&events[first..], number), 0);
+            let slipped = self.model.slipped(&events[first..], self.recorded + 1);
+            append(&mut self.found.slipped, &slipped, 0);
         }
         append(&mut self.found.events, &added, first);
-        if self.found.events.bytes() + self.found.slipped.bytes() <= LARGEST {
+        self.recorded += drives.len() - first;
+        self.store()
+    }
+
+    /// Puts columns that outgrow the memory into the store.
+    fn store(&mut self) -> Result<()> {
+        if !self.found.outgrow_memory() {
             return Ok(());
         }
-        let expected =
-            format!("a drive after which the events fit in a result file of {} MB", LARGEST / 1_000_000);
-        let found = format!("{}: {} events by the drive {}", self.from, self.count, self.model.drive());
-        Err(Error::invalid("interface.catalogue_from", expected, found))
+        // A checkpoint has all rows up to it.
+        self.keep()?;
+        self.found.put_into_store()?;
+        self.kept = self.found.columns().map(|column| column.len()).collect();
+        Ok(())
     }
 
     /// Writes a checkpoint, if checkpoints are kept.

@@ -41,7 +41,7 @@ impl HalfSpace {
     ///
     /// # Errors
     /// No cells, or fewer than three in a periodic direction; modulus or side not above 0; more cells than fit in
-    /// 16 GiB.
+    /// 1 TiB.
     pub fn new(shape: Shape, edges: Edges, modulus: f64, cell: f64) -> Result<Self> {
         shape.check(edges)?;
         positive("modulus", modulus)?;

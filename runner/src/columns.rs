@@ -1,0 +1,142 @@
+//! Columns of results that outgrow the memory, in files beside the folder of results.
+//!
+//! The files have no names, so that the system removes them when the process ends, however it ends.
+
+use std::fs::File;
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use asperity::record::Variable;
+use asperity::task::ColumnStore;
+use asperity::{Error, Result};
+
+use crate::folder::{self, Made};
+use crate::output;
+
+/// Columns of results in files.
+#[derive(Debug)]
+pub struct StoredColumns {
+    /// The folder of results.
+    directory: PathBuf,
+    in_memory: u64,
+    columns: Vec<StoredColumn>,
+    failure: Option<output::Error>,
+    /// Dropped last, after the files.
+    folders: Option<Made>,
+}
+
+/// One of them.
+#[derive(Debug)]
+pub struct StoredColumn {
+    /// What it is, without its values.
+    pub variable: Variable,
+    /// Number of values.
+    pub length: usize,
+    file: File,
+}
+
+impl StoredColumns {
+    /// None yet. They are put into files beside `directory` once they take more than `in_memory` bytes.
+    pub fn beside(directory: &Path, in_memory: u64) -> Self {
+        Self { directory: directory.to_owned(), in_memory, columns: Vec::new(), failure: None, folders: None }
+    }
+
+    /// All of them, in the order of their names: which come first depends on where a run was interrupted.
+    pub fn columns(&self) -> &[StoredColumn] {
+        &self.columns
+    }
+
+    /// Bytes that all of them take.
+    pub fn bytes(&self) -> u64 {
+        self.columns.iter().map(|column| (column.length * size_of::<f64>()) as u64).sum()
+    }
+
+    /// The error that stopped the computation, if a column could not be stored or read.
+    pub fn failure(&mut self) -> Option<output::Error> {
+        self.failure.take()
+    }
+
+    fn failed(&mut self, action: &'static str, source: io::Error) -> Error {
+        let path = folder::above(&self.directory).to_owned();
+        self.failure = Some(output::Error::System { path, action, source });
+        Error::Stopped
+    }
+
+    /// The file of a variable, which is created with its first values.
+    fn column(&mut self, variable: &Variable) -> io::Result<&mut StoredColumn> {
+        if self.folders.is_none() {
+            self.folders = Some(Made::above(&self.directory)?);
+        }
+        let place = match self.columns.binary_search_by(|column| column.variable.name.cmp(&variable.name)) {
+            Ok(place) => place,
+            Err(place) => {
+                let file = tempfile::tempfile_in(folder::above(&self.directory))?;
+                let variable = Variable {
+                    name: variable.name.clone(),
+                    long_name: variable.long_name.clone(),
+                    quantity: variable.quantity,
+                    dimensions: variable.dimensions.clone(),
+                    values: Vec::new(),
+                };
+                self.columns.insert(place, StoredColumn { variable, length: 0, file });
+                place
+            }
+        };
+        Ok(&mut self.columns[place])
+    }
+}
+
+impl ColumnStore for StoredColumns {
+    fn in_memory(&self) -> u64 {
+        self.in_memory
+    }
+
+    fn append(&mut self, variable: &Variable) -> Result<()> {
+        let stored = self.column(variable).and_then(|column| column.append(&variable.values));
+        stored.map_err(|error| self.failed("write a column of the results beside it, in", error))
+    }
+
+    fn values(&mut self, name: &str) -> Result<Vec<f64>> {
+        let Some(column) = self.columns.iter().find(|column| column.variable.name == name) else {
+            return Ok(Vec::new());
+        };
+        column.read(0, column.length).map_err(|error| self.failed("read a column of the results in", error))
+    }
+}
+
+impl StoredColumn {
+    /// Values that are converted at once.
+    const PIECE: usize = 1 << 13;
+
+    fn append(&mut self, values: &[f64]) -> io::Result<()> {
+        let mut bytes = Vec::with_capacity(Self::PIECE * size_of::<f64>());
+        for piece in values.chunks(Self::PIECE) {
+            bytes.clear();
+            bytes.extend(piece.iter().flat_map(|value| value.to_ne_bytes()));
+            self.file.write_all(&bytes)?;
+        }
+        self.length += values.len();
+        Ok(())
+    }
+
+    /// Values from an index on, at most `count`.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn read(&self, from: usize, count: usize) -> io::Result<Vec<f64>> {
+        let count = count.min(self.length - from.min(self.length));
+        let mut file = &self.file;
+        file.seek(SeekFrom::Start((from * size_of::<f64>()) as u64))?;
+        let mut values = Vec::with_capacity(count);
+        let mut bytes = [0; Self::PIECE];
+        let mut left = count * size_of::<f64>();
+        while left > 0 {
+            let piece = &mut bytes[..left.min(Self::PIECE)];
+            file.read_exact(piece)?;
+            let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("of this length"));
+            values.extend(piece.chunks_exact(size_of::<f64>()).map(number));
+            left -= piece.len();
+        }
+        Ok(values)
+    }
+}
