@@ -99,7 +99,8 @@ fn execute(command: Command) -> Result<(), Failure> {
 /// Draws the pictures of a folder of results anew.
 fn plot(folder: &Path, pictures: &Pictures) -> Result<(), Failure> {
     let mut outcome = output::read(folder).map_err(Failure::run)?;
-    let drawn = figure::draw(&mut outcome, &pictures.style()).map_err(Failure::run)?;
+    let style = pictures.style(&input::figure(&outcome.scenario));
+    let drawn = figure::draw(&mut outcome, &style).map_err(Failure::run)?;
     run::report(&output::attach(folder, &drawn).map_err(Failure::run)?);
     let names: Vec<String> = drawn.into_iter().map(|picture| picture.name).collect();
     let names = run::drawn(&names).unwrap_or_else(|| "none for these results".into());

@@ -29,7 +29,9 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures = figure::draw(&mut outcome, &arguments.style()).map_err(Failure::run)?;
+    let style = arguments.style(&input.scenario.figure);
+    let figures =
+        threads::on(arguments.threads, || figure::draw(&mut outcome, &style))?.map_err(Failure::run)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let written = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
     if !arguments.quiet {

@@ -12,12 +12,14 @@ use asperity::record::{self, Quantity};
 use asperity::scenario::{self, FitPosterior, Units};
 use asperity_runner::posterior;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Seed, Whole};
 use crate::description::{Interface, Plain, Solved};
 use crate::equation::MasterEquation;
+use crate::found::{Arguments, Search, Told};
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
 use crate::model::{built, interface};
@@ -96,6 +98,17 @@ pub fn fit(
     laws: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Estimates> {
+    let given = Given {
+        contacts: contacts.clone(),
+        start: start.to_owned(),
+        compliance: compliance.to_object(py)?,
+        free: free.clone(),
+        prior: prior.clone().unwrap_or_default(),
+        laws: laws.clone(),
+        noise: noise.to_owned(),
+        numbers: [("velocity", velocity), ("reading", reading), ("drift", drift)],
+        machine: [("offset", offset), ("trend", trend), ("origin", origin)],
+    };
     let interface = interface(contacts, initial, start)?;
     let known = if let Compliance::Known(compliance) = compliance { compliance } else { 0.0 };
     let background = interface.contacts.background().map_err(error::core)?;
@@ -131,12 +144,61 @@ pub fn fit(
         Ok((found, others))
     })?;
     let compared = PyDict::new(py);
+    let arguments = given.arguments(py, &interface, &found)?;
     for (name, (law, found)) in laws.iter().zip(others) {
         let mut interface = interface.clone();
         interface.contacts.thresholds = Some(law);
-        compared.set_item(name, Estimates::new(py, found, (interface, velocity), PyDict::new(py))?)?;
+        let arguments = arguments.of_law(py, name)?;
+        let of_law = Estimates::new(py, found, (interface, velocity), PyDict::new(py), arguments)?;
+        compared.set_item(name, of_law)?;
     }
-    Estimates::new(py, found, (interface, velocity), compared)
+    Estimates::new(py, found, (interface, velocity), compared, arguments)
+}
+
+/// The arguments of a fit but for its curves.
+struct Given<'py> {
+    contacts: Bound<'py, Contacts>,
+    start: String,
+    compliance: Py<PyAny>,
+    free: Vec<String>,
+    prior: BTreeMap<String, (f64, f64)>,
+    laws: Vec<String>,
+    noise: String,
+    numbers: [(&'static str, Option<f64>); 3],
+    machine: [(&'static str, f64); 3],
+}
+
+impl Given<'_> {
+    /// All arguments by name, with the curves as they were averaged.
+    fn arguments(
+        &self,
+        py: Python<'_>,
+        interface: &Interface,
+        found: &asperity::fit::Estimates,
+    ) -> PyResult<Arguments> {
+        let named = PyDict::new(py);
+        let curves = |of: fn(&Measurement) -> &Vec<f64>| {
+            found.curves().iter().map(|curve| convert::row(py, of(curve).clone())).collect::<PyResult<Vec<_>>>()
+        };
+        named.set_item("contacts", &self.contacts)?;
+        named.set_item("position", curves(|curve| &curve.positions)?)?;
+        let forces = found.misfit.map(|_| curves(|curve| &curve.forces)).transpose()?;
+        named.set_item("force", forces)?;
+        named.set_item("initial", Plain::Law(interface.initial.clone()).instance::<crate::law::Law>(py)?)?;
+        for (name, value) in self.numbers {
+            named.set_item(name, value)?;
+        }
+        for (name, value) in self.machine {
+            named.set_item(name, value)?;
+        }
+        named.set_item("start", &self.start)?;
+        named.set_item("noise", &self.noise)?;
+        named.set_item("compliance", &self.compliance)?;
+        named.set_item("free", &self.free)?;
+        named.set_item("prior", &self.prior)?;
+        named.set_item("laws", &self.laws)?;
+        Ok(Arguments { function: "fit", named: named.unbind(), law: None })
+    }
 }
 
 /// The fit with thresholds of another family, from the mean and the standard deviation of the fitted ones.
@@ -182,7 +244,9 @@ fn of_argument(mut error: Error) -> Error {
 /// Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
 #[pyclass(frozen, module = "asperity")]
 pub struct Estimates {
-    found: asperity::fit::Estimates,
+    told: Told,
+    search: Search<Self, asperity::fit::Estimates>,
+    arguments: Arguments,
     model: Py<MasterEquation>,
     pull: Py<Pull>,
     readings: Py<Record>,
@@ -195,6 +259,7 @@ impl Estimates {
         found: asperity::fit::Estimates,
         (mut first, velocity): (Interface, Option<f64>),
         laws: Bound<'_, PyDict>,
+        arguments: Arguments,
     ) -> PyResult<Self> {
         let names: Vec<String> = found.parameters.iter().map(|estimate| estimate.name.clone()).collect();
         if names.iter().any(|name| name == "background" || name == "curve.0.background") {
@@ -204,7 +269,26 @@ impl Estimates {
         let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        Ok(Self { found, model: model.unbind(), pull, readings, laws: laws.unbind() })
+        let (told, laws) = (Told::of(&found), laws.unbind());
+        Ok(Self { told, search: Search::Own(Box::new(found)), arguments, model: model.unbind(), pull, readings, laws })
+    }
+}
+
+impl Estimates {
+    /// The end of the search, which an object from a pickle makes again.
+    fn found(&self, py: Python<'_>) -> PyResult<&asperity::fit::Estimates> {
+        self.search.get(py, &self.arguments, |same| same.get().search.own())
+    }
+
+    /// The object that was pickled.
+    pub fn restored(
+        arguments: Arguments,
+        content: &[u8],
+        (model, pull): (Py<MasterEquation>, Py<Pull>),
+        (readings, laws): (Py<Record>, Py<PyDict>),
+    ) -> PyResult<Self> {
+        let (told, search) = (Told::read(content)?, Search::Again(PyOnceLock::new()));
+        Ok(Self { told, search, arguments, model, pull, readings, laws })
     }
 }
 
@@ -213,44 +297,43 @@ impl Estimates {
     /// The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate.
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
-        values::estimates(py, &self.found.parameters)
+        values::estimates(py, &self.told.parameters())
     }
 
     /// The covariance of the estimates in the order of `params`, shape (n, n).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        let n = self.found.parameters.len();
-        convert::array(py, &[n, n], self.found.covariance.clone()).map(typed::Array)
+        convert::square(py, self.told.covariance.clone()).map(typed::Array)
     }
 
     /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
     #[getter]
     fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.found.correlations())
+        values::correlations(py, self.told.correlations.clone())
     }
 
     /// Whether the search has converged; otherwise the estimates are its last values.
     #[getter]
     fn converged(&self) -> bool {
-        self.found.converged
+        self.told.converged
     }
 
     /// The number of solutions of the master equation that the search took.
     #[getter]
     fn solutions(&self) -> usize {
-        self.found.solutions
+        self.told.solutions
     }
 
     /// How well the curve is described, a Misfit; None for a planned measurement.
     #[getter]
     fn misfit<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::Misfit<'py>>> {
-        self.found.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
+        self.told.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
     }
 
     /// The standard deviation of the independent error of a reading, given or estimated, a force.
     #[getter]
     fn reading(&self) -> f64 {
-        self.found.reading
+        self.told.reading
     }
 
     /// The same fit with other distributions of thresholds, by their names: a dict of Estimates. Misfit.akaike compares them:
@@ -302,7 +385,8 @@ impl Estimates {
         curve: Whole,
     ) -> PyResult<typed::Prediction<'py>> {
         let (positions, curve) = (convert::list("position", position)?, curve.get("curve")?);
-        let predicted = watched(None, py, |monitor| self.found.predict(curve, &positions, monitor))?;
+        let found = self.found(py)?;
+        let predicted = watched(None, py, |monitor| found.predict(curve, &positions, monitor))?;
         values::prediction(py, predicted)
     }
 
@@ -327,7 +411,8 @@ impl Estimates {
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::FreeForm<'py>> {
         let kernels = kernels.get("kernels")?;
-        let form = watched(progress, py, |monitor| self.found.free_form(kernels, monitor))?;
+        let found = self.found(py)?;
+        let form = watched(progress, py, |monitor| found.free_form(kernels, monitor))?;
         let series = form.thresholds.series();
         let law = scenario::Law::Series {
             boundaries: series.boundaries().to_vec(),
@@ -340,7 +425,8 @@ impl Estimates {
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
     fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
-        values::friction(py, &watched(None, py, |monitor| self.found.friction(monitor))?)
+        let found = self.found(py)?;
+        values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
     }
 
     /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
@@ -360,14 +446,15 @@ impl Estimates {
     ) -> PyResult<typed::Profile<'py>> {
         /// As many as show whether a profile is a parabola.
         const VALUES: usize = 13;
+        let found = self.found(py)?;
         let values = match values {
             Some(values) => convert::list_within("values", values, &Domain::NUMBERS)?,
-            None => self.found.profile_values(name, VALUES).map_err(error::core)?,
+            None => found.profile_values(name, VALUES).map_err(error::core)?,
         };
         let rise = watched(progress, py, |monitor| {
             let share = 1.0 / values.len() as f64;
             let one = |(i, &value): (usize, &f64)| {
-                self.found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
+                found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
             };
             values.iter().enumerate().map(one).collect()
         })?;
@@ -386,7 +473,8 @@ impl Estimates {
         name: &str,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(f64, f64)> {
-        let [low, high] = watched(progress, py, |monitor| self.found.interval_by_profile(name, monitor))?;
+        let found = self.found(py)?;
+        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
         Ok((low, high))
     }
 
@@ -404,7 +492,8 @@ impl Estimates {
         values: &Bound<'py, PyAny>,
     ) -> PyResult<(f64, typed::Array<'py>)> {
         let values = convert::list("values", values)?;
-        let (value, gradient) = watched(None, py, |monitor| self.found.log_likelihood(&values, monitor))?;
+        let found = self.found(py)?;
+        let (value, gradient) = watched(None, py, |monitor| found.log_likelihood(&values, monitor))?;
         Ok((value, typed::Array(convert::row(py, gradient)?)))
     }
 
@@ -435,7 +524,8 @@ impl Estimates {
     ) -> PyResult<Posterior> {
         let sampling =
             FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
-        let drawn = watched(progress, py, |monitor| posterior::sample(&self.found, sampling, monitor))?;
+        let found = self.found(py)?;
+        let drawn = watched(progress, py, |monitor| posterior::sample(found, sampling, monitor))?;
         Ok(Posterior::new(drawn))
     }
 
@@ -460,7 +550,17 @@ impl Estimates {
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
-        Err(pickle::refused(slf))
+        let (py, this) = (slf.py(), slf.get());
+        let parts = (&this.model, &this.pull, &this.readings, &this.laws).into_pyobject(py)?;
+        pickle::reduced_fit(py, &this.arguments, this.told.written()?, parts)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

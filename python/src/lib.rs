@@ -11,6 +11,7 @@ mod error;
 mod exact;
 mod fit;
 mod fit_steady;
+mod found;
 mod history;
 mod interface;
 mod law;
@@ -73,7 +74,7 @@ mod _core {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::pickle::restore_result;
+    use crate::pickle::{restore_fit, restore_result};
     #[pymodule_export]
     use crate::posterior::Posterior;
     #[pymodule_export]

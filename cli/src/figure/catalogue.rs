@@ -10,7 +10,8 @@ use kuva::render::render::Scene;
 
 use super::advance::Advance;
 use super::curve::{Point, line, thinned};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 /// Bins per decade.
@@ -24,14 +25,14 @@ const FEWEST: usize = 10;
 /// Range of the waiting times that are shown, over their mean.
 const WAITING: (f64, f64) = (1e-3, 1e2);
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let catalogue = outcome.summary.numbers.catalogue()?;
     let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
     let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();
     // With too few waiting times, magnitudes take the whole picture.
     let lower = if plots.len() > 2 { vec![vec![2], vec![3]] } else { vec![vec![2, 3]] };
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
     let mut legend = vec![style::marker(events, ORANGE, MarkerShape::Circle)];
     legend.extend(catalogue.law.map(|law| style::line(fitted_text(&law), BLUE, None)));
@@ -42,14 +43,12 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_structure([vec![vec![0, 1]], lower].concat())
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH / 2.0, 300.0)
-        .with_row_height(0, 200.0)
+        .with_cell_size(page.width / 2.0, page.height(300.0))
+        .with_row_height(0, page.height(200.0))
         .with_spacing(10.0)
         .with_shared_legend_entries(legend)
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 /// The fitted distribution in words.

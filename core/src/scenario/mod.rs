@@ -9,6 +9,7 @@ mod compare;
 mod contacts;
 mod drive;
 mod ensemble;
+mod figure;
 mod fit;
 mod fit_curve;
 mod fit_steady;
@@ -50,6 +51,7 @@ pub use compare::Compare;
 pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
+pub use figure::{Figure, FigureFormat};
 pub(crate) use fit::FitKeys;
 pub use fit::{Fit, FitDrift, FitNoise, FitThresholds, threshold_family};
 pub use fit_curve::{FitCompliance, FitCurve, FitSource};
@@ -148,6 +150,9 @@ pub struct Scenario {
     /// A measured curve to compare with F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Compare>,
+    /// How pictures are drawn.
+    #[serde(default, skip_serializing_if = "Figure::is_default")]
+    pub figure: Figure,
 }
 
 impl Scenario {
@@ -173,6 +178,7 @@ impl Scenario {
             ensemble: None,
             units: Units::default(),
             compare: None,
+            figure: Figure::default(),
         }
     }
 
@@ -182,6 +188,7 @@ impl Scenario {
     /// The first invalid value, or a task that does not fit in memory.
     pub fn build(&self) -> Result<Model> {
         let task = self.task()?;
+        self.figure.check().map_err(|e| e.under("figure"))?;
         let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
         let model = Model {
             steady: task.steady_velocity(&contacts),
