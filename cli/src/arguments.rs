@@ -150,7 +150,9 @@ impl Pictures {
 /// A file format of pictures, by its name.
 fn format() -> impl TypedValueParser<Value = FigureFormat> {
     let names = PossibleValuesParser::new(FigureFormat::ALL.map(FigureFormat::name));
-    names.map(|name| FigureFormat::ALL.into_iter().find(|format| format.name() == name).unwrap_or(FigureFormat::Svg))
+    names.map(|name| {
+        FigureFormat::ALL.into_iter().find(|format| format.name() == name).unwrap_or(FigureFormat::Svg)
+    })
 }
 
 /// A finite number above 0.

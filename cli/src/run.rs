@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use asperity::scenario::Scenario;
+use asperity::scenario::{Figure, Scenario};
 use asperity::task::summary::Summary;
 use asperity_runner::checkpoint::Checkpoints;
 use asperity_runner::output::{Outcome, Renamed, Written};
@@ -17,6 +17,8 @@ use super::{Failure, drawing, figure, print, summary, threads};
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     let interrupts = Interrupts::listen().map_err(Failure::run)?;
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
+    let style = arguments.style(&input.scenario.figure);
+    checked(&style)?;
     let directory = arguments.directory();
     interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
     if !arguments.quiet {
@@ -29,7 +31,6 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let style = arguments.style(&input.scenario.figure);
     let figures =
         threads::on(arguments.threads, || figure::draw(&mut outcome, &style))?.map_err(Failure::run)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
@@ -87,6 +88,11 @@ pub fn drawn(pictures: &[String]) -> Option<String> {
         }
     }
     (!names.is_empty()).then(|| format!("{} ({})", names.join(", "), formats.join(", ")))
+}
+
+/// Refuses pictures that cannot be drawn, before anything is computed.
+pub fn checked(style: &Figure) -> Result<(), Failure> {
+    figure::check(style).map_err(|expected| Failure::Input(format!("error: {expected}\n")))
 }
 
 /// Prints the warnings.

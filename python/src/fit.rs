@@ -36,35 +36,72 @@ use crate::{error, typed, values};
 /// (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
 /// found by Fisher scoring, and their errors follow from the expected information.
 ///
-/// contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
-/// position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
-/// lists for several curves, whose noise is that of different contacts.
-/// force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
-/// errors that the free numbers would have, at their first values.
-/// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-/// "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
-/// "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
-/// noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
-/// number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
-/// be free.
-/// reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
-/// drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
-/// size and its length are then estimated. No drift if None.
-/// compliance: displacement of the drive against the slider per force, of slider and machine together; "free" if it is to
-/// be found, from a first value that follows from the steepest slope of the curve.
-/// offset: the reading of the force where there is none.
-/// trend: the change of that reading per length.
-/// origin: the reading of the position at X = 0.
-/// prior: for some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
-/// logarithm for numbers above 0.
-/// average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
-/// 4000 may remain.
-/// laws: names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made with
-/// all its numbers free instead of those of contacts.thresholds: Estimates.laws.
-/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+/// Parameters
+/// ----------
+/// contacts, initial, start, velocity
+///     As for MasterEquation; their free numbers are first values.
+/// position
+///     Positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
+///     lists for several curves, whose noise is that of different contacts.
+/// force
+///     The n measured forces, or a list of such lists; or None for a planned measurement, for which the result has
+///     the errors that the free numbers would have, at their first values.
+/// free
+///     The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+///     "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all
+///     curves; a name after "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
+/// noise
+///     "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
+///     number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness
+///     cannot both be free.
+/// reading
+///     The standard deviation of the independent error of a reading, after averaging; estimated if None.
+/// drift
+///     The longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
+///     size and its length are then estimated. No drift if None.
+/// compliance
+///     Displacement of the drive against the slider per force, of slider and machine together; "free" if it is to be
+///     found, from a first value that follows from the steepest slope of the curve.
+/// offset
+///     The reading of the force where there is none.
+/// trend
+///     The change of that reading per length.
+/// origin
+///     The reading of the position at X = 0.
+/// prior
+///     For some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
+///     logarithm for numbers above 0.
+/// average
+///     The number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most 4000
+///     may remain.
+/// laws
+///     Names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made
+///     with all its numbers free instead of those of contacts.thresholds: Estimates.laws.
+/// progress
+///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
-/// Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
-/// converge is no error: see Estimates.converged.
+/// Returns
+/// -------
+/// Estimates
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, and for numbers that the curve does not determine. A search that does not converge is no
+///     error: see Estimates.converged.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), count=1000, stiffness=0.001)
+/// >>> position = np.linspace(0.05, 3.0, 60)
+/// >>> force = asp.MasterEquation(contacts).pull(3.0).sample_paths(position, 1, size=1000, seed=1)[0]
+/// >>> found = asp.fit(contacts, position, force, free=['thresholds.mean', 'thresholds.std'], reading=1e-4)
+/// >>> found.converged
+/// True
+/// >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 4 * found.params['thresholds.mean'].error)
+/// True
 #[pyfunction(name = "fit")]
 #[pyo3(
     signature = (
@@ -178,7 +215,11 @@ impl Given<'_> {
     ) -> PyResult<Arguments> {
         let named = PyDict::new(py);
         let curves = |of: fn(&Measurement) -> &Vec<f64>| {
-            found.curves().iter().map(|curve| convert::row(py, of(curve).clone())).collect::<PyResult<Vec<_>>>()
+            found
+                .curves()
+                .iter()
+                .map(|curve| convert::row(py, of(curve).clone()))
+                .collect::<PyResult<Vec<_>>>()
         };
         named.set_item("contacts", &self.contacts)?;
         named.set_item("position", curves(|curve| &curve.positions)?)?;
@@ -270,7 +311,15 @@ impl Estimates {
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
         let (told, laws) = (Told::of(&found), laws.unbind());
-        Ok(Self { told, search: Search::Own(Box::new(found)), arguments, model: model.unbind(), pull, readings, laws })
+        Ok(Self {
+            told,
+            search: Search::Own(Box::new(found)),
+            arguments,
+            model: model.unbind(),
+            pull,
+            readings,
+            laws,
+        })
     }
 }
 
@@ -375,8 +424,16 @@ impl Estimates {
 
     /// The readings that are expected at positions, as they are measured, with their scatter and their errors.
     ///
-    /// position: a list of positions in any order, within the range of the measured ones or beyond it.
-    /// curve: the number of the curve.
+    /// Parameters
+    /// ----------
+    /// position
+    ///     A list of positions in any order, within the range of the measured ones or beyond it.
+    /// curve
+    ///     The number of the curve.
+    ///
+    /// Returns
+    /// -------
+    /// Prediction
     #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
     fn predict<'py>(
         &self,
@@ -396,10 +453,21 @@ impl Estimates {
     /// either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
     /// that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
     ///
-    /// kernels: their number, 12 or more.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// kernels
+    ///     Their number, 12 or more.
+    /// progress
+    ///     As for MasterEquation.pull.
     ///
-    /// Raises ValueError if no number of the thresholds was free.
+    /// Returns
+    /// -------
+    /// FreeForm
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no number of the thresholds was free.
     #[pyo3(
         signature = (kernels = Whole::new(36), *, progress: "_Progress" = None),
         text_signature = "(self, kernels=36, *, progress=None)"
@@ -424,6 +492,10 @@ impl Estimates {
     }
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
+    ///
+    /// Returns
+    /// -------
+    /// FrictionEstimates
     fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
         let found = self.found(py)?;
         values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
@@ -432,10 +504,19 @@ impl Estimates {
     /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
     /// its minimum.
     ///
-    /// name: a name of `params`.
-    /// values: a list of values, or None for 13 from three standard errors below the estimate to three above it; of the
-    /// logarithm for numbers above 0.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// values
+    ///     A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+    ///     logarithm for numbers above 0.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// Profile
     #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
     fn profile<'py>(
         &self,
@@ -464,8 +545,16 @@ impl Estimates {
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
     /// numbers, has risen by 3.84.
     ///
-    /// name: a name of `params`.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -480,11 +569,17 @@ impl Estimates {
 
     /// ln L at values of the free numbers, and its gradient, for samplers and other searches.
     ///
-    /// values: a list of n numbers in the order of `params`.
+    /// Parameters
+    /// ----------
+    /// values
+    ///     A list of n numbers in the order of `params`.
     ///
-    /// Returns ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
-    /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent errors
-    /// whose size is estimated, ln L is the highest for any size.
+    /// Returns
+    /// -------
+    /// (float, numpy.ndarray)
+    ///     ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
+    ///     The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
+    ///     errors whose size is estimated, ln L is the highest for any size.
     #[pyo3(signature = (values: "ArrayLike"))]
     fn log_likelihood<'py>(
         &self,
@@ -503,13 +598,26 @@ impl Estimates {
     /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
     /// before, which are left out.
     ///
-    /// draws: the number of draws of each chain, 4 or more.
-    /// chains: their number, 1 or more; as many are made at a time as there are threads.
-    /// seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
-    /// numpy.random.Generator, from which one is drawn.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// draws
+    ///     The number of draws of each chain, 4 or more.
+    /// chains
+    ///     Their number, 1 or more; as many are made at a time as there are threads.
+    /// seed
+    ///     A whole number below 2^63, which always gives the same draws, on any number of threads, or a
+    ///     numpy.random.Generator, from which one is drawn.
+    /// progress
+    ///     As for MasterEquation.pull.
     ///
-    /// Raises ValueError for a planned measurement, and if no number is known to better than a limit.
+    /// Returns
+    /// -------
+    /// Posterior
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a planned measurement, and if no number is known to better than a limit.
     #[pyo3(
         signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None),
         text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None)"
@@ -530,6 +638,10 @@ impl Estimates {
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._fit")?.call_method1("summary", (slf,))?.extract()
     }
@@ -537,8 +649,17 @@ impl Estimates {
     /// Plots the readings with the expected force and a band of two standard deviations of a reading to either side, and
     /// below them the whitened residuals. Returns the axes. It needs matplotlib.
     ///
-    /// axes: two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of the
-    /// expected force. A planned measurement is plotted on the first of them only.
+    /// Parameters
+    /// ----------
+    /// axes
+    ///     Two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of
+    ///     the expected force. A planned measurement is plotted on the first of them only.
+    /// **style
+    ///     Arguments of the plot() of the expected force.
+    ///
+    /// Returns
+    /// -------
+    /// (matplotlib.axes.Axes, ...)
     #[pyo3(signature = (axes: "Sequence[Axes] | None" = None, **style: "Any") -> "tuple[Axes, ...]")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

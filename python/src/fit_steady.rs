@@ -29,21 +29,50 @@ use crate::{error, typed, values};
 /// independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
 /// discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
 ///
-/// contacts, velocity: as for MasterEquation; their free numbers are first values.
-/// spacing: the displacement of the slider from one reading to the next, above 0.
-/// force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
-/// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-/// "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
-/// Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
-/// count and stiffness cannot both be free, unless one has a prior.
-/// initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
-/// reading: the standard deviation of the independent error of a reading; estimated if None.
-/// offset: the reading of the force where there is none.
-/// prior: as for fit.
-/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+/// Parameters
+/// ----------
+/// contacts, velocity
+///     As for MasterEquation; their free numbers are first values.
+/// spacing
+///     The displacement of the slider from one reading to the next, above 0.
+/// force
+///     The n measured forces, 16 or more for each free number; none of them before sliding is steady.
+/// free
+///     The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+///     "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
+///     Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with
+///     "offset", count and stiffness cannot both be free, unless one has a prior.
+/// initial, start
+///     As for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
+/// reading
+///     The standard deviation of the independent error of a reading; estimated if None.
+/// offset
+///     The reading of the force where there is none.
+/// prior
+///     As for fit.
+/// progress
+///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
-/// Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
-/// determine. A search that does not converge is no error: see SteadyEstimates.converged.
+/// Returns
+/// -------
+/// SteadyEstimates
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, for contacts whose spectrum has lines, and for numbers that the record does not determine.
+///     A search that does not converge is no error: see SteadyEstimates.converged.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=2000, stiffness=0.0005)
+/// >>> pull = asp.Ensemble(contacts, size=2000, seed=1).pull(60.0, 2401)
+/// >>> force = pull.force[400:]
+/// >>> found = asp.fit_steady(contacts, 0.025, force, free=['thresholds.mean'], reading=1e-5)
+/// >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 0.05)
+/// True
 #[pyfunction(name = "fit_steady")]
 #[pyo3(
     signature = (
@@ -227,6 +256,10 @@ impl SteadyEstimates {
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
     /// the initial stretches, of which the record tells nothing.
+    ///
+    /// Returns
+    /// -------
+    /// FrictionEstimates
     fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
         let found = self.found(py)?;
         values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
@@ -235,8 +268,16 @@ impl SteadyEstimates {
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
     /// numbers, has risen by 3.84.
     ///
-    /// name: a name of `params`.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -250,6 +291,10 @@ impl SteadyEstimates {
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the record is described.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._fit")?.call_method1("steady_summary", (slf,))?.extract()
     }
@@ -257,7 +302,16 @@ impl SteadyEstimates {
     /// Plots the periodogram as dots and its expectation as a line, on logarithmic axes. Returns the axes. It needs
     /// matplotlib.
     ///
-    /// ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+    /// **style
+    ///     Arguments of the plot() of the expectation.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

@@ -64,7 +64,13 @@ impl Told {
     /// The estimates.
     pub fn parameters(&self) -> Vec<fit::Estimate> {
         let estimate = |(name, value, error, interval, limit): &(String, f64, f64, [f64; 2], Option<f64>)| {
-            fit::Estimate { name: name.clone(), value: *value, error: *error, interval: *interval, limit: *limit }
+            fit::Estimate {
+                name: name.clone(),
+                value: *value,
+                error: *error,
+                interval: *interval,
+                limit: *limit,
+            }
         };
         self.parameters.iter().map(estimate).collect()
     }

@@ -2,6 +2,7 @@
 //! computed here. The documentation here is what Python shows.
 
 mod block;
+mod command;
 mod contacts;
 mod convert;
 mod description;
@@ -42,6 +43,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::block::{Block, Damped, Inertial};
+    #[pymodule_export]
+    use crate::command::command;
     #[pymodule_export]
     use crate::contacts::{Areas, Contacts};
     #[pymodule_export]

@@ -91,7 +91,7 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
 }
 
-/// Fraction of events per unit of magnitude, and the fitted distribution.
+/// Probability density of magnitudes, and the fitted distribution.
 fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let variable = outcome.record.get(&format!("event_{}", catalogue.magnitude))?;
     let whole = variable.values.iter().all(|value| value.fract() == 0.0);
@@ -111,7 +111,7 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
     };
     let layout = logarithmic((0.7 * first, 1.5 * last), (0.4 * low, 2.5 * high))
         .with_x_label(style::axis(outcome, words, variable))
-        .with_y_label("Fraction of events per unit");
+        .with_y_label("Probability density");
     Some((plots, layout))
 }
 
@@ -133,11 +133,11 @@ fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> 
     let chance = steps.map(|t| (t, (-t).exp())).filter(|point| point.1 > 0.5 * low).collect();
     let layout = logarithmic((0.7 * points[0].0, 1.5 * last), (0.4 * low, 2.5 * high.max(1.0)))
         .with_x_label("Interval to the next event / mean interval")
-        .with_y_label("Density");
+        .with_y_label("Probability density");
     Some((vec![line(chance, GREY, 1.4, Some(DASHES)), scatter(points)], layout))
 }
 
-/// Fraction of `values` per unit, in bins of equal width on a logarithmic axis.
+/// Probability density of `values`, in bins of equal width on a logarithmic axis.
 fn density(values: &[f64], whole: bool) -> Vec<Point> {
     let mut bins = std::collections::BTreeMap::<i64, u64>::new();
     for value in values.iter().filter(|&&value| value > 0.0) {

@@ -90,7 +90,8 @@ pub fn spread(points: &[Point], (x, y): ((f64, f64), (f64, f64)), most: usize) -
         let (right, up) = ((pair[1].0 - pair[0].0) / (x.1 - x.0), (pair[1].1 - pair[0].1) / (y.1 - y.0));
         right.hypot(up)
     };
-    let along: Vec<f64> = points.windows(2).map(length).map(|l| if l.is_finite() { l } else { 0.0 }).collect();
+    let along: Vec<f64> =
+        points.windows(2).map(length).map(|l| if l.is_finite() { l } else { 0.0 }).collect();
     let total: f64 = along.iter().sum();
     let step = (total / (most.max(2) - 1) as f64).max(CLOSEST);
     let (mut shown, mut passed, mut next) = (Vec::new(), 0.0, 0.0);
@@ -105,7 +106,7 @@ pub fn spread(points: &[Point], (x, y): ((f64, f64), (f64, f64)), most: usize) -
 }
 
 /// Smallest distance of the points of a curve that is drawn as points, over the size of the picture.
-const CLOSEST: f64 = 0.02;
+const CLOSEST: f64 = 0.03;
 
 /// A filled histogram with bins of equal width around `centres`.
 pub fn histogram(centres: &[f64], heights: &[f64], color: &str) -> Plot {

@@ -29,7 +29,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     legend.extend(axis.legend);
     let farthest = record.values("threshold_atom_stretch").unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
     let end = style::reach(stretch, &[steady, thresholds]).max(1.05 * farthest);
-    let layout = page.titled(style::layout((0.0, end), (0.0, left)), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout((0.0, end), (0.0, left)), &outcome.summary.title)
         .with_y2_range(0.0, axis.top)
         .with_y2_axis_min(0.0)
         .with_y2_axis_max(axis.top)

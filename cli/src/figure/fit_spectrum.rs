@@ -46,7 +46,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let heights = (bottom, 2.0 * high);
     let layout = style::layout(ends, heights).with_log_scale();
     let layout = layout.with_x_tick_format(style::powers(ends)).with_y_tick_format(style::powers(heights));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("fit_wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("fit_periodogram")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

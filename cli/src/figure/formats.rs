@@ -9,7 +9,7 @@ use kuva::render::render::Scene;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{self, Tree, fontdb};
 
-use super::style::{LABELS, Page, WIDTH};
+use super::style::{HEIGHT, LABELS, Page, WIDTH};
 use super::{grey, typography};
 
 /// Units of the canvas per inch, as in CSS.
@@ -17,14 +17,41 @@ const PER_INCH: f64 = 96.0;
 /// Points per inch.
 const POINTS: f64 = 72.0;
 const MM_PER_INCH: f64 = 25.4;
+/// The usual width of pictures in mm.
+const USUAL: f64 = WIDTH / PER_INCH * MM_PER_INCH;
 
 /// The canvas of pictures that are drawn in this style.
 pub fn page(style: &Figure) -> Page {
-    let usual = WIDTH / PER_INCH * MM_PER_INCH;
-    let wide = style.width.unwrap_or(usual);
+    let wide = style.width.unwrap_or(USUAL);
     // What one unit of the canvas is in mm.
     let unit = style.font_size.map_or(wide / WIDTH, |size| size / POINTS * MM_PER_INCH / LABELS);
     Page::new(wide / unit, style.height.map(|height| height / wide))
+}
+
+/// Least width and height of a picture of one panel, in units of the canvas: about as much as its labels take.
+const LEAST: (f64, f64) = (240.0, 180.0);
+/// Most dots of a PNG along a side.
+const DOTS: f64 = 20_000.0;
+
+/// Refuses a style in which letters leave no room for curves, or with more dots than programs can show.
+///
+/// # Errors
+/// What was expected.
+pub fn check(style: &Figure) -> Result<(), String> {
+    let page = page(style);
+    let height = page.height(HEIGHT);
+    if page.width < LEAST.0 || height < LEAST.1 {
+        let widest = (LEAST.0 / page.width).max(LEAST.1 / height);
+        return Err(format!(
+            "figure: expected a picture at least {widest:.1} times as wide and high for letters of this size, or a smaller figure.font_size"
+        ));
+    }
+    let wide = style.width.unwrap_or(USUAL);
+    let dots = wide.max(wide * height / page.width) / MM_PER_INCH * style.dpi;
+    if style.formats.contains(&FigureFormat::Png) && dots > DOTS {
+        return Err(format!("figure.dpi: expected at most {DOTS} dots along a side, got {dots:.0}"));
+    }
+    Ok(())
 }
 
 /// The picture as SVG, with symbols typeset and a viewBox, so that it can be scaled.
@@ -34,7 +61,7 @@ pub fn svg(scene: &Scene, title: &str, style: &Figure) -> String {
     let (width, height) = (scene.width, scene.height);
     let unit = |length: f64| match (style.width, style.font_size) {
         (None, None) => format!("{length}"),
-        (wide, _) => format!("{}mm", length * wide.unwrap_or(WIDTH / PER_INCH * MM_PER_INCH) / width),
+        (wide, _) => format!("{}mm", length * wide.unwrap_or(USUAL) / width),
     };
     let size = format!("width=\"{width}\" height=\"{height}\"");
     let scaled =

@@ -21,7 +21,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let plots: Plots = vec![Plot::Band(band), line(curve(threshold, density), BLUE, 2.0, None)];
     let legend = vec![style::line("density of free form", BLUE, None), style::area("95 %", "#C7DFEE")];
     let layout = style::layout(style::range([threshold]), (0.0, top));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Threshold", record.get("free_form_threshold")?))
         .with_y_label(style::axis(outcome, "Density of thresholds", record.get("free_form_density")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

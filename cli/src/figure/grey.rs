@@ -41,8 +41,10 @@ mod tests {
 
     #[test]
     fn colours_become_shades_and_all_else_stays() {
-        let svg = "<a href=\"#top\" fill=\"#0072b2\" stroke=\"#FF0000\">#0072B2 \"#</a><rect fill=\"#ffffff\"/>";
-        let grey = "<a href=\"#top\" fill=\"#202020\" stroke=\"#4c4c4c\">#0072B2 \"#</a><rect fill=\"#ffffff\"/>";
+        let svg =
+            "<a href=\"#top\" fill=\"#0072b2\" stroke=\"#FF0000\">#0072B2 \"#</a><rect fill=\"#ffffff\"/>";
+        let grey =
+            "<a href=\"#top\" fill=\"#202020\" stroke=\"#4c4c4c\">#0072B2 \"#</a><rect fill=\"#ffffff\"/>";
         assert_eq!(shaded(svg), grey);
     }
 }

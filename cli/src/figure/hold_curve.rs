@@ -31,7 +31,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     let layout = style::layout(style::decades(hold), style::heights(low, high)).with_log_x();
     let layout = layout.with_x_tick_format(style::powers(style::decades(hold)));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))
         .with_y_label(style::axis(outcome, "Static friction F_s", record.get("static_friction")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

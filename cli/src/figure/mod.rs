@@ -38,6 +38,7 @@ use asperity::scenario::{Figure, FigureFormat};
 use asperity_runner::output::{Attachment, Outcome};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
+pub use formats::check;
 
 /// Draws every picture for which the record has the variables.
 ///

@@ -42,7 +42,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     let (low, high) = style::range(heights);
     let air = 0.05 * (high - low);
-    let layout = page.titled(style::layout((0.0, end), (low - air, high + air)), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout((0.0, end), (low - air, high + air)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
         .with_y_label(style::axis(outcome, "Potential V(X_T, X), first loading", record.get("potential")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

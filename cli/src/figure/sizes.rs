@@ -42,7 +42,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (widths, heights) = ((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high));
     let layout = style::layout(widths, heights).with_log_scale();
     let layout = layout.with_x_tick_format(style::powers(widths)).with_y_tick_format(style::powers(heights));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label("Contacts broken in an event")
         .with_y_label("Events per number of contacts");
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

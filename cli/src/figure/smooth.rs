@@ -21,7 +21,8 @@ fn smooth(points: &[Point]) -> Vec<Point> {
     }
     let slopes = slopes(points);
     let pieces = points.windows(2).zip(slopes.windows(2));
-    let inner = pieces.flat_map(|(ends, slopes)| (0..FINE).map(|i| cubic(ends, slopes, i as f64 / FINE as f64)));
+    let inner =
+        pieces.flat_map(|(ends, slopes)| (0..FINE).map(|i| cubic(ends, slopes, i as f64 / FINE as f64)));
     inner.chain(points.last().copied()).collect()
 }
 
@@ -37,7 +38,8 @@ fn cubic(ends: &[Point], slopes: &[f64], t: f64) -> Point {
 /// The slopes at the points: 0 at extrema, weighted harmonic means of those of both sides elsewhere.
 fn slopes(points: &[Point]) -> Vec<f64> {
     let steps: Vec<f64> = points.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-    let chords: Vec<f64> = points.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).collect();
+    let chords: Vec<f64> =
+        points.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).collect();
     let inner = |i: usize| {
         let (before, after) = (chords[i - 1], chords[i]);
         if before * after <= 0.0 {

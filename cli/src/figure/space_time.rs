@@ -46,7 +46,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_structure(structure)
         .with_title(title)
         .with_title_size(size)
-        .with_cell_size(page.width - BAR, page.height(240.0))
+        .with_cell_size(page.width - BAR, page.height(260.0))
         .with_row_height(0, page.height(HEIGHT))
         .with_col_width(1, BAR)
         .with_spacing(6.0);
@@ -155,7 +155,7 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
         .with_title_size(12)
         .with_x_label("Cell")
-        .with_y_label(style::axis(outcome, "Time at which it begins to slip", record.get("slipped_start")?));
+        .with_y_label(style::axis(outcome, "Beginning of slip", record.get("slipped_start")?));
     Some((plots, layout))
 }
 

@@ -44,7 +44,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let layout = style::layout((0.0, last), (bottom, top))
         .with_log_y()
         .with_y_tick_format(style::powers((bottom, top)));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("spectrum")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))
@@ -60,7 +61,8 @@ pub fn correlation(outcome: &Outcome, page: Page) -> Option<Scene> {
     plots.push(line(curve(u, &relative), BLUE, 2.0, None));
     let low = style::range([relative.as_slice()]).0;
     let layout = style::layout((0.0, last), (low.min(0.0) - 0.05, 1.05));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Displacement u", record.get("displacement")?))
         .with_y_label("Autocorrelation of the force");
     Some(ticks::panel(plots, layout))

@@ -63,7 +63,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let layout = style::layout((first, last), ends).with_log_x().with_log_y();
     let layout =
         layout.with_x_tick_format(style::powers((first, last))).with_y_tick_format(style::powers(ends));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Stiffness K", record.get("stiffness")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

@@ -12,7 +12,7 @@ use super::ticks;
 
 const DASHES: &str = "8 5";
 /// Largest number of markers of the ensemble.
-const MARKERS: usize = 600;
+const MARKERS: usize = 300;
 
 /// The picture, with a name for the kind of drive.
 pub fn scene(outcome: &Outcome, page: Page) -> (&'static str, Option<Scene>) {
@@ -59,10 +59,10 @@ fn traces(outcome: &Outcome, page: Page, names: (&str, &str), words: (&str, &str
         plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));
         legend.push(style::line(format!("kinetic {}", style::with_unit(kinetic, &unit)), GREY, Some(DASHES)));
     }
-    let layout =
-        page.titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)
-            .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
-            .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
+    let layout = page
+        .titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)
+        .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
+        .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 

@@ -20,7 +20,7 @@ pub const GREY: &str = "#767676";
 
 /// Width of a picture with letters of the usual size, in units of the canvas, and height of a picture of one panel.
 pub const WIDTH: f64 = 660.0;
-const HEIGHT: f64 = 480.0;
+pub const HEIGHT: f64 = 480.0;
 /// Font size of the labels of axes, in units of the canvas.
 pub const LABELS: f64 = 15.0;
 /// Left and right margins of panels above each other, so that their axes begin and end together.

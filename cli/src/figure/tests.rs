@@ -157,7 +157,8 @@ fn grey_pictures_have_shades_of_grey_alone() {
         let text = raw(&pictures, name);
         let colours = text.split("\"#").skip(1).map(|part| &part[..6]);
         let grey = |colour: &str| colour[..2] == colour[2..4] && colour[..2] == colour[4..];
-        let mut shades: Vec<&str> = colours.inspect(|colour| assert!(grey(colour), "{name}: {colour}")).collect();
+        let mut shades: Vec<&str> =
+            colours.inspect(|colour| assert!(grey(colour), "{name}: {colour}")).collect();
         shades.sort_unstable();
         shades.dedup();
         assert!(shades.len() >= 4, "{name}: {shades:?}");

@@ -27,7 +27,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     legend.push(style::marker(breaks, ORANGE, MarkerShape::Circle));
     let top = style::range([measured, free, mean_field.unwrap_or(&[])]).1;
     let ends = (drive[0], drive[drive.len() - 1]);
-    let layout = page.titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Drive X", record.get("drive")?))
         .with_y_label(style::axis(outcome, "Density of contacts that break", record.get("free_density")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

@@ -59,7 +59,8 @@ impl Axes {
         Self([
             axis((layout.x_axis_min, layout.x_axis_max), layout.log_x),
             axis((layout.y_axis_min, layout.y_axis_max), layout.log_y),
-            axis((layout.y2_axis_min, layout.y2_axis_max), layout.log_y2).filter(|_| layout.y2_range.is_some()),
+            axis((layout.y2_axis_min, layout.y2_axis_max), layout.log_y2)
+                .filter(|_| layout.y2_range.is_some()),
         ])
     }
 }
@@ -124,8 +125,12 @@ impl Tick {
         let reach = across.0.min(*across.1) - edge..across.0.max(*across.1) - edge;
         let touches = reach.start.abs() < NEAR || reach.end.abs() < NEAR;
         let is_tick = along.0 == along.1 && touches && reach.end - reach.start <= LONGEST;
-        (is_tick && reach.end > reach.start)
-            .then(|| Self { at: *along.0, reach, below, line: element.clone() })
+        (is_tick && reach.end > reach.start).then(|| Self {
+            at: *along.0,
+            reach,
+            below,
+            line: element.clone(),
+        })
     }
 
     /// A shorter tick at another place.
@@ -189,7 +194,11 @@ mod tests {
         let at = Axis { ends, logarithmic }.minor(frame, known);
         let share = |at: f64| (at - frame.0) / (frame.1 - frame.0);
         let value = |at: f64| {
-            if logarithmic { ends.0 * (ends.1 / ends.0).powf(share(at)) } else { ends.0 + (ends.1 - ends.0) * share(at) }
+            if logarithmic {
+                ends.0 * (ends.1 / ends.0).powf(share(at))
+            } else {
+                ends.0 + (ends.1 - ends.0) * share(at)
+            }
         };
         at.into_iter().map(|at| (1e6 * value(at)).round() / 1e6).collect()
     }
@@ -199,13 +208,24 @@ mod tests {
         let expected = [0.8, 0.9, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 20.0];
         let place = |value: f64| 400.0 - 300.0 * (value / 0.8).log10() / (30.0_f64 / 0.8).log10();
         // The vertical axis goes up, to smaller ordinates.
-        assert_eq!(places((0.8, 25.0), true, (400.0, 400.0 - 300.0 * (25.0_f64 / 0.8).log10() / (30.0_f64 / 0.8).log10()), &[place(1.0), place(10.0)]), expected);
+        assert_eq!(
+            places(
+                (0.8, 25.0),
+                true,
+                (400.0, 400.0 - 300.0 * (25.0_f64 / 0.8).log10() / (30.0_f64 / 0.8).log10()),
+                &[place(1.0), place(10.0)]
+            ),
+            expected
+        );
         assert_eq!(places((1e-30, 1.0), true, (0.0, 400.0), &[0.0, 400.0]), [0.0; 0]);
     }
 
     #[test]
     fn steps_are_divided_into_round_parts_beyond_the_last_tick_too() {
-        assert_eq!(places((0.0, 1.3), false, (0.0, 260.0), &[0.0, 100.0, 200.0]), [0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3]);
+        assert_eq!(
+            places((0.0, 1.3), false, (0.0, 260.0), &[0.0, 100.0, 200.0]),
+            [0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3]
+        );
         assert_eq!(places((0.0, 2.0), false, (0.0, 200.0), &[0.0, 200.0]), [0.5, 1.0, 1.5]);
         assert_eq!(places((0.0, 2.0), false, (0.0, 10.0), &[0.0, 10.0]), [1.0]);
     }

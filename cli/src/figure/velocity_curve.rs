@@ -40,7 +40,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     let layout = style::layout(style::decades(velocity), (low, high)).with_log_x();
     let layout = layout.with_x_tick_format(style::powers(style::decades(velocity)));
-    let layout = page.titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Kinetic friction F_k", record.get("kinetic_friction")?));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))

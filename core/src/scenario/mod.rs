@@ -35,6 +35,7 @@ mod task_start;
 mod time;
 mod units;
 mod velocity_curve;
+mod without_effect;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
