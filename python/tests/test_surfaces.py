@@ -1,4 +1,4 @@
-"""From a rough surface to friction with the contact solver of Tamaas, and a measured surface read by SurfaceTopography.
+"""From a rough surface to friction: the contact solver of Tamaas, and a file that SurfaceTopography reads.
 
 Both are needed by these tests alone (python/requirements-surfaces.txt).
 """
@@ -28,7 +28,7 @@ def surface(seed: int = 1) -> Any:
 
 
 def pressed(heights: Any, pressure: float) -> Any:
-    """The pressure between an elastic half-space and a rigid surface, by the method of Polonsky, Keer and Rey."""
+    """The pressure of an elastic half-space on a rigid surface (Polonsky, Keer and Rey)."""
     tamaas = pytest.importorskip("tamaas")
     flat = tamaas.model_type.basic_2d
     model = tamaas.ModelFactory.createModel(flat, [LENGTH, LENGTH], list(heights.shape))
@@ -58,11 +58,12 @@ def test_a_rough_surface_has_friction(options: dict[str, float]) -> None:
     assert contacts.thresholds is not None
     pull = asp.MasterEquation(contacts, tolerance=1e-8).pull(4.0 * contacts.thresholds.mean(), 21)
     strength = STRENGTH * found.area.sum() if "shear_strength" in options else 0.3 * found.load.sum()
-    # F_k is half of what all spots bear, and F_s lies between F_k and that.
     assert pull.kinetic_friction == pytest.approx(0.5 * strength, rel=1e-3)
-    assert pull.static_friction is not None
-    assert 0.5 * strength < pull.static_friction.force < strength
-    assert 0.0 < pull.critical_stiffness < np.inf
+    # Areas vary less than loads, some of which are near 0: then the force rises to F_k without a maximum.
+    assert (pull.static_friction is not None) == ("shear_strength" in options)
+    if pull.static_friction is not None:
+        assert 0.5 * strength < pull.static_friction.force < strength
+        assert 0.0 < pull.critical_stiffness < np.inf
     sample = asp.Ensemble(contacts, size=50_000, seed=3).pull(pull.distance, 21)
     # One of 20 positions exceeds 4 standard errors in 1 of 800 cases; the seed is fixed.
     assert np.all(np.abs(sample.force - pull.force)[1:] < 4.0 * sample.force_error[1:])
