@@ -1,6 +1,6 @@
 """From a rough surface to friction: the contact solver of Tamaas, and a file that SurfaceTopography reads.
 
-Both are needed by these tests alone (python/requirements-surfaces.txt).
+Only these tests need both.
 """
 
 from pathlib import Path

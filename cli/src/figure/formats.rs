@@ -102,8 +102,6 @@ fn compressed(dots: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let mut encoder = png::Encoder::new(&mut bytes, dots.width(), dots.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Fast);
-    // Most rows are like those above them.
-    encoder.set_filter(png::Filter::Up);
     encoder.write_header()?.write_image_data(&opaque)?;
     Ok(bytes)
 }
