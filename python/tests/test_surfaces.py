@@ -50,7 +50,7 @@ def test_a_sphere_has_the_contact_of_hertz() -> None:
 
 
 @pytest.mark.parametrize("options", [{"shear_strength": STRENGTH}, {"local_friction": 0.3}], ids=str)
-def test_a_rough_surface_has_friction(options: dict[str, float]) -> None:
+def test_a_rough_surface_has_friction(options: dict[str, Any]) -> None:
     found = asp.spots(pressed(surface(), 0.02), PIXEL)
     assert len(found) > 10
     assert found.load.sum() + found.dropped.load == pytest.approx(0.02 * LENGTH**2, rel=1e-6)
