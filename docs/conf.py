@@ -78,17 +78,6 @@ def cited(link: re.Match, keys: dict[str, str]) -> str:
     return f"{link[0]} {{cite:p}}`{keys[link[1]]}`" if link[1] in keys else link[0]
 
 
-def with_list(_, __, ___, documented, ____, lines):
-    """Makes the parameters that a docstring describes, `name: what it is.`, items of a list."""
-    names = re.findall(r"\w+", getattr(documented, "__text_signature__", None) or "")
-    item = rf"(?:^|(?<=\. ))((?:{'|'.join(names)})(?:, \w+)*): " if names else r"$^"
-    paragraphs = "\n".join(lines).split("\n\n")
-    described = [re.match(item, paragraph) for paragraph in paragraphs]
-    for index in [index for index, found in enumerate(described) if found]:
-        paragraphs[index] = re.sub(item, r"\n* **\1**: ", " ".join(paragraphs[index].split())).strip()
-    lines[:] = "\n\n".join(paragraphs).splitlines()
-
-
 def with_sections(_, __, ___, ____, _____, lines):
     """Makes the sections of numpydoc headings with lists: `name : type` above what it is, indented."""
     sections = re.split(r"^(\w+)\n-{3,}\n", "\n".join(lines), flags=re.M)
@@ -141,5 +130,4 @@ def setup(app):
 
     app.connect("source-read", read)
     app.connect("build-finished", write_notebooks)
-    app.connect("autodoc-process-docstring", with_list)
     app.connect("autodoc-process-docstring", with_sections)

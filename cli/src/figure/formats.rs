@@ -63,11 +63,22 @@ pub fn svg(scene: &Scene, title: &str, style: &Figure) -> String {
         (None, None) => format!("{length}"),
         (wide, _) => format!("{}mm", length * wide.unwrap_or(USUAL) / width),
     };
-    let size = format!("width=\"{width}\" height=\"{height}\"");
     let scaled =
         format!("width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"", unit(width), unit(height));
-    let coloured = drawn.replacen(&size, &scaled, 1);
+    let coloured = resized(&drawn, &scaled);
     if style.grey { grey::shaded(&coloured) } else { coloured }
+}
+
+/// The picture with other attributes in the place of its width and height, which stand together in its first tag.
+fn resized(svg: &str, attributes: &str) -> String {
+    let found = svg.find("width=\"").and_then(|start| {
+        let height = start + svg[start..].find("height=\"")? + "height=\"".len();
+        Some((start, height + svg[height..].find('"')? + 1))
+    });
+    found.map_or_else(
+        || svg.to_owned(),
+        |(start, end)| format!("{}{attributes}{}", &svg[..start], &svg[end..]),
+    )
 }
 
 /// An SVG picture in another format.
