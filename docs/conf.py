@@ -7,12 +7,16 @@ citations of these.
 
 import logging
 import re
+import sys
 import tomllib
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
 from pybtex.database import parse_file
+
+sys.path.insert(0, str(Path(__file__).parent))
+import ipynb
 
 root = Path(__file__).parents[1]
 package = tomllib.loads((root / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
@@ -74,33 +78,41 @@ def cited(link: re.Match, keys: dict[str, str]) -> str:
     return f"{link[0]} {{cite:p}}`{keys[link[1]]}`" if link[1] in keys else link[0]
 
 
-def with_list(_, __, ___, documented, ____, lines):
-    """Makes the parameters that a docstring describes, `name: what it is.`, items of a list."""
-    names = re.findall(r"\w+", getattr(documented, "__text_signature__", None) or "")
-    item = rf"(?:^|(?<=\. ))((?:{'|'.join(names)})(?:, \w+)*): " if names else r"$^"
-    paragraphs = "\n".join(lines).split("\n\n")
-    described = [re.match(item, paragraph) for paragraph in paragraphs]
-    for index in [index for index, found in enumerate(described) if found]:
-        paragraphs[index] = re.sub(item, r"\n* **\1**: ", " ".join(paragraphs[index].split())).strip()
-    lines[:] = "\n\n".join(paragraphs).splitlines()
-
-
 def with_sections(_, __, ___, ____, _____, lines):
     """Makes the sections of numpydoc headings with lists: `name : type` above what it is, indented."""
     sections = re.split(r"^(\w+)\n-{3,}\n", "\n".join(lines), flags=re.M)
     made = [sections[0]]
     for name, body in zip(sections[1::2], sections[2::2], strict=True):
         if name != "Examples":
-            entries = re.findall(r"^(\S.*)\n((?:[ ]+\S.*(?:\n|$))+)", body, flags=re.M)
-            body = "\n".join(f"* {named(entry)}: {' '.join(what.split())}" for entry, what in entries)
+            entries = re.findall(r"^(\S.*)(?:\n|$)((?:[ ]+\S.*(?:\n|$))*)", body, flags=re.M)
+            body = "\n".join(f"* {named(entry)}{explained(what)}" for entry, what in entries)
         made.append(f"**{name}**\n\n{body}")
     lines[:] = "\n\n".join(made).splitlines()
+
+
+def explained(what: str) -> str:
+    """What an entry says after its name, if anything."""
+    return f": {' '.join(what.split())}" if what.strip() else ""
 
 
 def named(entry: str) -> str:
     """The names of an entry in bold, and its type, whose stars are no markup."""
     names, _, kind = entry.replace("*", r"\*").partition(" : ")
     return f"**{names}** ({kind})" if kind else f"**{names}**"
+
+
+def downloadable(name: str, text: str) -> str:
+    """Adds the link to its notebook below the title of a page of notebooks."""
+    folder, _, page = name.rpartition("/")
+    if folder != "notebooks" or page == "index":
+        return text
+    link = f'<a href="{page}.ipynb" download>This page as a Jupyter notebook</a>'
+    return re.sub(r"^(# .*)$", rf"\1\n\n{link}", text, count=1, flags=re.M)
+
+
+def write_notebooks(app, failure):
+    if failure is None and app.builder.format == "html":
+        ipynb.written(Path(app.srcdir) / "notebooks", Path(app.outdir) / "notebooks")
 
 
 def subclasses(line: re.Match) -> str:
@@ -112,10 +124,10 @@ def subclasses(line: re.Match) -> str:
 def setup(app):
     keys = works()
 
-    def read(_, __, source):
-        text = as_site(source[0], keys)
+    def read(_, name, source):
+        text = downloadable(name, as_site(source[0], keys))
         source[0] = re.sub(r"^\.\. subclasses:: asperity\.(\w+)$", subclasses, text, flags=re.M)
 
     app.connect("source-read", read)
-    app.connect("autodoc-process-docstring", with_list)
+    app.connect("build-finished", write_notebooks)
     app.connect("autodoc-process-docstring", with_sections)

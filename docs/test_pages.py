@@ -13,6 +13,8 @@ import subprocess
 from pathlib import Path
 
 import asperity
+import ipynb
+import nbformat
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -75,6 +77,27 @@ def converse(text: str, names: dict[str, object], page: Path, line: int) -> None
     names.update(session.globs)
     assert results.attempted > 0
     assert results.failed == 0, "".join(report)
+
+
+NOTEBOOKS = [page for page in sorted((ROOT / "docs" / "notebooks").glob("*.md")) if page.stem != "index"]
+
+
+@pytest.mark.parametrize("page", NOTEBOOKS, ids=lambda page: page.stem)
+def test_notebooks_for_download_have_the_cells_of_their_pages_and_run(
+    page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = page.read_text(encoding="utf-8")
+    made = ipynb.notebook(text)
+    nbformat.validate(nbformat.from_dict(made))
+    code = [cell["source"] for cell in made["cells"] if cell["cell_type"] == "code"]
+    assert code == [body.strip("\n") for language, body, _ in blocks(page) if language == "{code-cell}"]
+    assert "{code-cell}" not in str([cell["source"] for cell in made["cells"]])
+    beside = folder / "docs" / "notebooks"
+    beside.mkdir(parents=True)
+    monkeypatch.chdir(beside)
+    names: dict[str, object] = {"__name__": "__main__"}
+    for number, source in enumerate(code):
+        exec(compile(source, f"{page.stem}.ipynb, cell {number}", "exec"), names)
 
 
 def test_there_are_pages_in_python() -> None:

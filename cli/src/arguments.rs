@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use asperity::scenario::{Figure, FigureFormat};
 use asperity_runner::checkpoint::Every;
 use asperity_runner::output::Only;
 use asperity_runner::sweep::Part;
 use asperity_runner::{duration, memory};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
-use super::figure::{Format, Style};
 use super::threads;
 
 /// Friction of many contacts that stretch, break and re-form: the master equation and the ensemble.
@@ -160,41 +161,59 @@ pub struct Sweep {
     pub json: bool,
 }
 
-/// How pictures are drawn.
+/// How pictures are drawn, instead of [figure] in the scenario.
 #[derive(Debug, Args)]
 pub struct Pictures {
-    /// File formats of the pictures, separated by commas
-    #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "svg,png")]
-    pub figures: Vec<Format>,
+    /// File formats of the pictures, separated by commas [default: svg,png]
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',', value_parser = format())]
+    pub figures: Option<Vec<FigureFormat>>,
     /// Width of a picture in mm, such as 86 for a column [default: 175]
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub figure_width: Option<f64>,
-    /// Dots per inch of PNG pictures
-    #[arg(long, value_name = "DPI", value_parser = positive, default_value = "300")]
-    pub figure_dpi: f64,
+    /// Height in mm of a picture of one panel; others in proportion [default: 8/11 of the width]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub figure_height: Option<f64>,
+    /// Font size of the labels of axes in points [default: in proportion to the width, 11 at 175 mm]
+    #[arg(long, value_name = "POINTS", value_parser = positive)]
+    pub figure_font_size: Option<f64>,
+    /// Dots per inch of PNG pictures [default: 300]
+    #[arg(long, value_name = "DPI", value_parser = positive)]
+    pub figure_dpi: Option<f64>,
+    /// Draw pictures in shades of grey
+    #[arg(long)]
+    pub figure_grey: bool,
     /// Leave out the title above pictures
     #[arg(long)]
     pub no_title: bool,
 }
 
 impl Pictures {
-    /// How pictures are written.
-    pub fn style(&self) -> Style {
-        Style {
-            formats: self.figures.clone(),
-            width: self.figure_width,
-            resolution: self.figure_dpi,
-            title: !self.no_title,
+    /// How pictures are drawn; what is not asked for is as in the scenario.
+    pub fn style(&self, scenario: &Figure) -> Figure {
+        Figure {
+            formats: self.figures.clone().unwrap_or_else(|| scenario.formats.clone()),
+            width: self.figure_width.or(scenario.width),
+            height: self.figure_height.or(scenario.height),
+            font_size: self.figure_font_size.or(scenario.font_size),
+            title: scenario.title && !self.no_title,
+            grey: scenario.grey || self.figure_grey,
+            dpi: self.figure_dpi.unwrap_or(scenario.dpi),
         }
+    }
+
+    /// The same, with no picture at all if `none`.
+    fn unless(&self, none: bool, scenario: &Figure) -> Figure {
+        let style = self.style(scenario);
+        if none { Figure { formats: Vec::new(), ..style } } else { style }
     }
 }
 
-impl Pictures {
-    /// How pictures are written, if any are.
-    fn unless(&self, none: bool) -> Style {
-        let style = self.style();
-        if none { Style { formats: Vec::new(), ..style } } else { style }
-    }
+/// A file format of pictures, by its name.
+fn format() -> impl TypedValueParser<Value = FigureFormat> {
+    let names = PossibleValuesParser::new(FigureFormat::ALL.map(FigureFormat::name));
+    names.map(|name| {
+        FigureFormat::ALL.into_iter().find(|format| format.name() == name).unwrap_or(FigureFormat::Svg)
+    })
 }
 
 /// A finite number above 0.
@@ -206,9 +225,9 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 impl Run {
-    /// How pictures are written.
-    pub fn style(&self) -> Style {
-        self.pictures.unless(self.no_figures || !self.writes("figures"))
+    /// How pictures are drawn.
+    pub fn style(&self, scenario: &Figure) -> Figure {
+        self.pictures.unless(self.no_figures || !self.writes("figures"), scenario)
     }
 
     /// Which files of results are written.
@@ -229,8 +248,8 @@ impl Run {
 
 impl Sweep {
     /// How pictures are written.
-    pub fn style(&self) -> Style {
-        self.pictures.unless(self.no_figures)
+    pub fn style(&self, scenario: &Figure) -> Figure {
+        self.pictures.unless(self.no_figures, scenario)
     }
 
     /// Where the results go.

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use asperity::scenario::Scenario;
+use asperity::scenario::{Figure, Scenario};
 use asperity::task::summary::Summary;
 use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::Checkpoints;
@@ -25,6 +25,8 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
     let one = input.scenario.is_one_case("asperity sweep");
     one.map_err(|error| input.diagnose(&error))?;
+    let style = arguments.style(&input.scenario.figure);
+    checked(&style)?;
     let directory = arguments.directory();
     interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
     if !arguments.quiet {
@@ -44,7 +46,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures = draw(&mut outcome, &stored, arguments)?;
+    let figures = threads::on(arguments.threads, || draw(&mut outcome, &stored, (&style, arguments.quiet)))??;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let results = (&outcome, Some(&stored));
     let written =
@@ -102,6 +104,11 @@ pub fn drawn(pictures: &[String]) -> Option<String> {
         }
     }
     (!names.is_empty()).then(|| format!("{} ({})", names.join(", "), formats.join(", ")))
+}
+
+/// Refuses pictures that cannot be drawn, before anything is computed.
+pub fn checked(style: &Figure) -> Result<(), Failure> {
+    figure::check(style).map_err(|expected| Failure::Input(format!("error: {expected}\n")))
 }
 
 /// Prints the warnings.
@@ -194,12 +201,15 @@ fn estimate(scenario: &Scenario, memory: Option<u64>) {
 }
 
 /// The pictures, unless they need columns that have outgrown the memory.
-fn draw(outcome: &mut Outcome, stored: &StoredColumns, arguments: &Run) -> Result<Vec<Attachment>, Failure> {
-    let style = arguments.style();
+fn draw(
+    outcome: &mut Outcome,
+    stored: &StoredColumns,
+    (style, quiet): (&Figure, bool),
+) -> Result<Vec<Attachment>, Failure> {
     if style.formats.is_empty() || stored.columns().is_empty() {
-        return figure::draw(outcome, &style).map_err(Failure::run);
+        return figure::draw(outcome, style).map_err(Failure::run);
     }
-    if !arguments.quiet {
+    if !quiet {
         let size = memory::words(stored.bytes());
         say(&format!(
             "no pictures are drawn: {size} of results were written as they came; asperity plot draws them where they fit in memory"

@@ -16,6 +16,8 @@ use super::{Failure, print, run, threads};
 pub fn sweep(arguments: &Sweep) -> Result<(), Failure> {
     let interrupts = Interrupts::listen().map_err(Failure::run)?;
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
+    let style = arguments.style(&input.scenario.figure);
+    run::checked(&style)?;
     let plan = Plan::new(&input)?;
     let directory = arguments.directory();
     let mut store = Store::new(&directory, plan.identity());
@@ -36,7 +38,7 @@ pub fn sweep(arguments: &Sweep) -> Result<(), Failure> {
         return computed(part, &mut store, arguments);
     }
     let dataset = gathered(&plan, &mut store, arguments)?;
-    let figures = figure::of_sweep(&dataset, &arguments.style()).map_err(Failure::run)?;
+    let figures = figure::of_sweep(&dataset, &style).map_err(Failure::run)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let written = sweep::write(&directory, &dataset, &figures)?;
     if !arguments.quiet {

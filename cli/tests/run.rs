@@ -142,10 +142,15 @@ fn pictures_are_those_that_are_asked_for() {
     assert_eq!(pictures(&["--no-figures"]), [""; 0]);
     let expected = ["distribution.pdf", "evolution.pdf", "force.pdf"];
     assert_eq!(pictures(&["--figures", "pdf", "--no-title", "--figure-width", "86"]), expected);
+    assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]"]).len(), 3);
+    assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]", "--figures", "pdf"]), expected);
     for (options, expected) in [
         (&["--figures", "eps"][..], "possible values: svg, png, pdf"),
         (&["--figure-width=-3"], "expected a number above 0"),
         (&["--figure-dpi", "inf"], "expected a number above 0"),
+        (&["--figure-dpi", "1e6"], "figure.dpi: expected at most 20000 dots along a side"),
+        (&["--figure-width", "20", "--figure-font-size", "12"], "figure: expected a picture at least"),
+        (&["--set", "figure.width=-3"], "figure.width: expected a number above 0"),
         (&["--figures", "pdf", "--no-figures"], "cannot be used with"),
     ] {
         let output = folder.run(&[&["run", "quick.toml", "-o", "none"], options].concat());

@@ -77,8 +77,33 @@ def law(x: "Law | rv_frozen | gaussian_kde | NDArray[np.float64] | Sequence[floa
     becomes a Mixture of Points. A gaussian_kde becomes a Series, truncated at 0. A list of samples becomes
     Tabulated(samples=x).
 
-    Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
-    for a pdf that cannot be resolved, TypeError for anything else, such as a distribution that is not frozen.
+    Parameters
+    ----------
+    x : Law, scipy.stats distribution, gaussian_kde or array_like
+        What describes the distribution.
+
+    Returns
+    -------
+    Law
+        The distribution.
+
+    Raises
+    ------
+    ValueError
+        For a distribution with values below 0 or a variance that is not finite.
+    RuntimeError
+        For a pdf that cannot be resolved.
+    TypeError
+        For anything else, such as a distribution that is not frozen.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> from scipy import stats
+    >>> asp.law(stats.gamma(4.0, scale=0.25))
+    Gamma(mean=1.0, std=0.5)
+    >>> round(asp.law([0.8, 0.9, 1.0, 1.1, 1.2]).mean(), 6)
+    1.0
     """
     if isinstance(x, Law):
         return x

@@ -114,9 +114,11 @@ __all__ = [
     "Weibull",
     "_Sweep",
     "__version__",
+    "_command",
     "_measured_pieces",
     "_resolve",
     "_restore",
+    "_restore_fit",
     "_restore_result",
     "_sweep_cases",
     "_velocity_curve",
@@ -149,10 +151,22 @@ class Areas(Description):
 
     Its threshold is thus x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
 
-    law: the distribution of areas, in units of length².
-    modulus: stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard
-    2008), above 0.
-    strength: force per area at which a contact breaks, above 0.
+    Parameters
+    ----------
+    law
+        The distribution of areas, in units of length².
+    modulus
+        Stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard 2008), above 0.
+    strength
+        Force per area at which a contact breaks, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> areas = asp.Areas(asp.Exponential(1.0), modulus=2.0, strength=1.0)
+    >>> contacts = asp.Contacts(areas=areas)
+    >>> contacts.areas.modulus
+    2.0
     """
 
     def __new__(cls, /, law: _AnyLaw, modulus: _Number, strength: _Number) -> Areas: ...
@@ -180,17 +194,34 @@ class Block(Description):
     where the spring carries B, K(X_T - X) + B = F + B as long as the base slides forward. A slider that would move
     back stays at rest until its spring has lost 2B.
 
-    model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
-    stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
-    stable.
-    slip: the slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if
-    the slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break
-    stay detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with
-    mass.
-    slip_fraction: an event is a slip if more than this fraction of the contacts of an ensemble break at one
-    drive, above 0, up to 1.
+    Parameters
+    ----------
+    model
+        The contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
+    stiffness
+        The stiffness K, force per length, above 0; None or inf for a rigid slider, which is always stable.
+    slip
+        The slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if the
+        slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break stay
+        detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with mass.
+    slip_fraction
+        An event is a slip if more than this fraction of the contacts of an ensemble break at one drive, above 0, up
+        to 1.
 
-    Raises ValueError for invalid values, including a damping with which a slip would never end.
+    Raises
+    ------
+    ValueError
+        For invalid values, including a damping with which a slip would never end.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> run = asp.Block(theory, stiffness=1.0).drive(distance=3.0)
+    >>> run.regime
+    'undecided'
+    >>> round(run.first_instability.force, 6)
+    0.773611
     """
 
     def __new__(
@@ -215,27 +246,53 @@ class Block(Description):
     ) -> StickSlip:
         """Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.
 
-        distance: the load-point displacement, a length above 0; 20 by default.
-        turning_points: instead, successive positions X_T of the load point, for driving back and forth.
-        force_to: instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever
-        its position.
-        points: the number of points of the trace, evenly spaced along the drive, including both ends; 2 or more;
-        turning points, and points before and after every slip, are added.
-        velocity: the velocity of the load point, above 0, for motion in time as by follow; required over a
-        Transport, and over time-dependent contacts.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        distance
+            The load-point displacement, a length above 0; 20 by default.
+        turning_points
+            Instead, successive positions X_T of the load point, for driving back and forth.
+        force_to
+            Instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever its
+            position.
+        points
+            The number of points of the trace, evenly spaced along the drive, including both ends; 2 or more; turning
+            points, and points before and after every slip, are added.
+        velocity
+            The velocity of the load point, above 0, for motion in time as by follow; required over a Transport, and
+            over time-dependent contacts.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for invalid values, MemoryError for results that do not fit or too many point masses,
-        RuntimeError if the tolerance is not reached.
+        Returns
+        -------
+        StickSlip
+
+        Raises
+        ------
+        ValueError
+            For invalid values.
+        MemoryError
+            For results that do not fit or too many point masses.
+        RuntimeError
+            If the tolerance is not reached.
         """
 
     def equilibrium(self, /, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
         """The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
         the slider is stable there, F' + K > 0.
 
-        distance: the displacement of the base, a length above 0; by default 5 mean thresholds.
-        points: the number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both
-        sides are added.
+        Parameters
+        ----------
+        distance
+            The displacement of the base, a length above 0; by default 5 mean thresholds.
+        points
+            The number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both sides
+            are added.
+
+        Returns
+        -------
+        Equilibria
         """
 
     def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
@@ -247,11 +304,22 @@ class Block(Description):
         interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
         more than the fraction slip_fraction of the contacts.
 
-        steps: a list of Step.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        steps
+            A list of Step.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for no steps, another slip rule, a slip without damping and mass, a rigid slider, or a
-        MasterEquation, which has one velocity.
+        Returns
+        -------
+        StickSlip
+
+        Raises
+        ------
+        ValueError
+            For no steps, another slip rule, a slip without damping and mass, a rigid slider, or a MasterEquation,
+            which has one velocity.
         """
 
     @property
@@ -264,18 +332,35 @@ class Block(Description):
         """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
         equilibrium.
 
-        drive: a drive X_T, or a list of m of them.
-        distance, points: as for equilibrium.
-
         The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
 
-        Raises ValueError for a rigid slider, which has no potential.
+        Parameters
+        ----------
+        drive
+            A drive X_T, or a list of m of them.
+        distance, points
+            As for equilibrium.
+
+        Returns
+        -------
+        Potential
+
+        Raises
+        ------
+        ValueError
+            For a rigid slider, which has no potential.
         """
 
     def simulation(self, /) -> Simulation:
-        """Returns a simulation that advances step by step, at X_T = 0.
+        """Returns
+        -------
+        Simulation
+            A simulation that advances step by step, at X_T = 0.
 
-        Raises ValueError for a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
+        Raises
+        ------
+        ValueError
+            For a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
         """
 
     @property
@@ -290,16 +375,26 @@ class Block(Description):
         """Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
         the linear response of the contacts of its Transport to a small displacement step.
 
-        velocity: the velocity of the load point, above 0.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        velocity
+            The velocity of the load point, above 0.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
-        oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
-        deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
-        all contacts.
+        Returns
+        -------
+        Stability
+            A Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
+            oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
+            deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
+            all contacts.
 
-        Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
-        that is not a Transport, and for a velocity that is not above 0.
+        Raises
+        ------
+        ValueError
+            For a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model that is not a
+            Transport, and for a velocity that is not above 0.
         """
 
     def stick_slip(
@@ -311,17 +406,28 @@ class Block(Description):
         The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
         which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts.
 
-        velocity: the velocity of the load point, above 0; required for time-dependent contacts, unless the model is a
-        MasterEquation at a velocity; without effect for others.
-        resolution: the ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        velocity
+            The velocity of the load point, above 0; required for time-dependent contacts, unless the model is a
+            MasterEquation at a velocity; without effect for others.
+        resolution
+            The ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
-        `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the critical
-        stiffnesses of the first pull and of steady sliding.
+        Returns
+        -------
+        StickSlipStability
+            A StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
+            `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the
+            critical stiffnesses of the first pull and of steady sliding.
 
-        Raises ValueError for a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule
-        that has no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
+        Raises
+        ------
+        ValueError
+            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule that has
+            no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
         """
 
     @property
@@ -344,7 +450,18 @@ class ClosedForm:
 
     @overload
     def force(self, /, position: float) -> float:
-        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
+        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
+
+        Parameters
+        ----------
+        position
+            Positions X, 0 or above: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def force(self, /, position: ArrayLike) -> _Array: ...
@@ -354,7 +471,18 @@ class ClosedForm:
 
     @overload
     def slope(self, /, position: float) -> float:
-        """F'(X)/(N_c⟨k⟩) from the right, a number."""
+        """F'(X)/(N_c⟨k⟩) from the right, a number.
+
+        Parameters
+        ----------
+        position
+            Positions X, 0 or above: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def slope(self, /, position: ArrayLike) -> _Array: ...
@@ -366,25 +494,47 @@ class ClosedForm:
 class Contacts(Description):
     """The contacts of an interface: when they break, how stiff they are, how they re-form.
 
-    thresholds: the distribution P_c of the stretches at which contacts break; or areas, from which thresholds
-    and stiffnesses follow.
-    reforming: the distribution R of the stretches at which they re-form, by default all at 0.
-    count: the number N_c of contacts, above 0; with 1, forces are per contact.
-    stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ
-    of stiffnesses k = κ x_s that are proportional to the threshold.
-    normal_load: the normal load, a force; with it, results of scenarios have friction coefficients.
-    background_force: a friction force B in addition to that of the contacts, against the motion, 0 or above; or
-    background_coefficient, the μ_b of B = μ_b normal_load. Forces of a Block and of results of scenarios contain
-    it, those of a MasterEquation, a Transport and an Ensemble do not.
-    temperature: thermally activated breaking below the thresholds.
-    ageing: change of the thresholds with the age of a contact; thresholds is then the distribution of fresh
-    contacts.
-    delay: time for which a broken contact is detached before it re-forms, 0 by default.
-
     Contacts with temperature, ageing or delay are time-dependent: their friction depends on the velocity, which
     must be given.
 
     Distributions may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
+
+    Parameters
+    ----------
+    thresholds
+        The distribution P_c of the stretches at which contacts break.
+    areas
+        Areas, from which thresholds and stiffnesses follow, instead of thresholds.
+    reforming
+        The distribution R of the stretches at which they re-form, by default all at 0.
+    count
+        The number N_c of contacts, above 0; with 1, forces are per contact.
+    stiffness
+        The stiffness ⟨k⟩ of a contact, force per length, 1 by default.
+    stiffness_per_threshold
+        The κ of stiffnesses k = κ x_s that are proportional to the threshold, instead of stiffness.
+    normal_load
+        The normal load, a force; with it, results of scenarios have friction coefficients.
+    background_force
+        A friction force B in addition to that of the contacts, against the motion, 0 or above. Forces of a Block and
+        of results of scenarios contain it, those of a MasterEquation, a Transport and an Ensemble do not.
+    background_coefficient
+        The μ_b of B = μ_b normal_load, instead of background_force.
+    temperature
+        Thermally activated breaking below the thresholds.
+    ageing
+        Change of the thresholds with the age of a contact; thresholds is then the distribution of fresh contacts.
+    delay
+        Time for which a broken contact is detached before it re-forms, 0 by default.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), count=1000, stiffness=2.0)
+    >>> contacts.stiffness
+    2.0
+    >>> contacts.replace(count=10).count
+    10.0
     """
 
     def __new__(
@@ -460,7 +610,17 @@ class Damped(Description):
 
     Over time-independent contacts, at fixed X_T, it ends where "overdamped" does.
 
-    damping: the viscous damping γ, force per velocity, above 0.
+    Parameters
+    ----------
+    damping
+        The viscous damping γ, force per velocity, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> asp.Block(theory, 1.0, asp.Damped(0.1)).slip
+    Damped(damping=0.1)
     """
 
     def __new__(cls, /, damping: _Number) -> Damped: ...
@@ -503,24 +663,42 @@ class Deformable(Description):
         """Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
         contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
 
-        points: the number of points of the trace, including both ends.
-        velocity: the velocity of the drive, above 0; required for time-dependent contacts.
-        tolerance: the allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default;
-        for time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
-        maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
-        also stored at every point.
-        catalogue_from: events are recorded from this drive on.
-        slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
-        shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-        threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-        those of the process, one per core or RAYON_NUM_THREADS.
+        Parameters
+        ----------
+        distance
+            The displacement of the drive, above 0.
+        points
+            The number of points of the trace, including both ends.
+        velocity
+            The velocity of the drive, above 0; required for time-dependent contacts.
+        tolerance
+            The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default; for
+            time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
+        maps
+            A list of drives, in increasing order, at which the state of every cell is stored; for a chain it is also
+            stored at every point.
+        catalogue_from
+            Events are recorded from this drive on.
+        slip_rates
+            The largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of shape
+            (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
+        threads
+            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+            the process, one per core or RAYON_NUM_THREADS.
 
-        Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
-        `summary["catalogue"]` describes the distributions of their sizes and intervals. run computes the same
-        scenarios and can write checkpoints.
+        Returns
+        -------
+        Result
+            The Result of the equivalent scenario: its `events` are the catalogue, and its `summary["catalogue"]`
+            describes the distributions of their sizes and intervals. run computes the same scenarios and can write
+            checkpoints.
 
-        Raises ValueError for invalid values, or for more results than fit in memory.
+        Raises
+        ------
+        ValueError
+            For invalid values, or for more results than fit in memory.
         """
 
     @property
@@ -541,13 +719,23 @@ class Deformable(Description):
         """Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
         interface over time-dependent contacts.
 
-        steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-        tolerance, catalogue_from, slip_rates, progress, threads: as for drive.
+        Parameters
+        ----------
+        steps
+            A list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
+        tolerance, catalogue_from, slip_rates, progress, threads
+            As for drive.
 
-        Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
-        trace, and of a lattice where steps begin and end.
+        Returns
+        -------
+        Result
+            The Result of the equivalent scenario, with the state of every cell of a chain at every point of the
+            trace, and of a lattice where steps begin and end.
 
-        Raises ValueError for no steps, for time-independent contacts, and for more results than fit in memory.
+        Raises
+        ------
+        ValueError
+            For no steps, for time-independent contacts, and for more results than fit in memory.
         """
 
     @property
@@ -565,11 +753,20 @@ class Deformable(Description):
     def simulation(
         self, /, *, velocity: _Number | None = None, tolerance: _Number | None = None
     ) -> Simulation:
-        """Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
+        """Parameters
+        ----------
+        velocity, tolerance
+            As for drive.
 
-        velocity, tolerance: as for drive.
+        Returns
+        -------
+        Simulation
+            A simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
 
-        Raises ValueError for invalid values.
+        Raises
+        ------
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -595,21 +792,48 @@ class Description:
     def replace(self, /, **changes: Any) -> Self:
         """A copy with some of the arguments replaced.
 
-        Raises ValueError or TypeError as the class itself does.
+        Parameters
+        ----------
+        **changes
+            New values of arguments by their names.
+
+        Raises
+        ------
+        ValueError
+            Or TypeError as the class itself does.
         """
 
 @final
 class Ensemble(Model):
     """Random contacts followed one by one (Monte Carlo): the earthquake-like model.
 
-    contacts, initial, start: as for MasterEquation.
-    size: the number of simulated contacts; forces are scaled to the count of the contacts.
-    seed: a whole number below 2^63, which always gives the same numbers, on any number of threads, or a
-    numpy.random.Generator, from which one such number is drawn.
-    disorder: "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched"
-    if it keeps its own.
+    Parameters
+    ----------
+    contacts, initial, start
+        As for MasterEquation.
+    size
+        The number of simulated contacts; forces are scaled to the count of the contacts.
+    seed
+        A whole number below 2^63, which always gives the same numbers, on any number of threads, or a
+        numpy.random.Generator, from which one such number is drawn.
+    disorder
+        "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched" if it keeps
+        its own.
 
-    Raises ValueError for distributions that leave no possible stretch for a contact.
+    Raises
+    ------
+    ValueError
+        For distributions that leave no possible stretch for a contact.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+    >>> pull = asp.Ensemble(contacts, size=1000, seed=1).pull(distance=5.0, points=11)
+    >>> pull.force.shape
+    (11,)
+    >>> bool(abs(pull.force[1] - 0.5) < 1e-3)
+    True
     """
 
     def __new__(
@@ -630,14 +854,24 @@ class Ensemble(Model):
     def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
         """Follows the contacts from t = 0 through the steps, one after the other.
 
-        steps: a list of Step.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        steps
+            A list of Step.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
-        they meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached
-        fraction: contacts that are broken and have not yet re-formed.
+        Returns
+        -------
+        Record
+            A Record of variables of shape (n,), with n output points of all steps (steps share the point where they
+            meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached fraction:
+            contacts that are broken and have not yet re-formed.
 
-        Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
+        Raises
+        ------
+        ValueError
+            For no steps, and for ageing by MeanField, which is not a rule for a single contact.
         """
 
     def pull(
@@ -654,15 +888,31 @@ class Ensemble(Model):
     ) -> EnsemblePull:
         """Displaces the slider's base from X = 0 to distance, from break to break.
 
-        distance, points, progress: as for MasterEquation.pull.
-        velocity: the velocity of the slider, above 0; required only for time-dependent contacts.
-        snapshots: a list of m positions, in increasing order, at which the stretches are counted.
-        edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
-        to where hardly any contact holds. Ctrl-C interrupts the computation.
-        threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-        those of the process, one per core or RAYON_NUM_THREADS.
+        Parameters
+        ----------
+        distance, points, progress
+            As for MasterEquation.pull.
+        velocity
+            The velocity of the slider, above 0; required only for time-dependent contacts.
+        snapshots
+            A list of m positions, in increasing order, at which the stretches are counted.
+        edges
+            A list of edges of the n bins of these counts, in increasing order; by default bins of equal width up to
+            where hardly any contact holds. Ctrl-C interrupts the computation.
+        threads
+            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+            the process, one per core or RAYON_NUM_THREADS.
 
-        Raises ValueError for invalid values, MemoryError for results that do not fit.
+        Returns
+        -------
+        EnsemblePull
+
+        Raises
+        ------
+        ValueError
+            For invalid values.
+        MemoryError
+            For results that do not fit.
         """
 
     @property
@@ -670,9 +920,12 @@ class Ensemble(Model):
         """The seed of the random numbers."""
 
     def simulation(self, /) -> Simulation:
-        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
+        """Its events are the breaks of contacts.
 
-        Its events are the breaks of contacts.
+        Returns
+        -------
+        Simulation
+            A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
         """
 
     @property
@@ -734,21 +987,45 @@ class Estimates:
         either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
         that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
 
-        kernels: their number, 12 or more.
-        progress: as for MasterEquation.pull.
+        Parameters
+        ----------
+        kernels
+            Their number, 12 or more.
+        progress
+            As for MasterEquation.pull.
 
-        Raises ValueError if no number of the thresholds was free.
+        Returns
+        -------
+        FreeForm
+
+        Raises
+        ------
+        ValueError
+            If no number of the thresholds was free.
         """
 
     def friction(self, /) -> FrictionEstimates:
-        """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error."""
+        """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
+
+        Returns
+        -------
+        FrictionEstimates
+        """
 
     def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
         numbers, has risen by 3.84.
 
-        name: a name of `params`.
-        progress: as for MasterEquation.pull.
+        Parameters
+        ----------
+        name
+            A name of `params`.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        (float, float)
         """
 
     @property
@@ -760,11 +1037,17 @@ class Estimates:
     def log_likelihood(self, /, values: ArrayLike) -> tuple[float, _Array]:
         """ln L at values of the free numbers, and its gradient, for samplers and other searches.
 
-        values: a list of n numbers in the order of `params`.
+        Parameters
+        ----------
+        values
+            A list of n numbers in the order of `params`.
 
-        Returns ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
-        The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent errors
-        whose size is estimated, ln L is the highest for any size.
+        Returns
+        -------
+        (float, numpy.ndarray)
+            ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
+            The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
+            errors whose size is estimated, ln L is the highest for any size.
         """
 
     @property
@@ -783,15 +1066,32 @@ class Estimates:
         """Plots the readings with the expected force and a band of two standard deviations of a reading to either side, and
         below them the whitened residuals. Returns the axes. It needs matplotlib.
 
-        axes: two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of the
-        expected force. A planned measurement is plotted on the first of them only.
+        Parameters
+        ----------
+        axes
+            Two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of
+            the expected force. A planned measurement is plotted on the first of them only.
+        **style
+            Arguments of the plot() of the expected force.
+
+        Returns
+        -------
+        (matplotlib.axes.Axes, ...)
         """
 
     def predict(self, /, position: ArrayLike, curve: SupportsIndex = 0) -> Prediction:
         """The readings that are expected at positions, as they are measured, with their scatter and their errors.
 
-        position: a list of positions in any order, within the range of the measured ones or beyond it.
-        curve: the number of the curve.
+        Parameters
+        ----------
+        position
+            A list of positions in any order, within the range of the measured ones or beyond it.
+        curve
+            The number of the curve.
+
+        Returns
+        -------
+        Prediction
         """
 
     def profile(
@@ -800,10 +1100,19 @@ class Estimates:
         """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
         its minimum.
 
-        name: a name of `params`.
-        values: a list of values, or None for 13 from three standard errors below the estimate to three above it; of the
-        logarithm for numbers above 0.
-        progress: as for MasterEquation.pull.
+        Parameters
+        ----------
+        name
+            A name of `params`.
+        values
+            A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+            logarithm for numbers above 0.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        Profile
         """
 
     @property
@@ -841,15 +1150,29 @@ class Estimates:
         The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
         before, which are left out.
 
-        draws: the number of draws of each chain, 4 or more.
-        chains: their number, 1 or more; as many are made at a time as there are threads.
-        seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
-        numpy.random.Generator, from which one is drawn.
-        progress: as for MasterEquation.pull.
-        threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-        those of the process, one per core or RAYON_NUM_THREADS.
+        Parameters
+        ----------
+        draws
+            The number of draws of each chain, 4 or more.
+        chains
+            Their number, 1 or more; as many are made at a time as there are threads.
+        seed
+            A whole number below 2^63, which always gives the same draws, on any number of threads, or a
+            numpy.random.Generator, from which one is drawn.
+        progress
+            As for MasterEquation.pull.
+        threads
+            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+            the process, one per core or RAYON_NUM_THREADS.
 
-        Raises ValueError for a planned measurement, and if no number is known to better than a limit.
+        Returns
+        -------
+        Posterior
+
+        Raises
+        ------
+        ValueError
+            For a planned measurement, and if no number is known to better than a limit.
         """
 
     @property
@@ -857,15 +1180,24 @@ class Estimates:
         """The number of solutions of the master equation that the search took."""
 
     def summary(self, /) -> str:
-        """A table in plain English: values with errors and intervals, correlations, and how well the curve is described."""
+        """A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
+
+        Returns
+        -------
+        str
+        """
 
 @final
 class ExactErlang(ClosedForm):
     """Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
     exponential distribution.
 
-    shape: a whole number, 1 or above.
-    rate: per length, above 0.
+    Parameters
+    ----------
+    shape
+        A whole number, 1 or above.
+    rate
+        Per length, above 0.
     """
 
     def __new__(cls, /, shape: SupportsIndex, rate: _Number) -> ExactErlang: ...
@@ -878,10 +1210,14 @@ class ExactErlang(ClosedForm):
 class ExactGaussian(ClosedForm):
     """Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
 
-    mean, std: of the thresholds, above 0.
-    initial_mean, initial_std: of the stretches at X = 0, 0 or above.
-
     The distributions are not truncated at 0, unlike those of the solvers.
+
+    Parameters
+    ----------
+    mean, std
+        Of the thresholds, above 0.
+    initial_mean, initial_std
+        Of the stretches at X = 0, 0 or above.
     """
 
     def __new__(
@@ -893,12 +1229,23 @@ class ExactGaussian(ClosedForm):
         """X* = -1/Re s_1, a length."""
 
     def relaxation_root(self, /, j: SupportsIndex) -> complex:
-        """The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ²."""
+        """The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ².
+
+        Parameters
+        ----------
+        j
+            The number of the root, 1 or above.
+        """
 
     @overload
     def variance(self, /, position: float) -> float:
         """The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
         standard deviation N_c⟨k⟩√(variance/N_c).
+
+        Parameters
+        ----------
+        position
+            Positions X, 0 or above: a number or an array of any shape.
         """
 
     @overload
@@ -909,7 +1256,10 @@ class ExactIdentical(ClosedForm):
     """Identical thresholds: every stretch is (y + X) mod threshold for ever, with the initial stretch y, and there
     is no relaxation.
 
-    threshold: a length above 0.
+    Parameters
+    ----------
+    threshold
+        A length above 0.
     """
 
     def __new__(cls, /, threshold: _Number) -> ExactIdentical: ...
@@ -929,7 +1279,13 @@ class ExactQuenched:
 
     @overload
     def force(self, /, position: float) -> float:
-        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
+        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
+
+        Parameters
+        ----------
+        position
+            Positions X, 0 or above: a number or an array of any shape.
+        """
 
     @overload
     def force(self, /, position: ArrayLike) -> _Array: ...
@@ -948,7 +1304,10 @@ class ExactRectangular(ClosedForm):
 class Exponential(Law):
     """The exponential distribution.
 
-    mean: Mean, above 0.
+    Parameters
+    ----------
+    mean
+        Mean, above 0.
     """
 
     def __new__(cls, /, mean: _Number) -> Exponential: ...
@@ -978,8 +1337,20 @@ class FrictionGradient:
 class FrozenRank(Ageing):
     """The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
 
-    mature: the mature distribution P_cf.
-    time: the time scale of maturing, above 0.
+    Parameters
+    ----------
+    mature
+        The mature distribution P_cf.
+    time
+        The time scale of maturing, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> ageing = asp.FrozenRank(asp.Gaussian(1.0, 0.05), time=1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
+    >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+    0.386778
     """
 
     def __new__(cls, /, mature: _AnyLaw, time: _Number) -> FrozenRank: ...
@@ -995,8 +1366,12 @@ class FrozenRank(Ageing):
 class Gamma(Law):
     """The gamma distribution.
 
-    mean: Mean, above 0.
-    std: Standard deviation, above 0.
+    Parameters
+    ----------
+    mean
+        Mean, above 0.
+    std
+        Standard deviation, above 0.
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Gamma: ...
@@ -1005,8 +1380,12 @@ class Gamma(Law):
 class Gaussian(Law):
     """The normal (Gaussian) distribution, truncated at 0.
 
-    mean: Mean before truncation at 0, 0 or above.
-    std: Standard deviation before truncation, above 0.
+    Parameters
+    ----------
+    mean
+        Mean before truncation at 0, 0 or above.
+    std
+        Standard deviation before truncation, above 0.
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Gaussian: ...
@@ -1069,7 +1448,16 @@ class Healing:
         """Plots static friction against the logarithm of the hold time: measured values as dots, the fit as a
         line. Returns the axes. It needs matplotlib.
 
-        ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+        Parameters
+        ----------
+        ax
+            Axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+        **style
+            Arguments of the plot() of the fit.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
 
     @property
@@ -1083,8 +1471,19 @@ class Inertial(Description):
     X_T is fixed during the slip. The remaining oscillation is then damped out, and the slider comes to rest in
     equilibrium.
 
-    mass: the mass M, above 0.
-    damping: the viscous damping γ, force per velocity, 0 or above.
+    Parameters
+    ----------
+    mass
+        The mass M, above 0.
+    damping
+        The viscous damping γ, force per velocity, 0 or above.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> asp.Block(theory, 1.0, asp.Inertial(1.0)).slip
+    Inertial(mass=1.0)
     """
 
     def __new__(cls, /, mass: _Number, damping: _Number = 0.0) -> Inertial: ...
@@ -1101,28 +1500,57 @@ class Interface(Deformable):
     """A deformable slider (Burridge–Knopoff, or on a half-space): elastically coupled cells of contacts, each
     connected to the drive by a spring. The contacts of a cell move together.
 
-    contacts: the contacts of a cell.
-    cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-    initial, start: as for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the
-    drive, unless they have a size.
-    connection: K_0, the stiffness of the spring between a cell and the drive.
-    neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
-    half-space and the side of a cell.
-    edges: "open" or "periodic".
-    loading: "uniform", or "edge" if the drive pulls only the first cell or row.
-    slip: the slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
-    viscosity: the drag on a moving cell, force per velocity; with it events have durations. Time-dependent
-    contacts require it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips
-    while it is more than ten times as fast as the drive.
-    disorder: the standard deviation of the scale factors of cells, which multiply all lengths of their contacts
-    and are drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
-    drive_tolerance: the accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for
-    time-dependent contacts.
-    size: None for cells of many contacts, which follow the master equation; or the number of contacts in each
-    cell, which are drawn with the seed and followed one by one, with slip="overdamped".
-    quenched: whether these keep their thresholds.
+    Parameters
+    ----------
+    contacts
+        The contacts of a cell.
+    cells
+        The length of a chain, such as [1000], or rows and columns, such as [512, 512].
+    initial, start
+        As for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the drive,
+        unless they have a size.
+    connection
+        K_0, the stiffness of the spring between a cell and the drive.
+    neighbours
+        K_int, the stiffness of the spring between two neighbours.
+    half_space
+        The modulus G* of a half-space and the side of a cell, instead of neighbours.
+    edges
+        "open" or "periodic".
+    loading
+        "uniform", or "edge" if the drive pulls only the first cell or row.
+    slip
+        The slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
+    viscosity
+        The drag on a moving cell, force per velocity; with it events have durations. Time-dependent contacts require
+        it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it is more
+        than ten times as fast as the drive.
+    disorder
+        The standard deviation of the scale factors of cells, which multiply all lengths of their contacts and are
+        drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
+    seed
+        The seed of these scale factors and of single contacts.
+    drive_tolerance
+        The accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for time-dependent
+        contacts.
+    size
+        None for cells of many contacts, which follow the master equation; or the number of contacts in each cell,
+        which are drawn with the seed and followed one by one, with slip="overdamped".
+    quenched
+        Whether these keep their thresholds.
 
-    Raises ValueError for invalid values.
+    Raises
+    ------
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+    >>> chain = asp.Interface(contacts, [16], connection=0.5, neighbours=1.0)
+    >>> len(chain.drive(distance=3.0).events) > 0
+    True
     """
 
     def __new__(
@@ -1188,18 +1616,33 @@ class Interface(Deformable):
         """The distribution of the stretches of the contacts of a cell, per length, after the interface has been driven
         from X_T = 0.
 
-        cell: its number, counted row by row.
-        stretches: a list of n stretches.
-        at: the drive, 0 or above.
-        velocity: the velocity of the drive, for time-dependent contacts.
-        edges: instead of stretches, edges of n bins, n + 1 increasing numbers; only for time-dependent contacts and
-        for cells with a size. The density is then the mean in each bin, and `stretch` its middle.
-        progress: as for MasterEquation.pull.
-
         The result has `stretch` and `density` of shape (n,), and `atoms`, the point masses. Detached contacts are
         not counted. Without bins each of the few contacts of a cell with a size is an atom.
 
-        Raises ValueError for a cell that does not exist, and for invalid values.
+        Parameters
+        ----------
+        cell
+            Its number, counted row by row.
+        stretches
+            A list of n stretches.
+        at
+            The drive, 0 or above.
+        velocity
+            The velocity of the drive, for time-dependent contacts.
+        edges
+            Instead of stretches, edges of n bins, n + 1 increasing numbers; only for time-dependent contacts and for
+            cells with a size. The density is then the mean in each bin, and `stretch` its middle.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        StretchDensity
+
+        Raises
+        ------
+        ValueError
+            For a cell that does not exist, and for invalid values.
         """
 
     @property
@@ -1211,16 +1654,35 @@ class Lattice(Deformable):
     """Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
     Christensen, for any distribution of thresholds.
 
-    contacts: the distributions of the contacts; their count is the total number that all cells represent.
-    cells: the length of a chain, or rows and columns.
-    initial, start: as for Ensemble.
-    neighbours: the stiffness of the spring between two neighbours.
-    connection: the stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z
-    neighbours + connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
-    edges: "open" or "periodic".
-    seed, disorder: as for Ensemble.
+    Parameters
+    ----------
+    contacts
+        The distributions of the contacts; their count is the total number that all cells represent.
+    cells
+        The length of a chain, or rows and columns.
+    initial, start
+        As for Ensemble.
+    neighbours
+        The stiffness of the spring between two neighbours.
+    connection
+        The stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z neighbours +
+        connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
+    edges
+        "open" or "periodic".
+    seed, disorder
+        As for Ensemble.
 
-    Raises ValueError for invalid values.
+    Raises
+    ------
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> lattice = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.1)), [16, 16], neighbours=0.2, connection=0.2)
+    >>> len(lattice.drive(distance=3.0).events) > 0
+    True
     """
 
     def __new__(
@@ -1250,6 +1712,19 @@ class Law(Description):
     parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
     before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
     raises TypeError.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> law = asp.Gaussian(1.0, 0.05)
+    >>> round(law.cdf(0.95), 4)
+    0.1587
+    >>> law.ppf([0.25, 0.5]).round(4)
+    array([0.9663, 1.    ])
+    >>> round(asp.Lognormal(1.0, 0.2).std(), 4)
+    0.2
+    >>> asp.Weibull(12.0, 1.0) == asp.Weibull(scale=1.0, shape=12.0)
+    True
     """
 
     @property
@@ -1258,12 +1733,28 @@ class Law(Description):
 
     @overload
     def cdf(self, /, x: float) -> float:
-        """The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small."""
+        """The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def cdf(self, /, x: ArrayLike) -> _Array: ...
     def entropy(self, /) -> float:
-        """The differential entropy -∫p ln p, in nats; -inf for a distribution with point masses."""
+        """The differential entropy -∫p ln p, in nats; -inf for a distribution with point masses.
+
+        Returns
+        -------
+        float
+        """
 
     def expect(
         self,
@@ -1278,72 +1769,193 @@ class Law(Description):
 
         func is called with one float at a time, at the nodes of an adaptive Gauss quadrature; the relative error is 1e-13
         where it is smooth. At a jump of func, divide the range by lb and ub.
+
+        Parameters
+        ----------
+        func
+            A function of a number, or None.
+        lb, ub
+            The limits; the whole range by default.
+        conditional
+            Whether to divide by the probability of the range.
+
+        Returns
+        -------
+        float
         """
 
     @classmethod
     def fit(cls, /, samples: ArrayLike) -> Self:
         """The distribution of this class under which the samples are most likely.
 
-        samples: values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and Weibull
-        have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters instead, among them
-        loc and scale.
+        Parameters
+        ----------
+        samples
+            Values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and
+            Weibull have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters
+            instead, among them loc and scale.
         """
 
     @overload
     def hazard(self, /, x: float) -> float:
         """The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
         (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
     def hazard(self, /, x: ArrayLike) -> _Array: ...
     def interval(self, /, confidence: _Number) -> tuple[float, float]:
-        """The interval between the quantiles (1 - confidence)/2 and (1 + confidence)/2."""
+        """The interval between the quantiles (1 - confidence)/2 and (1 + confidence)/2.
+
+        Parameters
+        ----------
+        confidence
+            The probability of the interval, from 0 to 1.
+
+        Returns
+        -------
+        (float, float)
+        """
 
     @overload
     def isf(self, /, q: float) -> float:
         """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
         q) is not.
+
+        Parameters
+        ----------
+        q
+            Probabilities from 0 to 1: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
     def isf(self, /, q: ArrayLike) -> _Array: ...
     @overload
     def logcdf(self, /, x: float) -> float:
-        """ln P(ξ ≤ x); -inf where P is 0."""
+        """ln P(ξ ≤ x); -inf where P is 0.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def logcdf(self, /, x: ArrayLike) -> _Array: ...
     @overload
     def logpdf(self, /, x: float) -> float:
-        """ln p(x), accurate also where p underflows; -inf where p is 0."""
+        """ln p(x), accurate also where p underflows; -inf where p is 0.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def logpdf(self, /, x: ArrayLike) -> _Array: ...
     @overload
     def logsf(self, /, x: float) -> float:
-        """ln S(x), accurate also where S underflows; -inf where S is 0."""
+        """ln S(x), accurate also where S underflows; -inf where S is 0.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def logsf(self, /, x: ArrayLike) -> _Array: ...
     def mean(self, /) -> float:
-        """The mean after truncation at 0, a length."""
+        """The mean after truncation at 0, a length.
+
+        Returns
+        -------
+        float
+        """
 
     def median(self, /) -> float:
-        """The median, the smallest x with P(ξ ≤ x) ≥ 1/2."""
+        """The median, the smallest x with P(ξ ≤ x) ≥ 1/2.
+
+        Returns
+        -------
+        float
+        """
 
     def moment(self, /, order: SupportsIndex) -> float:
-        """The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ."""
+        """The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ.
+
+        Parameters
+        ----------
+        order
+            The order n, a whole number.
+
+        Returns
+        -------
+        float
+        """
 
     @overload
     def pdf(self, /, x: float) -> float:
-        """The density p(x) without point masses, per length; 0 for x < 0."""
+        """The density p(x) without point masses, per length; 0 for x < 0.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def pdf(self, /, x: ArrayLike) -> _Array: ...
     @overload
     def ppf(self, /, q: float) -> float:
-        """The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1."""
+        """The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1.
+
+        Parameters
+        ----------
+        q
+            Probabilities from 0 to 1: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def ppf(self, /, q: ArrayLike) -> _Array: ...
@@ -1356,6 +1968,20 @@ class Law(Description):
         The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
         from which one such number is drawn. random_state is another name for it; without either, the numbers are
         different in each call.
+
+        Parameters
+        ----------
+        size
+            How many, or the shape of an array; None for one number.
+        seed
+            A whole number below 2^63, or a numpy.random.Generator; without one, draws differ from call to call.
+        random_state
+            The same by the name that scipy.stats uses.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
@@ -1369,30 +1995,76 @@ class Law(Description):
     ) -> _Array: ...
     @overload
     def sf(self, /, x: float) -> float:
-        """The survival S(x) = P(ξ > x), accurate to all digits also where it is small."""
+        """The survival S(x) = P(ξ > x), accurate to all digits also where it is small.
+
+        Parameters
+        ----------
+        x
+            Stretches: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def sf(self, /, x: ArrayLike) -> _Array: ...
     def stats(self, /, moments: str = "mv") -> float | tuple[float, ...]:
         """The mean "m", variance "v", skewness "s" and excess kurtosis "k" named by moments, in this order: a float for one,
         a tuple for several. Skewness and kurtosis of a point mass are nan.
+
+        Parameters
+        ----------
+        moments
+            Letters of "mvsk".
+
+        Returns
+        -------
+        float or tuple[float, ...]
         """
 
     def std(self, /) -> float:
-        """The standard deviation after truncation at 0, a length."""
+        """The standard deviation after truncation at 0, a length.
+
+        Returns
+        -------
+        float
+        """
 
     def support(self, /) -> tuple[float, float]:
-        """The lowest and the highest value; the highest may be inf."""
+        """The lowest and the highest value; the highest may be inf.
+
+        Returns
+        -------
+        (float, float)
+        """
 
     def var(self, /) -> float:
-        """The variance after truncation at 0, in units of length²."""
+        """The variance after truncation at 0, in units of length².
+
+        Returns
+        -------
+        float
+        """
 
 @final
 class Logarithmic(Ageing):
     """Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
 
-    growth: β, 0 or above.
-    time: τ_0, above 0.
+    Parameters
+    ----------
+    growth
+        Β, 0 or above.
+    time
+        Τ_0, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+    >>> asp.velocity_curve(contacts, [1.0, 1e-2]).round(6)
+    array([0.512211, 0.552766])
     """
 
     def __new__(cls, /, growth: _Number, time: _Number) -> Logarithmic: ...
@@ -1408,8 +2080,12 @@ class Logarithmic(Ageing):
 class Lognormal(Law):
     """The lognormal distribution: the logarithm of the variable is normal.
 
-    mean: Mean of the variable itself, not of its logarithm, above 0.
-    std: Standard deviation of the variable itself, above 0.
+    Parameters
+    ----------
+    mean
+        Mean of the variable itself, not of its logarithm, above 0.
+    std
+        Standard deviation of the variable itself, above 0.
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Lognormal: ...
@@ -1422,18 +2098,37 @@ class MasterEquation(Model):
     P of the thresholds and the distribution R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev.
     Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation.
 
-    contacts: the contacts.
-    initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
-    start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
-    stretches and thresholds are independent, so that contacts above their threshold break at once; "steady" for
-    time-independent contacts that slide steadily, without initial. Derivatives leave the stretches as they are.
-    velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
-    at X = 0.
-    tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
-    error raises RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
+    Parameters
+    ----------
+    contacts
+        The contacts.
+    initial
+        The distribution Q_ini of stretches at X = 0, by default all at 0.
+    start
+        "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if stretches and
+        thresholds are independent, so that contacts above their threshold break at once; "steady" for
+        time-independent contacts that slide steadily, without initial. Derivatives leave the stretches as they are.
+    velocity
+        The velocity of the slider, above 0; required only for time-dependent contacts, which have age 0 at X = 0.
+    tolerance
+        Allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
+        RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
 
-    Raises ValueError for stretches at which no contact survives, and for distributions too narrow to be
-    distinguished from a point mass.
+    Raises
+    ------
+    ValueError
+        For stretches at which no contact survives, and for distributions too narrow to be distinguished from a point
+        mass.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> pull = theory.pull(distance=5.0)
+    >>> round(pull.static_friction.force, 6)
+    0.796436
+    >>> round(pull.kinetic_friction, 6)
+    0.505
     """
 
     def __new__(
@@ -1451,27 +2146,55 @@ class MasterEquation(Model):
     ) -> Pull:
         """Displaces the slider's base from X = 0 to distance.
 
-        distance: a length above 0.
-        points: the number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both
-        ends; 2 or more.
-        progress: a function that is called from time to time with the completed fraction, or True for a progress
-        bar (by tqdm). Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        distance
+            A length above 0.
+        points
+            The number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both ends; 2
+            or more.
+        progress
+            A function that is called from time to time with the completed fraction, or True for a progress bar (by
+            tqdm). Ctrl-C interrupts the computation.
 
-        Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
-        tolerance is not reached.
+        Returns
+        -------
+        Pull
+
+        Raises
+        ------
+        ValueError
+            For invalid values.
+        MemoryError
+            For too many point masses or samples.
+        RuntimeError
+            If the tolerance is not reached.
         """
 
     def relaxation(self, /) -> Relaxation:
-        """The relaxation to steady sliding."""
+        """The relaxation to steady sliding.
+
+        Returns
+        -------
+        Relaxation
+        """
 
     def simulation(self, /) -> Simulation:
-        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
+        """Its events are simultaneous breaks of many contacts.
 
-        Its events are simultaneous breaks of many contacts.
+        Returns
+        -------
+        Simulation
+            A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
         """
 
     def steady_state(self, /) -> SteadyState:
-        """Steady sliding."""
+        """Steady sliding.
+
+        Returns
+        -------
+        SteadyState
+        """
 
     @property
     def tolerance(self, /) -> float | None:
@@ -1486,10 +2209,22 @@ class MeanField(Ageing):
     """The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
     and stretches. It is not a rule for a single contact.
 
-    mature: the mature distribution P_cf.
-    diffusion: the diffusion coefficient D, stretch² per time, above 0.
-
     It cannot be combined with temperature, an ensemble, or a varying velocity.
+
+    Parameters
+    ----------
+    mature
+        The mature distribution P_cf.
+    diffusion
+        The diffusion coefficient D, stretch² per time, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> ageing = asp.MeanField(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
+    >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
+    >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+    0.370081
     """
 
     def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> MeanField: ...
@@ -1503,7 +2238,20 @@ class MeanField(Ageing):
 
 @final
 class Mixture(Law):
-    """A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1."""
+    """A mixture of distributions.
+
+    Parameters
+    ----------
+    components
+        A list of pairs (weight, distribution), with weights above 0 that sum to 1.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> law = asp.Mixture([(0.5, asp.Point(1.0)), (0.5, asp.Gaussian(2.0, 0.1))])
+    >>> round(law.mean(), 6)
+    1.5
+    """
 
     def __new__(cls, /, components: Sequence[tuple[_Number, _AnyLaw]]) -> Mixture: ...
 
@@ -1526,7 +2274,10 @@ class Model(Description):
 class Point(Law):
     """A point mass (delta distribution): one value only.
 
-    at: The single value, 0 or above.
+    Parameters
+    ----------
+    at
+        The single value, 0 or above.
     """
 
     def __new__(cls, /, at: _Number) -> Point: ...
@@ -1568,15 +2319,27 @@ class Posterior:
     def plot(self, /) -> NDArray[Any]:
         """Plots the draws: histograms of the numbers on the diagonal, pairs of them below it. Returns the axes, shape (n, n).
         It needs matplotlib.
+
+        Returns
+        -------
+        NDArray[Any]
         """
 
     def summary(self, /) -> str:
-        """A table in plain English: means with standard deviations, intervals of 95 %, and how well the chains agree."""
+        """A table in plain English: means with standard deviations, intervals of 95 %, and how well the chains agree.
+
+        Returns
+        -------
+        str
+        """
 
     def to_arviz(self, /) -> Any:
         """The draws as ArviZ holds them, with the groups `posterior` and `sample_stats`. It needs arviz.
 
-        Returns a DataTree of xarray; before version 1 of ArviZ its InferenceData.
+        Returns
+        -------
+        Any
+            A DataTree of xarray; before version 1 of ArviZ its InferenceData.
         """
 
     @property
@@ -1612,18 +2375,37 @@ class Pull(Record):
 
     @overload
     def breaking_rate_at(self, /, position: float) -> float:
-        """The fraction of contacts breaking per length, for positions from 0 to the distance."""
+        """The fraction of contacts breaking per length, for positions from 0 to the distance.
+
+        Parameters
+        ----------
+        position
+            Positions from 0 to the distance: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def breaking_rate_at(self, /, position: ArrayLike) -> _Array: ...
     def covariance(self, /, at: ArrayLike, size: _Number | None = None) -> _Array:
         """The covariance of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
 
-        at: a list of m positions.
-        size: the number of contacts, or None for the N_c of the contacts.
-
         Contacts under a rigid drive are independent, so the result is exact: a symmetric array of shape (m, m), in
         units of force². Contacts with a delay, or whose stiffness depends on the threshold, are refused.
+
+        Parameters
+        ----------
+        at
+            A list of m positions.
+        size
+            The number of contacts, or None for the N_c of the contacts.
+
+        Returns
+        -------
+        numpy.ndarray
         """
 
     @property
@@ -1642,7 +2424,18 @@ class Pull(Record):
 
     @overload
     def force_at(self, /, position: float) -> float:
-        """F(X), for positions from 0 to the distance."""
+        """F(X), for positions from 0 to the distance.
+
+        Parameters
+        ----------
+        position
+            Positions from 0 to the distance: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def force_at(self, /, position: ArrayLike) -> _Array: ...
@@ -1650,8 +2443,18 @@ class Pull(Record):
     def force_std(self, /, size: _Number, at: float) -> float:
         """The standard deviation of the force of `size` random contacts, scaled to N_c.
 
-        at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
-        independent, so the result is exact.
+        Parameters
+        ----------
+        at
+            Positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
+            independent, so the result is exact.
+        size
+            The number of contacts; None for the N_c of the contacts.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
@@ -1659,27 +2462,55 @@ class Pull(Record):
     def friction_gradient(self, /, parameter: str) -> FrictionGradient:
         """The derivatives of F_s, F_k, X* and K_c by one of `parameters()`, for the propagation of errors.
 
-        parameter: as in `gradient`.
+        Parameters
+        ----------
+        parameter
+            As in `gradient`.
+
+        Returns
+        -------
+        FrictionGradient
         """
 
     def friction_gradients(self, /, parameters: Sequence[str]) -> list[FrictionGradient]:
         """The derivatives of F_s, F_k, X* and K_c by several of `parameters()`, with one computation.
 
-        parameters: a list of names, as for `gradient`.
+        Parameters
+        ----------
+        parameters
+            A list of names, as for `gradient`.
+
+        Returns
+        -------
+        list[FrictionGradient]
         """
 
     def gradient(self, /, parameter: str) -> Gradient:
         """The derivative of the force by one of `parameters()`, as a function of the position.
 
-        parameter: `thresholds.mean`, `reforming.std`, `stiffness`, `temperature.energy`, and so on. The position of a
-        point mass has no derivative.
+        Parameters
+        ----------
+        parameter
+            `thresholds.mean`, `reforming.std`, `stiffness`, `temperature.energy`, and so on. The position of a point
+            mass has no derivative.
+
+        Returns
+        -------
+        Gradient
         """
 
     def gradients(self, /, parameters: Sequence[str]) -> list[Gradient]:
         """The derivatives of the force by several of `parameters()`, at little more than half the cost of one after the
         other.
 
-        parameters: a list of names, as for `gradient`.
+        Parameters
+        ----------
+        parameters
+            A list of names, as for `gradient`.
+
+        Returns
+        -------
+        list[Gradient]
         """
 
     @property
@@ -1692,6 +2523,10 @@ class Pull(Record):
         They are those of the distributions (`thresholds.mean`, `reforming.std`, `initial.max`, `ageing.mature.mean`),
         `count`, `stiffness` or `stiffness_per_threshold`, and those of time-dependent contacts: `temperature.energy`,
         `temperature.attempt_rate`, `ageing.growth`, `ageing.time`, `ageing.diffusion`, `delay` and `velocity`.
+
+        Returns
+        -------
+        dict[str, float]
         """
 
     def plot(
@@ -1707,11 +2542,23 @@ class Pull(Record):
         """Plots F(X) with the static and the kinetic friction, and on request the scatter of the force of `size` random
         contacts. Returns the axes. It needs matplotlib.
 
-        ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
-        size: the number of contacts for a band of one standard deviation to either side; None for no band, or with
-        `paths` for the N_c of the contacts.
-        paths: the number of sample paths.
-        seed: as for `sample_paths`; required with `paths`.
+        Parameters
+        ----------
+        ax
+            Axes to plot on; new ones if None. Other arguments are passed to its plot().
+        size
+            The number of contacts for a band of one standard deviation to either side; None for no band, or with
+            `paths` for the N_c of the contacts.
+        paths
+            The number of sample paths.
+        seed
+            As for `sample_paths`; required with `paths`.
+        **style
+            Arguments of the plot() of the curve.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
 
     @property
@@ -1725,19 +2572,40 @@ class Pull(Record):
     ) -> _Array:
         """Sample paths of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
 
-        at: a list of m positions.
-        count: the number n of paths.
-        size: the number of contacts, or None for the N_c of the contacts.
-        seed: a whole number below 2^63, which always gives the same paths, or a numpy.random.Generator, from which
-        one such number is drawn.
-
         The paths are those of a Gaussian process with the exact mean and covariance: an array of shape (n, m). They
         cost the same for any number of contacts. The force of few contacts is not Gaussian: use an Ensemble there.
+
+        Parameters
+        ----------
+        at
+            A list of m positions.
+        count
+            The number n of paths.
+        size
+            The number of contacts, or None for the N_c of the contacts.
+        seed
+            A whole number below 2^63, which always gives the same paths, or a numpy.random.Generator, from which one
+            such number is drawn.
+
+        Returns
+        -------
+        numpy.ndarray
         """
 
     @overload
     def slope_at(self, /, position: float) -> float:
-        """dF/dX from the right, force per length, for positions from 0 to the distance."""
+        """dF/dX from the right, force per length, for positions from 0 to the distance.
+
+        Parameters
+        ----------
+        position
+            Positions from 0 to the distance: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def slope_at(self, /, position: ArrayLike) -> _Array: ...
@@ -1750,21 +2618,36 @@ class Pull(Record):
     def stretch_density(self, /, at: ArrayLike, stretches: ArrayLike | None = None) -> StretchDensity:
         """The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
 
-        at: a position, or a list of m of them.
-        stretches: a list of n stretches, or None for an automatic choice that resolves the distributions.
-
         The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
         the position, or a list of them for a list of positions.
+
+        Parameters
+        ----------
+        at
+            A position, or a list of m of them.
+        stretches
+            A list of n stretches, or None for an automatic choice that resolves the distributions.
+
+        Returns
+        -------
+        StretchDensity
         """
 
     def threshold_response(self, /, thresholds: ArrayLike) -> ThresholdResponse:
         """The response of the force to the probability of single thresholds, as a function of the position.
 
-        thresholds: a list of n thresholds, lengths of 0 or above.
-
         It is the derivative of F for thresholds drawn from (1 - ε) P_c + ε δ(x_s - ξ) by ε at 0. A change of P_c that
         keeps its total changes the force by the integral of the response times this change. Contacts with temperature,
         ageing or a delay, or whose stiffness depends on the threshold, are refused.
+
+        Parameters
+        ----------
+        thresholds
+            A list of n thresholds, lengths of 0 or above.
+
+        Returns
+        -------
+        ThresholdResponse
         """
 
 @disjoint_base
@@ -1788,15 +2671,37 @@ class Record(Mapping[str, _Array]):
 
     @overload
     def get(self, key: str, default: None = None, /) -> _Array | None:
-        """The array called key, or default."""
+        """The array called key, or default.
+
+        Parameters
+        ----------
+        key
+            The name of a variable.
+        default
+            What to return if there is none.
+
+        Returns
+        -------
+        numpy.ndarray or None or numpy.ndarray or _T
+        """
 
     @overload
     def get(self, key: str, default: _Array | _T, /) -> _Array | _T: ...
     def items(self, /) -> ItemsView[str, _Array]:
-        """Names and arrays of the variables."""
+        """Names and arrays of the variables.
+
+        Returns
+        -------
+        ItemsView[str, numpy.ndarray]
+        """
 
     def keys(self, /) -> KeysView[str]:
-        """The names of the variables."""
+        """The names of the variables.
+
+        Returns
+        -------
+        KeysView[str]
+        """
 
     @property
     def labels(self, /) -> dict[str, Label]:
@@ -1838,17 +2743,31 @@ class Record(Mapping[str, _Array]):
         """Positions X of the slider's base: an array of shape (n,), a length."""
 
     def to_xarray(self, /) -> Dataset:
-        """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
+        """An xarray.Dataset with named dimensions, long names and units. It needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
 
     def values(self, /) -> ValuesView[_Array]:
-        """The arrays of the variables."""
+        """The arrays of the variables.
+
+        Returns
+        -------
+        ValuesView[numpy.ndarray]
+        """
 
 @final
 class Rectangular(Law):
     """The uniform distribution on an interval.
 
-    min: Lower end, 0 or above.
-    max: Upper end, above the lower.
+    Parameters
+    ----------
+    min
+        Lower end, 0 or above.
+    max
+        Upper end, above the lower.
     """
 
     def __new__(cls, /, min: _Number, max: _Number) -> Rectangular: ...
@@ -1863,7 +2782,18 @@ class Relaxation:
     def __repr__(self, /) -> str: ...
     @overload
     def force(self, /, position: float) -> float:
-        """F(X) from the expansion, a force, for positions from `valid_from` on."""
+        """F(X) from the expansion, a force, for positions from `valid_from` on.
+
+        Parameters
+        ----------
+        position
+            Positions from `valid_from` on: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
+        """
 
     @overload
     def force(self, /, position: ArrayLike) -> _Array: ...
@@ -1911,11 +2841,22 @@ class Renormalised(Law):
     """The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
     that contacts break at lower drives. Its mean is lower and it is narrower than law.
 
-    law: the distribution P_c of the thresholds, without point masses above 0.
-    coupling: κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to
-    below critical_coupling(law). Contacts start at stretch 0. When the unbroken contacts have the stretch x,
-    breaks have contributed κ∫ξ P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1
-    - κ x P_c(x)).
+    Parameters
+    ----------
+    law
+        The distribution P_c of the thresholds, without point masses above 0.
+    coupling
+        κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to below
+        critical_coupling(law).
+        Contacts start at stretch 0. When the unbroken contacts have the stretch x, breaks have contributed κ∫ξ
+        P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> law = asp.Renormalised(asp.Gaussian(1.0, 0.1), coupling=0.1)
+    >>> round(law.std(), 4)
+    0.0721
     """
 
     def __new__(cls, /, law: _AnyLaw, coupling: _Number) -> Renormalised: ...
@@ -1952,7 +2893,17 @@ class Result(Record):
     def save(self, /, folder: str | PathLike[str]) -> None:
         """Writes the folder that `asperity run` would write, without figures; open_result reads it.
 
-        Raises FileExistsError if there is a folder that asperity did not make, OSError for errors of the system.
+        Parameters
+        ----------
+        folder
+            The folder, which asperity made if it exists.
+
+        Raises
+        ------
+        FileExistsError
+            If there is a folder that asperity did not make.
+        OSError
+            For errors of the system.
         """
 
     @property
@@ -1977,13 +2928,25 @@ class Result(Record):
 class Series(Law):
     """A density that is a polynomial in each of several cells, given as Legendre series and normalised.
 
-    boundaries: the boundaries of the cells, in increasing order from 0 or above.
-    coefficients: for each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t),
-    with t from -1 to 1 across the cell.
-    cut: the probability of an infinite tail that was truncated at the last boundary; quantities that depend on
-    this tail, such as the relaxation length, are then nan.
-
     asperity.law makes a Series from any distribution of scipy.stats.
+
+    Parameters
+    ----------
+    boundaries
+        The boundaries of the cells, in increasing order from 0 or above.
+    coefficients
+        For each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t), with t from -1
+        to 1 across the cell.
+    cut
+        The probability of an infinite tail that was truncated at the last boundary; quantities that depend on
+        this tail, such as the relaxation length, are then nan.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> law = asp.Series([0.0, 2.0], [[0.5]])
+    >>> round(law.cdf(0.5), 6)
+    0.25
     """
 
     def __new__(
@@ -2005,12 +2968,20 @@ class Simulation:
     def advance(self, /, drive: _Number, *, progress: _Progress = None) -> None:
         """Advances to a displacement of the load point, through all events in between.
 
-        drive: an absolute displacement, not a step; larger than the present one, or, for sliders that can turn back, also
-        smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is an equilibrium
-        that is computed: stops may change the last digits of later results, and the drives of events within drive_tolerance.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        drive
+            An absolute displacement, not a step; larger than the present one, or, for sliders that can turn back,
+            also smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is
+            an equilibrium that is computed: stops may change the last digits of later results, and the drives of
+            events within drive_tolerance.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for a displacement to which an interface would have to move backwards.
+        Raises
+        ------
+        ValueError
+            For a displacement to which an interface would have to move backwards.
         """
 
     @property
@@ -2028,10 +2999,20 @@ class Simulation:
         breaks under a rigid slider), with the same fields: `drive`, `drop`, …. Between two events the state is the one just
         after the first of them; it can be read, saved, or advanced. The iterator ends at the displacement.
 
-        until: an absolute displacement of the load point, not a step; larger than the present one, or, for sliders that
-        can turn back, also smaller.
+        Parameters
+        ----------
+        until
+            An absolute displacement of the load point, not a step; larger than the present one, or, for sliders that
+            can turn back, also smaller.
 
-        Raises ValueError for a displacement to which an interface would have to move backwards.
+        Returns
+        -------
+        Iterator[Event]
+
+        Raises
+        ------
+        ValueError
+            For a displacement to which an interface would have to move backwards.
         """
 
     @property
@@ -2053,11 +3034,24 @@ class Simulation:
     def restore(self, /, state: bytes) -> None:
         """Restores a state of this simulation, or of another one of the same model; it continues from there bit for bit.
 
-        Raises ValueError for the state of another model, or of another version of asperity.
+        Parameters
+        ----------
+        state
+            What `state` gave.
+
+        Raises
+        ------
+        ValueError
+            For the state of another model, or of another version of asperity.
         """
 
     def state(self, /) -> bytes:
-        """The whole state of the simulation, as bytes for `restore` in the same version of asperity."""
+        """The whole state of the simulation, as bytes for `restore` in the same version of asperity.
+
+        Returns
+        -------
+        bytes
+        """
 
     def stretch_density(
         self,
@@ -2070,17 +3064,32 @@ class Simulation:
     ) -> StretchDensity:
         """The density Q(x) of the stretches of the contacts of a cell, per length.
 
-        cell: the number of a cell of an Interface, counted along rows; 0 for a slider, and for a Lattice, whose contacts are
-        counted all together.
-        stretches: a list of n stretches at which the density is given, for contacts that follow the master equation.
-        edges: n + 1 rising edges of bins in which contacts are counted that are simulated one by one, or in time; at given
-        stretches each of them is an atom. Without stretches and edges, a suitable grid is chosen.
-        progress: as for MasterEquation.pull.
-
         The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Detached
         contacts are not counted.
 
-        Raises IndexError if there is no such cell, ValueError for invalid values.
+        Parameters
+        ----------
+        cell
+            The number of a cell of an Interface, counted along rows; 0 for a slider, and for a Lattice, whose
+            contacts are counted all together.
+        stretches
+            A list of n stretches at which the density is given, for contacts that follow the master equation.
+        edges
+            N + 1 rising edges of bins in which contacts are counted that are simulated one by one, or in time; at
+            given stretches each of them is an atom. Without stretches and edges, a suitable grid is chosen.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        StretchDensity
+
+        Raises
+        ------
+        IndexError
+            If there is no such cell.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -2092,8 +3101,20 @@ class Smoluchowski(Ageing):
     """Thresholds diffuse independently in the potential U = −ln P_cf towards the mature distribution
     (Fokker–Planck equation).
 
-    mature: the distribution P_cf of the thresholds of contacts that never break.
-    diffusion: the diffusion coefficient D, stretch² per time, above 0.
+    Parameters
+    ----------
+    mature
+        The distribution P_cf of the thresholds of contacts that never break.
+    diffusion
+        The diffusion coefficient D, stretch² per time, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> ageing = asp.Smoluchowski(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
+    >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
+    >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 4)
+    0.3847
     """
 
     def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> Smoluchowski: ...
@@ -2135,14 +3156,26 @@ class SteadyEstimates:
     def friction(self, /) -> FrictionEstimates:
         """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
         the initial stretches, of which the record tells nothing.
+
+        Returns
+        -------
+        FrictionEstimates
         """
 
     def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
         numbers, has risen by 3.84.
 
-        name: a name of `params`.
-        progress: as for MasterEquation.pull.
+        Parameters
+        ----------
+        name
+            A name of `params`.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        (float, float)
         """
 
     @property
@@ -2165,7 +3198,16 @@ class SteadyEstimates:
         """Plots the periodogram as dots and its expectation as a line, on logarithmic axes. Returns the axes. It needs
         matplotlib.
 
-        ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+        Parameters
+        ----------
+        ax
+            Axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+        **style
+            Arguments of the plot() of the expectation.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
 
     @property
@@ -2190,7 +3232,12 @@ class SteadyEstimates:
         """
 
     def summary(self, /) -> str:
-        """A table in plain English: values with errors and intervals, correlations, and how well the record is described."""
+        """A table in plain English: values with errors and intervals, correlations, and how well the record is described.
+
+        Returns
+        -------
+        str
+        """
 
 @final
 class SteadyState:
@@ -2207,9 +3254,19 @@ class SteadyState:
         """The autocovariance c(u) = Cov(F(X), F(X + u)) of the force of `size` random contacts in steady sliding, scaled
         to N_c, at displacements u ≥ 0: force².
 
-        size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, the slope of
-        c(u), per contact, is the first loading curve less the kinetic friction. Contacts with a delay, or whose
-        stiffness depends on the threshold, are refused.
+        Parameters
+        ----------
+        size
+            The number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, the slope of c(u),
+            per contact, is the first loading curve less the kinetic friction. Contacts with a delay, or whose
+            stiffness depends on the threshold, are refused.
+        displacement
+            Displacements u, 0 or above: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
@@ -2219,7 +3276,17 @@ class SteadyState:
         """The breaking rate Γ_s, the fraction of contacts that break per length."""
 
     def force_std(self, /, size: _Number) -> float:
-        """The standard deviation of the force of `size` random contacts, scaled to N_c."""
+        """The standard deviation of the force of `size` random contacts, scaled to N_c.
+
+        Parameters
+        ----------
+        size
+            The number of contacts; None for the N_c of the contacts.
+
+        Returns
+        -------
+        float
+        """
 
     @property
     def kinetic_friction(self, /) -> float:
@@ -2246,9 +3313,19 @@ class SteadyState:
         """The spectrum S(q) = ∫c(u) exp(iqu) du over all u of the force of `size` random contacts in steady sliding, scaled
         to N_c, at wave numbers q ≥ 0, in radians per length: force² times length.
 
-        size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, q² S(q)/(2F_k)
-        tends to the stiffness of one contact, N_c⟨k⟩/size, for large q. Identical contacts that re-form at one
-        stretch are refused: their spectrum consists of lines.
+        Parameters
+        ----------
+        size
+            The number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, q² S(q)/(2F_k)
+            tends to the stiffness of one contact, N_c⟨k⟩/size, for large q. Identical contacts that re-form at one
+            stretch are refused: their spectrum consists of lines.
+        wave_number
+            Wave numbers q, 0 or above: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
@@ -2256,24 +3333,50 @@ class SteadyState:
     def stretch_density(self, /, stretches: ArrayLike | None = None) -> StretchDensity:
         """The distribution Q_s of stretches, per length.
 
-        stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
-        and `density` of shape (n,), and `atoms`.
+        Parameters
+        ----------
+        stretches
+            A list of n stretches, or None for an automatic choice that resolves it. The result has `stretch` and
+            `density` of shape (n,), and `atoms`.
+
+        Returns
+        -------
+        StretchDensity
         """
 
 @final
 class Step(Description):
     """A step of a motion in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
 
-    velocity: a length per time; above 0 over a distance, 0 or above for a duration.
-    distance: the displacement in the step.
-    duration: the time that the step takes.
-    hold: a time at rest, instead of all others.
-    velocity_to: the velocity at the end of a ramp that begins at velocity and takes a duration.
-    points: the number of points of the trace in the step, evenly spaced in time, including both ends; 2 or
-    more.
-    pieces: the number of intervals of constant velocity that approximate a ramp, 64 by default.
+    Parameters
+    ----------
+    velocity
+        A length per time; above 0 over a distance, 0 or above for a duration.
+    distance
+        The displacement in the step.
+    duration
+        The time that the step takes.
+    hold
+        A time at rest, instead of all others.
+    velocity_to
+        The velocity at the end of a ramp that begins at velocity and takes a duration.
+    points
+        The number of points of the trace in the step, evenly spaced in time, including both ends; 2 or more.
+    pieces
+        The number of intervals of constant velocity that approximate a ramp, 64 by default.
 
-    Raises ValueError for invalid values or combinations.
+    Raises
+    ------
+    ValueError
+        For invalid values or combinations.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> asp.Step(1.0, distance=10.0)
+    Step(velocity=1.0, distance=10.0)
+    >>> asp.Step(hold=100.0).hold
+    100.0
     """
 
     def __new__(
@@ -2399,13 +3502,26 @@ class StickSlip(Record):
 class Tabulated(Law):
     """A measured distribution: a density given at increasing stretches, or a sample.
 
-    stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
-    samples: a list of equally likely values, of any length; the distribution is their kernel density estimate,
-    with their mean and standard deviation.
-    bandwidth: of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
-    exact: quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density
-    estimate. Each sample is then a jump of the density, and more than twenty take the master equation minutes.
-    Give either stretch and density, or samples.
+    Parameters
+    ----------
+    stretch, density
+        Lists of equal length; the density is linear between them, 0 outside, and normalised.
+    samples
+        A list of equally likely values, of any length; the distribution is their kernel density estimate, with
+        their mean and standard deviation.
+    bandwidth
+        Of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
+    exact
+        Quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density estimate.
+        Each sample is then a jump of the density, and more than twenty take the master equation minutes. Give
+        either stretch and density, or samples.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> law = asp.Tabulated(stretch=[0.9, 1.1], density=[1.0, 1.0])
+    >>> round(law.pdf(1.0), 6)
+    5.0
     """
 
     def __new__(
@@ -2423,12 +3539,26 @@ class Tabulated(Law):
 class Temperature(Description):
     """Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
 
-    energy: the temperature T in units of energy (force × length), above 0.
-    attempt_rate: the attempt rate ω, per time, above 0.
-    barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²);
-    "bell", E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
-
     Values are checked when contacts are made with it.
+
+    Parameters
+    ----------
+    energy
+        The temperature T in units of energy (force × length), above 0.
+    attempt_rate
+        The attempt rate ω, per time, above 0.
+    barrier
+        ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
+        E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> thermal = asp.Temperature(energy=0.05, attempt_rate=1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=thermal)
+    >>> friction = asp.velocity_curve(contacts, [1e-4, 1e-2])
+    >>> bool(friction[0] < friction[1])
+    True
     """
 
     def __new__(
@@ -2464,8 +3594,16 @@ class ThresholdResponse:
     def adjoint(self, /, position: ArrayLike, weights: ArrayLike) -> _Array:
         """The derivatives of a scalar by the probability of each threshold, shape (n,).
 
-        position: a list of m positions from 0 to the distance of the pull.
-        weights: the derivatives of the scalar by the forces at these positions.
+        Parameters
+        ----------
+        position
+            A list of m positions from 0 to the distance of the pull.
+        weights
+            The derivatives of the scalar by the forces at these positions.
+
+        Returns
+        -------
+        numpy.ndarray
         """
 
     @property
@@ -2476,13 +3614,29 @@ class ThresholdResponse:
 class Transport(Model):
     """The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
 
-    contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0, or, with start="steady",
-    which all contacts may have, the ages of steady sliding at velocity, without initial.
-    velocity: the velocity of that steady sliding, above 0.
-    tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by
-    default 1e-6, and 1e-4 for ageing by Smoluchowski.
+    Parameters
+    ----------
+    contacts, initial, start
+        As for MasterEquation; the contacts have age 0 at t = 0, or, with start="steady", which all contacts may have,
+        the ages of steady sliding at velocity, without initial.
+    velocity
+        The velocity of that steady sliding, above 0.
+    tolerance
+        Allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by default 1e-6, and
+        1e-4 for ageing by Smoluchowski.
 
-    Raises ValueError for invalid values, and for ageing by MeanField, which is not a rule for a single contact.
+    Raises
+    ------
+    ValueError
+        For invalid values, and for ageing by MeanField, which is not a rule for a single contact.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+    >>> motion = asp.Transport(contacts).follow([asp.Step(1.0, distance=2.0), asp.Step(hold=10.0)])
+    >>> bool(motion['time'][-1] == 12.0)
+    True
     """
 
     def __new__(
@@ -2498,15 +3652,28 @@ class Transport(Model):
     def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
         """Follows the contacts from t = 0 through the steps, one after the other.
 
-        steps: a list of Step.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+        Parameters
+        ----------
+        steps
+            A list of Step.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
-        they meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
-        contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
-        re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all points).
+        Returns
+        -------
+        Record
+            A Record of variables of shape (n,), with n output points of all steps (steps share the point where they
+            meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
+            contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
+            re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all
+            points).
 
-        Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
+        Raises
+        ------
+        ValueError
+            For no steps.
+        RuntimeError
+            If that error is larger than a given tolerance.
         """
 
     @property
@@ -2570,7 +3737,16 @@ class VelocityStep:
     def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
         """Plots the measured force as dots and the fit as a line. Returns the axes. It needs matplotlib.
 
-        ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+        Parameters
+        ----------
+        ax
+            Axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+        **style
+            Arguments of the plot() of the fit.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
         """
 
     @property
@@ -2600,8 +3776,12 @@ class VelocityStep:
 class Weibull(Law):
     """The Weibull distribution: survival exp(−(x/scale)^shape).
 
-    shape: Shape k of e^{−(x/λ)^k}, above 0.
-    scale: Scale λ, above 0.
+    Parameters
+    ----------
+    shape
+        Shape k of e^{−(x/λ)^k}, above 0.
+    scale
+        Scale λ, above 0.
     """
 
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
@@ -2668,6 +3848,15 @@ def _measured_pieces(
 ) -> list[tuple[int, int, float, float, float]]: ...
 def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
 def _restore(version: str, description: str) -> Description: ...
+def _command(arguments: Sequence[str]) -> int: ...
+def _restore_fit(
+    version: str,
+    function: str,
+    named: dict[str, object],
+    law: str | None,
+    content: bytes,
+    parts: tuple[Any, ...],
+) -> object: ...
 def _restore_result(version: str, kind: str, content: bytes, model: object = None) -> object: ...
 def _sweep_cases(specification: Any, cases: Sequence[SupportsIndex], threads: SupportsIndex) -> bytes:
     """Computes cases of a scenario on some threads: what a worker does. Returns the bytes that `_Sweep.add` takes."""
@@ -2682,6 +3871,21 @@ def critical_coupling(law: _AnyLaw) -> float:
 
     For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩). For
     narrow distributions it is critical when K is the critical stiffness.
+
+    Parameters
+    ----------
+    law
+        The distribution P_c of the thresholds.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.critical_coupling(asp.Gaussian(1.0, 0.1)), 4)
+    0.2494
     """
 
 def fit(
@@ -2711,35 +3915,72 @@ def fit(
     (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
     found by Fisher scoring, and their errors follow from the expected information.
 
-    contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
-    position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
-    lists for several curves, whose noise is that of different contacts.
-    force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
-    errors that the free numbers would have, at their first values.
-    free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-    "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
-    "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
-    noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
-    number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
-    be free.
-    reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
-    drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
-    size and its length are then estimated. No drift if None.
-    compliance: displacement of the drive against the slider per force, of slider and machine together; "free" if it is to
-    be found, from a first value that follows from the steepest slope of the curve.
-    offset: the reading of the force where there is none.
-    trend: the change of that reading per length.
-    origin: the reading of the position at X = 0.
-    prior: for some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
-    logarithm for numbers above 0.
-    average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
-    4000 may remain.
-    laws: names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made with
-    all its numbers free instead of those of contacts.thresholds: Estimates.laws.
-    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    Parameters
+    ----------
+    contacts, initial, start, velocity
+        As for MasterEquation; their free numbers are first values.
+    position
+        Positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
+        lists for several curves, whose noise is that of different contacts.
+    force
+        The n measured forces, or a list of such lists; or None for a planned measurement, for which the result has
+        the errors that the free numbers would have, at their first values.
+    free
+        The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+        "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all
+        curves; a name after "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
+    noise
+        "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
+        number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness
+        cannot both be free.
+    reading
+        The standard deviation of the independent error of a reading, after averaging; estimated if None.
+    drift
+        The longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
+        size and its length are then estimated. No drift if None.
+    compliance
+        Displacement of the drive against the slider per force, of slider and machine together; "free" if it is to be
+        found, from a first value that follows from the steepest slope of the curve.
+    offset
+        The reading of the force where there is none.
+    trend
+        The change of that reading per length.
+    origin
+        The reading of the position at X = 0.
+    prior
+        For some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
+        logarithm for numbers above 0.
+    average
+        The number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most 4000
+        may remain.
+    laws
+        Names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made
+        with all its numbers free instead of those of contacts.thresholds: Estimates.laws.
+    progress
+        As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-    Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
-    converge is no error: see Estimates.converged.
+    Returns
+    -------
+    Estimates
+
+    Raises
+    ------
+    ValueError
+        For invalid values, and for numbers that the curve does not determine. A search that does not converge is no
+        error: see Estimates.converged.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), count=1000, stiffness=0.001)
+    >>> position = np.linspace(0.05, 3.0, 60)
+    >>> force = asp.MasterEquation(contacts).pull(3.0).sample_paths(position, 1, size=1000, seed=1)[0]
+    >>> found = asp.fit(contacts, position, force, free=['thresholds.mean', 'thresholds.std'], reading=1e-4)
+    >>> found.converged
+    True
+    >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 4 * found.params['thresholds.mean'].error)
+    True
     """
 
 def fit_steady(
@@ -2762,21 +4003,50 @@ def fit_steady(
     independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
     discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
 
-    contacts, velocity: as for MasterEquation; their free numbers are first values.
-    spacing: the displacement of the slider from one reading to the next, above 0.
-    force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
-    free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-    "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
-    Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
-    count and stiffness cannot both be free, unless one has a prior.
-    initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
-    reading: the standard deviation of the independent error of a reading; estimated if None.
-    offset: the reading of the force where there is none.
-    prior: as for fit.
-    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    Parameters
+    ----------
+    contacts, velocity
+        As for MasterEquation; their free numbers are first values.
+    spacing
+        The displacement of the slider from one reading to the next, above 0.
+    force
+        The n measured forces, 16 or more for each free number; none of them before sliding is steady.
+    free
+        The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+        "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
+        Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with
+        "offset", count and stiffness cannot both be free, unless one has a prior.
+    initial, start
+        As for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
+    reading
+        The standard deviation of the independent error of a reading; estimated if None.
+    offset
+        The reading of the force where there is none.
+    prior
+        As for fit.
+    progress
+        As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-    Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
-    determine. A search that does not converge is no error: see SteadyEstimates.converged.
+    Returns
+    -------
+    SteadyEstimates
+
+    Raises
+    ------
+    ValueError
+        For invalid values, for contacts whose spectrum has lines, and for numbers that the record does not determine.
+        A search that does not converge is no error: see SteadyEstimates.converged.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=2000, stiffness=0.0005)
+    >>> pull = asp.Ensemble(contacts, size=2000, seed=1).pull(60.0, 2401)
+    >>> force = pull.force[400:]
+    >>> found = asp.fit_steady(contacts, 0.025, force, free=['thresholds.mean'], reading=1e-5)
+    >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 0.05)
+    True
     """
 
 def fit_velocity_step(
@@ -2797,27 +4067,112 @@ def fit_velocity_step(
     Least squares by the method of Levenberg and Marquardt. The misfit is stated, and no errors: what a fit leaves of a
     computed curve is what the equation does not describe (read_velocity_step gives errors, without a spring).
 
-    displacement: rising displacements of the load point relative to the step, a length; those below 0 give F_0.
-    force: the forces there.
-    ratio: v/v_0, above 0 and not 1.
-    stiffness: the stiffness K of the machine, a force per length, above 0.
-    law: "ageing", with d(theta)/dt = 1 - V theta/D, or "slip", with d(theta)/dt = -(V theta/D) ln(V theta/D).
-    states: the number of state variables, 1 or 2.
-    progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    Parameters
+    ----------
+    displacement
+        Rising displacements of the load point relative to the step, a length; those below 0 give F_0.
+    force
+        The forces there.
+    ratio
+        v/v_0, above 0 and not 1.
+    stiffness
+        The stiffness K of the machine, a force per length, above 0.
+    law
+        "ageing", with d(theta)/dt = 1 - V theta/D, or "slip", with d(theta)/dt = -(V theta/D) ln(V theta/D).
+    states
+        The number of state variables, 1 or 2.
+    progress
+        As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-    Raises ValueError for invalid values, displacements that do not rise, and fewer than 8 points after the step.
+    Returns
+    -------
+    MachineStep
+
+    Raises
+    ------
+    ValueError
+        For invalid values, displacements that do not rise, and fewer than 8 points after the step.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> displacement = np.concatenate([np.linspace(-1, 0, 11), np.linspace(0.02, 5, 250)])
+    >>> force = np.where(displacement < 0, 1.0, 1.0 + 0.02 - 0.03 * (1.0 - np.exp(-displacement)))
+    >>> found = asp.fit_velocity_step(displacement, force, np.e, stiffness=10.0, law='slip')
+    >>> bool(found.a > 0.01 and found.b[0] > found.a)
+    True
     """
 
 def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:
-    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds."""
+    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds.
+
+    Parameters
+    ----------
+    thresholds
+        Their distribution P_c.
+    reforming
+        The distribution R of the stretches at which contacts re-form.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.exact.kinetic_friction(asp.Rectangular(0.8, 1.2), asp.Rectangular(0.0, 0.2)), 12)
+    0.555555555556
+    """
 
 def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
-    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0."""
+    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0.
+
+    Parameters
+    ----------
+    thresholds
+        Their distribution P_c.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.exact.kinetic_friction_per_threshold(asp.Point(1.0)), 12)
+    0.5
+    """
 
 def open_result(folder: str | PathLike[str]) -> Result:
     """Reads the folder that `asperity run` or Result.save wrote.
 
-    Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
+    Parameters
+    ----------
+    folder
+        The folder.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    OSError
+        For a file that cannot be read.
+    ValueError
+        For one that asperity did not write.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import asperity as asp
+    >>> scenario = {'contacts': {'thresholds': asp.Gaussian(1.0, 0.1)}, 'pull': {}}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = asp.run(scenario, folder=folder + '/results')
+    ...     again = asp.open_result(folder + '/results')
+    >>> round(again.kinetic_friction, 6)
+    0.505
     """
 
 def read_healing(hold: ArrayLike, force: ArrayLike) -> Healing:
@@ -2826,10 +4181,30 @@ def read_healing(hold: ArrayLike, force: ArrayLike) -> Healing:
     The scatter of the forces is taken as independent and of the same size for all holds, and is estimated from the
     residuals. With few holds Student's distribution makes the intervals wider.
 
-    hold: hold times, a list of at least 4 numbers above 0.
-    force: the static friction after each: the highest force, or its difference from steady sliding.
+    Parameters
+    ----------
+    hold
+        Hold times, a list of at least 4 numbers above 0.
+    force
+        The static friction after each: the highest force, or its difference from steady sliding.
 
-    Raises ValueError for invalid values, and for forces that grow in proportion to the hold time.
+    Returns
+    -------
+    Healing
+
+    Raises
+    ------
+    ValueError
+        For invalid values, and for forces that grow in proportion to the hold time.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> hold = np.array([1.0, 3.0, 10.0, 30.0, 100.0])
+    >>> force = 1 + 0.01 * np.log1p(hold) + 1e-4 * np.sin(hold)
+    >>> round(asp.read_healing(hold, force).per_decade.value, 3)
+    0.023
     """
 
 def read_velocity_step(
@@ -2851,17 +4226,47 @@ def read_velocity_step(
     likelihood, and the errors contain the uncertainty of the correlation length of the drift. The stiffness of the
     machine is not modelled: a and b hold for the position X_p of the peak.
 
-    position: rising positions relative to the step, a length; those below 0 give F_0.
-    force: the forces there.
-    ratio: v/v_0, above 0 and not 1.
-    before: F_0, if it is known; the points before the step are then not used.
-    peak: X_p; by default the extremum of the force after the step, averaged over five points, or the step
-    itself if there is none. Points between the step and X_p are left out. trend: whether the force also has a
-    constant slope. noise: "drift" for white noise plus drift, "white" for white noise alone, whose errors are
-    too small where there is drift. average: the number of successive points that are averaged first, needed
-    where positions do not rise. progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    Parameters
+    ----------
+    position
+        Rising positions relative to the step, a length; those below 0 give F_0.
+    force
+        The forces there.
+    ratio
+        v/v_0, above 0 and not 1.
+    before
+        F_0, if it is known; the points before the step are then not used.
+    peak
+        X_p; by default the extremum of the force after the step, averaged over five points, or the step itself if
+        there is none. Points between the step and X_p are left out.
+    trend
+        Whether the force also has a constant slope.
+    noise
+        "drift" for white noise plus drift, "white" for white noise alone, whose errors are too small where there is
+        drift.
+    average
+        The number of successive points that are averaged first, needed where positions do not rise.
+    progress
+        As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-    Raises ValueError for invalid values, positions that do not rise, and too few points.
+    Returns
+    -------
+    VelocityStep
+
+    Raises
+    ------
+    ValueError
+        For invalid values, positions that do not rise, and too few points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> position = np.concatenate([np.linspace(-1, 0, 11), np.linspace(0.1, 4, 40)])
+    >>> force = np.where(position < 0, 1, 1 + 0.02 * np.exp(-position)) + 1e-4 * np.sin(37 * position)
+    >>> found = asp.read_velocity_step(position, force, 10.0, noise='white')
+    >>> round(found.distance.value, 1)
+    1.0
     """
 
 def run(
@@ -2876,26 +4281,89 @@ def run(
 ) -> Result:
     """Computes a scenario.
 
-    scenario: the path of a file; or the text of a scenario, recognised by an equals sign; or a dictionary of
-    the same keys, in which distributions and contacts may be objects.
-    overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a distribution replaces
-    the one in the scenario.
-    progress: as for MasterEquation.pull.
-    folder: folder for the results, as for Result.save.
-    checkpoint: with a folder, checkpoints of the drive of an interface are written next to it: after each
-    number of events, or after each time interval, a datetime.timedelta or a text such as "10min". They are
-    removed once the results are written.
-    resume: whether to continue from the last checkpoint; without one, the run starts at the beginning.
-    threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-    those of the process, one per core or RAYON_NUM_THREADS.
+    Parameters
+    ----------
+    scenario
+        The path of a file; or the text of a scenario, recognised by an equals sign; or a dictionary of the same keys,
+        in which distributions and contacts may be objects.
+    overrides
+        Values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a distribution replaces the one in
+        the scenario.
+    progress
+        As for MasterEquation.pull.
+    folder
+        Folder for the results, as for Result.save.
+    checkpoint
+        With a folder, checkpoints of the drive of an interface are written next to it: after each number of events,
+        or after each time interval, a datetime.timedelta or a text such as "10min". They are removed once the results
+        are written.
+    resume
+        Whether to continue from the last checkpoint; without one, the run starts at the beginning.
+    threads
+        The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+        the process, one per core or RAYON_NUM_THREADS.
 
-    Raises ValueError for an invalid scenario, with the key, what was expected and what was found, and for a
-    checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of
-    a run that was not finished or is still running; MemoryError for results that do not fit.
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    ValueError
+        For an invalid scenario, with the key, what was expected and what was found, and for a checkpoint of another
+        scenario.
+    OSError
+        For a file that cannot be read.
+    FileExistsError
+        For a checkpoint of a run that was not finished or is still running.
+    MemoryError
+        For results that do not fit.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> scenario = {'contacts': {'thresholds': asp.Gaussian(1.0, 0.1)}, 'pull': {'distance': 5.0}}
+    >>> result = asp.run(scenario, {'pull.points': 501})
+    >>> round(result.kinetic_friction, 6)
+    0.505
+    >>> result['force'].shape
+    (501,)
     """
 
 def steady_variance(thresholds: _AnyLaw) -> float:
-    """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0."""
+    """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0.
+
+    Parameters
+    ----------
+    thresholds
+        Their distribution P_c.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.exact.steady_variance(asp.Point(1.0)), 12)
+    0.083333333333
+    """
 
 def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
-    """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""
+    """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴.
+
+    Parameters
+    ----------
+    thresholds
+        Their distribution P_c.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.exact.steady_variance_per_threshold(asp.Point(1.0)), 12)
+    0.083333333333
+    """

@@ -88,6 +88,11 @@ class Events(Sequence[Event]):
     a list of numbers of rows selects events: `events[events["drop"] > 0.1]`. Events of an interface have the
     columns of its `events.csv`, and rows with fields of these names; numbers of cells are whole.
 
+    Parameters
+    ----------
+    columns : mapping of str to numpy.ndarray
+        The columns by their names, as results have them.
+
     Examples
     --------
     >>> import asperity as asp

@@ -106,7 +106,23 @@ class LaboratoryRecord:
         return replace(self, columns={name: values[place] for name, values in self.columns.items()})
 
     def average(self, count: int) -> "LaboratoryRecord":
-        """The means of successive readings, `count` at a time; a rest at the end is left out."""
+        """The means of successive readings, `count` at a time; a rest at the end is left out.
+
+        Parameters
+        ----------
+        count : int
+            The number of readings of a mean, 1 or more.
+
+        Returns
+        -------
+        LaboratoryRecord
+            The means.
+
+        Raises
+        ------
+        ValueError
+            For a count below 1.
+        """
         if count < 1:
             raise ValueError(f"count: expected a number of readings above 0, got {count}")
         whole = len(self) // count * count
@@ -145,7 +161,15 @@ class LaboratoryRecord:
     def cycles(self, **options: Any) -> list["LaboratoryRecord"]:
         """The record cut where the load point, after a motion backwards, moves forwards again.
 
-        The options are those of motions().
+        Parameters
+        ----------
+        **options
+            Those of motions().
+
+        Returns
+        -------
+        list of LaboratoryRecord
+            A record for each cycle.
         """
         motions = self.motions(**options)
         moving = [motion for motion in motions if motion.kind != "hold"]
@@ -159,7 +183,20 @@ class LaboratoryRecord:
     def protocol(self, **options: Any) -> list[dict[str, float]]:
         """The motion as steps of a scenario, {"hold": …} or {"velocity": …, "duration": …}, for "protocol".
 
-        The options are those of motions(). Raises ValueError for motion backwards, which a protocol has not.
+        Parameters
+        ----------
+        **options
+            Those of motions().
+
+        Returns
+        -------
+        list of dict
+            The steps.
+
+        Raises
+        ------
+        ValueError
+            For motion backwards, which a protocol has not.
         """
         steps = []
         motions = self.motions(**options)
@@ -222,7 +259,22 @@ class LaboratoryRecord:
         return read_velocity_step(position[near], part.force[near], ratio, **options)
 
     def plot(self, *, ax: "Axes | None" = None, against: str = "displacement", **style: Any) -> "Axes":
-        """Draws the force against the displacement of the load point, or against "time"."""
+        """Draws the force against the displacement of the load point, or against "time".
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; those in use by default.
+        against : str
+            "displacement", "time", or another role of a column.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
         from matplotlib import pyplot
 
         axes = pyplot.gca() if ax is None else ax
@@ -267,6 +319,16 @@ def read_laboratory(
         A file without heading or readings, a column that is not there, a value that is no finite number.
     OSError
         A file that cannot be read.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import asperity as asp
+    >>> text = "Time (s),Displ (µm),Shear stress [MPa]\\n0,0,0.5\\n1,2,0.6\\n2,4,0.7\\n"
+    >>> _ = Path("record.csv").write_text(text, encoding="utf-8")
+    >>> record = asp.read_laboratory("record.csv")
+    >>> len(record), float(record.force[1]), record.units["Displ"]
+    (3, 0.6, 'µm')
     """
     with open(path, encoding="utf-8-sig", newline="") as file:
         lines = [

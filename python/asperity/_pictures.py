@@ -8,6 +8,7 @@ import numpy as np
 
 from asperity import _plot
 from asperity._plot import axis, errors, fit_ends, ink, muted, new_axes
+from asperity._smooth import along_logarithm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -129,7 +130,8 @@ def velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     several = "ensemble_force" in record or len(friction) > 1
     for row, (curve, temperature) in enumerate(zip(friction, temperatures, strict=True)):
         label = "master equation" if temperature is None else f"$T$ = {temperature:g}{unit_of(unit)}"
-        (line,) = ax.plot(velocity, curve, **{"label": label if several else None, **style})
+        drawn = along_logarithm(velocity, curve)
+        (line,) = ax.plot(*drawn, **{"label": label if several else None, **style})
         color = line.get_color()
         for name in ("creep_friction", "viscous_friction"):
             if name in record:

@@ -23,8 +23,19 @@ use crate::{error, typed, values};
 /// X_T is fixed during the slip. The remaining oscillation is then damped out, and the slider comes to rest in
 /// equilibrium.
 ///
-/// mass: the mass M, above 0.
-/// damping: the viscous damping γ, force per velocity, 0 or above.
+/// Parameters
+/// ----------
+/// mass
+///     The mass M, above 0.
+/// damping
+///     The viscous damping γ, force per velocity, 0 or above.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+/// >>> asp.Block(theory, 1.0, asp.Inertial(1.0)).slip
+/// Inertial(mass=1.0)
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Inertial;
 
@@ -65,7 +76,17 @@ impl Inertial {
 ///
 /// Over time-independent contacts, at fixed X_T, it ends where "overdamped" does.
 ///
-/// damping: the viscous damping γ, force per velocity, above 0.
+/// Parameters
+/// ----------
+/// damping
+///     The viscous damping γ, force per velocity, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+/// >>> asp.Block(theory, 1.0, asp.Damped(0.1)).slip
+/// Damped(damping=0.1)
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Damped;
 
@@ -148,17 +169,34 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// where the spring carries B, K(X_T - X) + B = F + B as long as the base slides forward. A slider that would move
 /// back stays at rest until its spring has lost 2B.
 ///
-/// model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
-/// stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
-/// stable.
-/// slip: the slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if
-/// the slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break
-/// stay detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with
-/// mass.
-/// slip_fraction: an event is a slip if more than this fraction of the contacts of an ensemble break at one
-/// drive, above 0, up to 1.
+/// Parameters
+/// ----------
+/// model
+///     The contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
+/// stiffness
+///     The stiffness K, force per length, above 0; None or inf for a rigid slider, which is always stable.
+/// slip
+///     The slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if the
+///     slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break stay
+///     detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with mass.
+/// slip_fraction
+///     An event is a slip if more than this fraction of the contacts of an ensemble break at one drive, above 0, up
+///     to 1.
 ///
-/// Raises ValueError for invalid values, including a damping with which a slip would never end.
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, including a damping with which a slip would never end.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+/// >>> run = asp.Block(theory, stiffness=1.0).drive(distance=3.0)
+/// >>> run.regime
+/// 'undecided'
+/// >>> round(run.first_instability.force, 6)
+/// 0.773611
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Block {
     pub model: Py<Model>,
@@ -212,16 +250,26 @@ impl Block {
     /// Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
     /// the linear response of the contacts of its Transport to a small displacement step.
     ///
-    /// velocity: the velocity of the load point, above 0.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// velocity
+    ///     The velocity of the load point, above 0.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
-    /// oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
-    /// deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
-    /// all contacts.
+    /// Returns
+    /// -------
+    /// Stability
+    ///     A Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
+    ///     oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
+    ///     deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
+    ///     all contacts.
     ///
-    /// Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
-    /// that is not a Transport, and for a velocity that is not above 0.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model that is not a
+    ///     Transport, and for a velocity that is not above 0.
     #[pyo3(signature = (velocity, *, progress: "_Progress" = None))]
     fn stability<'py>(
         slf: &Bound<'py, Self>,
@@ -251,17 +299,28 @@ impl Block {
     /// The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
     /// which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts.
     ///
-    /// velocity: the velocity of the load point, above 0; required for time-dependent contacts, unless the model is a
-    /// MasterEquation at a velocity; without effect for others.
-    /// resolution: the ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// velocity
+    ///     The velocity of the load point, above 0; required for time-dependent contacts, unless the model is a
+    ///     MasterEquation at a velocity; without effect for others.
+    /// resolution
+    ///     The ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
-    /// `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the critical
-    /// stiffnesses of the first pull and of steady sliding.
+    /// Returns
+    /// -------
+    /// StickSlipStability
+    ///     A StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
+    ///     `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the
+    ///     critical stiffnesses of the first pull and of steady sliding.
     ///
-    /// Raises ValueError for a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule
-    /// that has no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule that has
+    ///     no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
     #[pyo3(
         signature = (velocity = None, *, resolution = scenario::Stability::RESOLUTION, progress: "_Progress" = None),
         text_signature = "($self, velocity=None, *, resolution=0.02, progress=None)"
@@ -283,9 +342,15 @@ impl Block {
         values::stick_slip_stability(py, &found.numbers(velocity))
     }
 
-    /// Returns a simulation that advances step by step, at X_T = 0.
+    /// Returns
+    /// -------
+    /// Simulation
+    ///     A simulation that advances step by step, at X_T = 0.
     ///
-    /// Raises ValueError for a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
         let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(slf);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
@@ -299,18 +364,36 @@ impl Block {
 
     /// Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.
     ///
-    /// distance: the load-point displacement, a length above 0; 20 by default.
-    /// turning_points: instead, successive positions X_T of the load point, for driving back and forth.
-    /// force_to: instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever
-    /// its position.
-    /// points: the number of points of the trace, evenly spaced along the drive, including both ends; 2 or more;
-    /// turning points, and points before and after every slip, are added.
-    /// velocity: the velocity of the load point, above 0, for motion in time as by follow; required over a
-    /// Transport, and over time-dependent contacts.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// distance
+    ///     The load-point displacement, a length above 0; 20 by default.
+    /// turning_points
+    ///     Instead, successive positions X_T of the load point, for driving back and forth.
+    /// force_to
+    ///     Instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever its
+    ///     position.
+    /// points
+    ///     The number of points of the trace, evenly spaced along the drive, including both ends; 2 or more; turning
+    ///     points, and points before and after every slip, are added.
+    /// velocity
+    ///     The velocity of the load point, above 0, for motion in time as by follow; required over a Transport, and
+    ///     over time-dependent contacts.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for invalid values, MemoryError for results that do not fit or too many point masses,
-    /// RuntimeError if the tolerance is not reached.
+    /// Returns
+    /// -------
+    /// StickSlip
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For invalid values.
+    /// MemoryError
+    ///     For results that do not fit or too many point masses.
+    /// RuntimeError
+    ///     If the tolerance is not reached.
     #[pyo3(
         signature = (
             distance = None, points = Whole::new(2001), *, velocity = None, turning_points: "ArrayLike | None" = None, force_to = None,
@@ -354,11 +437,22 @@ impl Block {
     /// interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
     /// more than the fraction slip_fraction of the contacts.
     ///
-    /// steps: a list of Step.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// steps
+    ///     A list of Step.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for no steps, another slip rule, a slip without damping and mass, a rigid slider, or a
-    /// MasterEquation, which has one velocity.
+    /// Returns
+    /// -------
+    /// StickSlip
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For no steps, another slip rule, a slip without damping and mass, a rigid slider, or a MasterEquation,
+    ///     which has one velocity.
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: Bound<'_, Self>,
@@ -371,9 +465,17 @@ impl Block {
     /// The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
     /// the slider is stable there, F' + K > 0.
     ///
-    /// distance: the displacement of the base, a length above 0; by default 5 mean thresholds.
-    /// points: the number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both
-    /// sides are added.
+    /// Parameters
+    /// ----------
+    /// distance
+    ///     The displacement of the base, a length above 0; by default 5 mean thresholds.
+    /// points
+    ///     The number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both sides
+    ///     are added.
+    ///
+    /// Returns
+    /// -------
+    /// Equilibria
     #[pyo3(
         signature = (distance = None, points = Whole::new(2001)),
         text_signature = "($self, distance=None, points=2001)"
@@ -390,12 +492,23 @@ impl Block {
     /// The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
     /// equilibrium.
     ///
-    /// drive: a drive X_T, or a list of m of them.
-    /// distance, points: as for equilibrium.
-    ///
     /// The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
     ///
-    /// Raises ValueError for a rigid slider, which has no potential.
+    /// Parameters
+    /// ----------
+    /// drive
+    ///     A drive X_T, or a list of m of them.
+    /// distance, points
+    ///     As for equilibrium.
+    ///
+    /// Returns
+    /// -------
+    /// Potential
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a rigid slider, which has no potential.
     #[pyo3(
         signature = (drive: "ArrayLike", distance = None, points = Whole::new(2001)),
         text_signature = "($self, drive, distance=None, points=2001)"

@@ -14,10 +14,22 @@ use crate::rules::{Ageing, Temperature};
 ///
 /// Its threshold is thus x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
 ///
-/// law: the distribution of areas, in units of length².
-/// modulus: stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard
-/// 2008), above 0.
-/// strength: force per area at which a contact breaks, above 0.
+/// Parameters
+/// ----------
+/// law
+///     The distribution of areas, in units of length².
+/// modulus
+///     Stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard 2008), above 0.
+/// strength
+///     Force per area at which a contact breaks, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> areas = asp.Areas(asp.Exponential(1.0), modulus=2.0, strength=1.0)
+/// >>> contacts = asp.Contacts(areas=areas)
+/// >>> contacts.areas.modulus
+/// 2.0
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Areas;
 
@@ -67,25 +79,47 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 
 /// The contacts of an interface: when they break, how stiff they are, how they re-form.
 ///
-/// thresholds: the distribution P_c of the stretches at which contacts break; or areas, from which thresholds
-/// and stiffnesses follow.
-/// reforming: the distribution R of the stretches at which they re-form, by default all at 0.
-/// count: the number N_c of contacts, above 0; with 1, forces are per contact.
-/// stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ
-/// of stiffnesses k = κ x_s that are proportional to the threshold.
-/// normal_load: the normal load, a force; with it, results of scenarios have friction coefficients.
-/// background_force: a friction force B in addition to that of the contacts, against the motion, 0 or above; or
-/// background_coefficient, the μ_b of B = μ_b normal_load. Forces of a Block and of results of scenarios contain
-/// it, those of a MasterEquation, a Transport and an Ensemble do not.
-/// temperature: thermally activated breaking below the thresholds.
-/// ageing: change of the thresholds with the age of a contact; thresholds is then the distribution of fresh
-/// contacts.
-/// delay: time for which a broken contact is detached before it re-forms, 0 by default.
-///
 /// Contacts with temperature, ageing or delay are time-dependent: their friction depends on the velocity, which
 /// must be given.
 ///
 /// Distributions may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
+///
+/// Parameters
+/// ----------
+/// thresholds
+///     The distribution P_c of the stretches at which contacts break.
+/// areas
+///     Areas, from which thresholds and stiffnesses follow, instead of thresholds.
+/// reforming
+///     The distribution R of the stretches at which they re-form, by default all at 0.
+/// count
+///     The number N_c of contacts, above 0; with 1, forces are per contact.
+/// stiffness
+///     The stiffness ⟨k⟩ of a contact, force per length, 1 by default.
+/// stiffness_per_threshold
+///     The κ of stiffnesses k = κ x_s that are proportional to the threshold, instead of stiffness.
+/// normal_load
+///     The normal load, a force; with it, results of scenarios have friction coefficients.
+/// background_force
+///     A friction force B in addition to that of the contacts, against the motion, 0 or above. Forces of a Block and
+///     of results of scenarios contain it, those of a MasterEquation, a Transport and an Ensemble do not.
+/// background_coefficient
+///     The μ_b of B = μ_b normal_load, instead of background_force.
+/// temperature
+///     Thermally activated breaking below the thresholds.
+/// ageing
+///     Change of the thresholds with the age of a contact; thresholds is then the distribution of fresh contacts.
+/// delay
+///     Time for which a broken contact is detached before it re-forms, 0 by default.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), count=1000, stiffness=2.0)
+/// >>> contacts.stiffness
+/// 2.0
+/// >>> contacts.replace(count=10).count
+/// 10.0
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Contacts;
 

@@ -295,6 +295,12 @@ pub fn row<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyA
     array(py, &[values.len()], values)
 }
 
+/// A square array that owns `values`, row by row, and is read-only.
+pub fn square<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyAny>> {
+    let side = values.len().isqrt();
+    array(py, &[side, side], values)
+}
+
 /// A seed: an integer, or a number drawn from a generator of NumPy.
 pub struct Seed(pub u64);
 

@@ -157,7 +157,15 @@ impl Description {
 
     /// A copy with some of the arguments replaced.
     ///
-    /// Raises ValueError or TypeError as the class itself does.
+    /// Parameters
+    /// ----------
+    /// **changes
+    ///     New values of arguments by their names.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     Or TypeError as the class itself does.
     #[pyo3(signature = (**changes: "Any"))]
     fn replace<'py>(
         slf: &Bound<'py, Self>,

@@ -23,14 +23,33 @@ use crate::{error, typed};
 
 /// Random contacts followed one by one (Monte Carlo): the earthquake-like model.
 ///
-/// contacts, initial, start: as for MasterEquation.
-/// size: the number of simulated contacts; forces are scaled to the count of the contacts.
-/// seed: a whole number below 2^63, which always gives the same numbers, on any number of threads, or a
-/// numpy.random.Generator, from which one such number is drawn.
-/// disorder: "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched"
-/// if it keeps its own.
+/// Parameters
+/// ----------
+/// contacts, initial, start
+///     As for MasterEquation.
+/// size
+///     The number of simulated contacts; forces are scaled to the count of the contacts.
+/// seed
+///     A whole number below 2^63, which always gives the same numbers, on any number of threads, or a
+///     numpy.random.Generator, from which one such number is drawn.
+/// disorder
+///     "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched" if it keeps
+///     its own.
 ///
-/// Raises ValueError for distributions that leave no possible stretch for a contact.
+/// Raises
+/// ------
+/// ValueError
+///     For distributions that leave no possible stretch for a contact.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+/// >>> pull = asp.Ensemble(contacts, size=1000, seed=1).pull(distance=5.0, points=11)
+/// >>> pull.force.shape
+/// (11,)
+/// >>> bool(abs(pull.force[1] - 0.5) < 1e-3)
+/// True
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Ensemble {
     pub ensemble: ensemble::Ensemble,
@@ -84,24 +103,43 @@ impl Ensemble {
         typed::DisorderWord(convert::disorder(Self::plain(slf).disorder))
     }
 
-    /// Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
-    ///
     /// Its events are the breaks of contacts.
+    ///
+    /// Returns
+    /// -------
+    /// Simulation
+    ///     A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
         Model::simulation(slf.as_super())
     }
 
     /// Displaces the slider's base from X = 0 to distance, from break to break.
     ///
-    /// distance, points, progress: as for MasterEquation.pull.
-    /// velocity: the velocity of the slider, above 0; required only for time-dependent contacts.
-    /// snapshots: a list of m positions, in increasing order, at which the stretches are counted.
-    /// edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
-    /// to where hardly any contact holds. Ctrl-C interrupts the computation.
-    /// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-    /// those of the process, one per core or RAYON_NUM_THREADS.
+    /// Parameters
+    /// ----------
+    /// distance, points, progress
+    ///     As for MasterEquation.pull.
+    /// velocity
+    ///     The velocity of the slider, above 0; required only for time-dependent contacts.
+    /// snapshots
+    ///     A list of m positions, in increasing order, at which the stretches are counted.
+    /// edges
+    ///     A list of edges of the n bins of these counts, in increasing order; by default bins of equal width up to
+    ///     where hardly any contact holds. Ctrl-C interrupts the computation.
+    /// threads
+    ///     The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+    ///     the process, one per core or RAYON_NUM_THREADS.
     ///
-    /// Raises ValueError for invalid values, MemoryError for results that do not fit.
+    /// Returns
+    /// -------
+    /// EnsemblePull
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For invalid values.
+    /// MemoryError
+    ///     For results that do not fit.
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots: "ArrayLike | None" = None, edges: "ArrayLike | None" = None,
@@ -148,14 +186,24 @@ impl Ensemble {
 
     /// Follows the contacts from t = 0 through the steps, one after the other.
     ///
-    /// steps: a list of Step.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// steps
+    ///     A list of Step.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
-    /// they meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached
-    /// fraction: contacts that are broken and have not yet re-formed.
+    /// Returns
+    /// -------
+    /// Record
+    ///     A Record of variables of shape (n,), with n output points of all steps (steps share the point where they
+    ///     meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached fraction:
+    ///     contacts that are broken and have not yet re-formed.
     ///
-    /// Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For no steps, and for ageing by MeanField, which is not a rule for a single contact.
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,

@@ -26,18 +26,37 @@ use crate::{error, typed, values};
 /// P of the thresholds and the distribution R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev.
 /// Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation.
 ///
-/// contacts: the contacts.
-/// initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
-/// start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
-/// stretches and thresholds are independent, so that contacts above their threshold break at once; "steady" for
-/// time-independent contacts that slide steadily, without initial. Derivatives leave the stretches as they are.
-/// velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
-/// at X = 0.
-/// tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
-/// error raises RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
+/// Parameters
+/// ----------
+/// contacts
+///     The contacts.
+/// initial
+///     The distribution Q_ini of stretches at X = 0, by default all at 0.
+/// start
+///     "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if stretches and
+///     thresholds are independent, so that contacts above their threshold break at once; "steady" for
+///     time-independent contacts that slide steadily, without initial. Derivatives leave the stretches as they are.
+/// velocity
+///     The velocity of the slider, above 0; required only for time-dependent contacts, which have age 0 at X = 0.
+/// tolerance
+///     Allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
+///     RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
 ///
-/// Raises ValueError for stretches at which no contact survives, and for distributions too narrow to be
-/// distinguished from a point mass.
+/// Raises
+/// ------
+/// ValueError
+///     For stretches at which no contact survives, and for distributions too narrow to be distinguished from a point
+///     mass.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+/// >>> pull = theory.pull(distance=5.0)
+/// >>> round(pull.static_friction.force, 6)
+/// 0.796436
+/// >>> round(pull.kinetic_friction, 6)
+/// 0.505
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct MasterEquation {
     pub equation: master::MasterEquation,
@@ -78,23 +97,41 @@ impl MasterEquation {
         Self::plain(slf).tolerance
     }
 
-    /// Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
-    ///
     /// Its events are simultaneous breaks of many contacts.
+    ///
+    /// Returns
+    /// -------
+    /// Simulation
+    ///     A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
         Model::simulation(slf.as_super())
     }
 
     /// Displaces the slider's base from X = 0 to distance.
     ///
-    /// distance: a length above 0.
-    /// points: the number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both
-    /// ends; 2 or more.
-    /// progress: a function that is called from time to time with the completed fraction, or True for a progress
-    /// bar (by tqdm). Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// distance
+    ///     A length above 0.
+    /// points
+    ///     The number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both ends; 2
+    ///     or more.
+    /// progress
+    ///     A function that is called from time to time with the completed fraction, or True for a progress bar (by
+    ///     tqdm). Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
-    /// tolerance is not reached.
+    /// Returns
+    /// -------
+    /// Pull
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For invalid values.
+    /// MemoryError
+    ///     For too many point masses or samples.
+    /// RuntimeError
+    ///     If the tolerance is not reached.
     #[pyo3(
         signature = (distance = 20.0, points = Whole::new(2001), *, progress: "_Progress" = None),
         text_signature = "($self, distance=20.0, points=2001, *, progress=None)"
@@ -109,11 +146,19 @@ impl MasterEquation {
     }
 
     /// Steady sliding.
+    ///
+    /// Returns
+    /// -------
+    /// SteadyState
     fn steady_state(slf: Bound<'_, Self>) -> SteadyState {
         SteadyState { steady: slf.get().equation.steady_state(), equation: slf.unbind() }
     }
 
     /// The relaxation to steady sliding.
+    ///
+    /// Returns
+    /// -------
+    /// Relaxation
     fn relaxation(slf: &Bound<'_, Self>) -> PyResult<Relaxation> {
         let solver = &slf.get().equation;
         let relaxation = watched(None, slf.py(), |monitor| solver.relaxation_with(monitor))?;
@@ -198,6 +243,15 @@ impl SteadyState {
     }
 
     /// The standard deviation of the force of `size` random contacts, scaled to N_c.
+    ///
+    /// Parameters
+    /// ----------
+    /// size
+    ///     The number of contacts; None for the N_c of the contacts.
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn force_std(&self, size: f64) -> PyResult<f64> {
         Ok(self.steady.force_std(convert::contacts("size", size)?))
     }
@@ -205,9 +259,19 @@ impl SteadyState {
     /// The autocovariance c(u) = Cov(F(X), F(X + u)) of the force of `size` random contacts in steady sliding, scaled
     /// to N_c, at displacements u ≥ 0: force².
     ///
-    /// size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, the slope of
-    /// c(u), per contact, is the first loading curve less the kinetic friction. Contacts with a delay, or whose
-    /// stiffness depends on the threshold, are refused.
+    /// Parameters
+    /// ----------
+    /// size
+    ///     The number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, the slope of c(u),
+    ///     per contact, is the first loading curve less the kinetic friction. Contacts with a delay, or whose
+    ///     stiffness depends on the threshold, are refused.
+    /// displacement
+    ///     Displacements u, 0 or above: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (displacement: "float; ArrayLike", size = None) -> "float; _Array")]
     fn autocovariance<'py>(
         &self,
@@ -224,9 +288,19 @@ impl SteadyState {
     /// The spectrum S(q) = ∫c(u) exp(iqu) du over all u of the force of `size` random contacts in steady sliding, scaled
     /// to N_c, at wave numbers q ≥ 0, in radians per length: force² times length.
     ///
-    /// size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, q² S(q)/(2F_k)
-    /// tends to the stiffness of one contact, N_c⟨k⟩/size, for large q. Identical contacts that re-form at one
-    /// stretch are refused: their spectrum consists of lines.
+    /// Parameters
+    /// ----------
+    /// size
+    ///     The number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, q² S(q)/(2F_k)
+    ///     tends to the stiffness of one contact, N_c⟨k⟩/size, for large q. Identical contacts that re-form at one
+    ///     stretch are refused: their spectrum consists of lines.
+    /// wave_number
+    ///     Wave numbers q, 0 or above: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (wave_number: "float; ArrayLike", size = None) -> "float; _Array")]
     fn spectrum<'py>(
         &self,
@@ -242,8 +316,15 @@ impl SteadyState {
 
     /// The distribution Q_s of stretches, per length.
     ///
-    /// stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
-    /// and `density` of shape (n,), and `atoms`.
+    /// Parameters
+    /// ----------
+    /// stretches
+    ///     A list of n stretches, or None for an automatic choice that resolves it. The result has `stretch` and
+    ///     `density` of shape (n,), and `atoms`.
+    ///
+    /// Returns
+    /// -------
+    /// StretchDensity
     #[pyo3(signature = (stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
@@ -334,6 +415,16 @@ impl Relaxation {
     }
 
     /// F(X) from the expansion, a force, for positions from `valid_from` on.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions from `valid_from` on: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let valid = self.relaxation.valid_from();

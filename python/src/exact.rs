@@ -32,12 +32,32 @@ fn checked<F: exact::ClosedForm + Copy + Send + Sync + 'static>(
 #[pymethods]
 impl ClosedForm {
     /// F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions X, 0 or above: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.force(x))
     }
 
     /// F'(X)/(N_c⟨k⟩) from the right, a number.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions X, 0 or above: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.slope(x))
@@ -65,10 +85,14 @@ impl ClosedForm {
 
 /// Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
 ///
-/// mean, std: of the thresholds, above 0.
-/// initial_mean, initial_std: of the stretches at X = 0, 0 or above.
-///
 /// The distributions are not truncated at 0, unlike those of the solvers.
+///
+/// Parameters
+/// ----------
+/// mean, std
+///     Of the thresholds, above 0.
+/// initial_mean, initial_std
+///     Of the stretches at X = 0, 0 or above.
 #[pyclass(frozen, extends = ClosedForm, name = "ExactGaussian", module = "asperity.exact")]
 pub struct Gaussian(exact::Gaussian);
 
@@ -83,12 +107,22 @@ impl Gaussian {
 
     /// The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
     /// standard deviation N_c⟨k⟩√(variance/N_c).
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions X, 0 or above: a number or an array of any shape.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
     }
 
     /// The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ².
+    ///
+    /// Parameters
+    /// ----------
+    /// j
+    ///     The number of the root, 1 or above.
     fn relaxation_root<'py>(&self, py: Python<'py>, j: Whole) -> PyResult<Bound<'py, PyComplex>> {
         let j = j.get("j")?;
         if j == 0 {
@@ -132,8 +166,12 @@ impl Rectangular {
 /// Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
 /// exponential distribution.
 ///
-/// shape: a whole number, 1 or above.
-/// rate: per length, above 0.
+/// Parameters
+/// ----------
+/// shape
+///     A whole number, 1 or above.
+/// rate
+///     Per length, above 0.
 #[pyclass(frozen, extends = ClosedForm, name = "ExactErlang", module = "asperity.exact")]
 pub struct Erlang(exact::Erlang);
 
@@ -159,7 +197,10 @@ impl Erlang {
 /// Identical thresholds: every stretch is (y + X) mod threshold for ever, with the initial stretch y, and there
 /// is no relaxation.
 ///
-/// threshold: a length above 0.
+/// Parameters
+/// ----------
+/// threshold
+///     A length above 0.
 #[pyclass(frozen, extends = ClosedForm, name = "ExactIdentical", module = "asperity.exact")]
 pub struct Identical(exact::Identical);
 
@@ -190,6 +231,11 @@ impl Quenched {
     }
 
     /// F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions X, 0 or above: a number or an array of any shape.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))
@@ -218,6 +264,23 @@ fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, S
 }
 
 /// F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds.
+///
+/// Parameters
+/// ----------
+/// thresholds
+///     Their distribution P_c.
+/// reforming
+///     The distribution R of the stretches at which contacts re-form.
+///
+/// Returns
+/// -------
+/// float
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> round(asp.exact.kinetic_friction(asp.Rectangular(0.8, 1.2), asp.Rectangular(0.0, 0.2)), 12)
+/// 0.555555555556
 #[pyfunction]
 #[pyo3(signature = (thresholds, reforming = None))]
 pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<f64> {
@@ -234,18 +297,63 @@ pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResu
 }
 
 /// F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0.
+///
+/// Parameters
+/// ----------
+/// thresholds
+///     Their distribution P_c.
+///
+/// Returns
+/// -------
+/// float
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> round(asp.exact.kinetic_friction_per_threshold(asp.Point(1.0)), 12)
+/// 0.5
 #[pyfunction]
 pub fn kinetic_friction_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
     Ok(exact::kinetic_friction_per_threshold(built(thresholds)?.as_ref()))
 }
 
 /// N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0.
+///
+/// Parameters
+/// ----------
+/// thresholds
+///     Their distribution P_c.
+///
+/// Returns
+/// -------
+/// float
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> round(asp.exact.steady_variance(asp.Point(1.0)), 12)
+/// 0.083333333333
 #[pyfunction]
 pub fn steady_variance(thresholds: AnyLaw) -> PyResult<f64> {
     Ok(exact::steady_variance(built(thresholds)?.as_ref()))
 }
 
 /// The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴.
+///
+/// Parameters
+/// ----------
+/// thresholds
+///     Their distribution P_c.
+///
+/// Returns
+/// -------
+/// float
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> round(asp.exact.steady_variance_per_threshold(asp.Point(1.0)), 12)
+/// 0.083333333333
 #[pyfunction]
 pub fn steady_variance_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
     Ok(exact::steady_variance_per_threshold(built(thresholds)?.as_ref()))

@@ -12,12 +12,14 @@ use asperity::record::{self, Quantity};
 use asperity::scenario::{self, FitPosterior, Units};
 use asperity_runner::posterior;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Seed, Whole};
 use crate::description::{Interface, Plain, Solved};
 use crate::equation::MasterEquation;
+use crate::found::{Arguments, Search, Told};
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
 use crate::model::{built, interface};
@@ -34,35 +36,72 @@ use crate::{error, typed, values};
 /// (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
 /// found by Fisher scoring, and their errors follow from the expected information.
 ///
-/// contacts, initial, start, velocity: as for MasterEquation; their free numbers are first values.
-/// position: positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
-/// lists for several curves, whose noise is that of different contacts.
-/// force: the n measured forces, or a list of such lists; or None for a planned measurement, for which the result has the
-/// errors that the free numbers would have, at their first values.
-/// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-/// "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all curves; a name after
-/// "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
-/// noise: "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
-/// number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness cannot both
-/// be free.
-/// reading: the standard deviation of the independent error of a reading, after averaging; estimated if None.
-/// drift: the longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
-/// size and its length are then estimated. No drift if None.
-/// compliance: displacement of the drive against the slider per force, of slider and machine together; "free" if it is to
-/// be found, from a first value that follows from the steepest slope of the curve.
-/// offset: the reading of the force where there is none.
-/// trend: the change of that reading per length.
-/// origin: the reading of the position at X = 0.
-/// prior: for some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
-/// logarithm for numbers above 0.
-/// average: the number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most
-/// 4000 may remain.
-/// laws: names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made with
-/// all its numbers free instead of those of contacts.thresholds: Estimates.laws.
-/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+/// Parameters
+/// ----------
+/// contacts, initial, start, velocity
+///     As for MasterEquation; their free numbers are first values.
+/// position
+///     Positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
+///     lists for several curves, whose noise is that of different contacts.
+/// force
+///     The n measured forces, or a list of such lists; or None for a planned measurement, for which the result has
+///     the errors that the free numbers would have, at their first values.
+/// free
+///     The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+///     "count" and "stiffness", and "background", "compliance", "offset", "trend" and "origin". Each is common to all
+///     curves; a name after "curve.0.", "curve.1.", ... is that of a number of one curve, such as "curve.1.offset".
+/// noise
+///     "contacts" if errors contain the noise of the N_c contacts, whose covariance is known: count is then their
+///     number, not 1 for forces per contact; "white" if they are independent. With "white", count and stiffness
+///     cannot both be free.
+/// reading
+///     The standard deviation of the independent error of a reading, after averaging; estimated if None.
+/// drift
+///     The longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
+///     size and its length are then estimated. No drift if None.
+/// compliance
+///     Displacement of the drive against the slider per force, of slider and machine together; "free" if it is to be
+///     found, from a first value that follows from the steepest slope of the curve.
+/// offset
+///     The reading of the force where there is none.
+/// trend
+///     The change of that reading per length.
+/// origin
+///     The reading of the position at X = 0.
+/// prior
+///     For some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
+///     logarithm for numbers above 0.
+/// average
+///     The number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most 4000
+///     may remain.
+/// laws
+///     Names of distributions of thresholds, such as "gamma" and "lognormal", for each of which the same fit is made
+///     with all its numbers free instead of those of contacts.thresholds: Estimates.laws.
+/// progress
+///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
-/// Raises ValueError for invalid values, and for numbers that the curve does not determine. A search that does not
-/// converge is no error: see Estimates.converged.
+/// Returns
+/// -------
+/// Estimates
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, and for numbers that the curve does not determine. A search that does not converge is no
+///     error: see Estimates.converged.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), count=1000, stiffness=0.001)
+/// >>> position = np.linspace(0.05, 3.0, 60)
+/// >>> force = asp.MasterEquation(contacts).pull(3.0).sample_paths(position, 1, size=1000, seed=1)[0]
+/// >>> found = asp.fit(contacts, position, force, free=['thresholds.mean', 'thresholds.std'], reading=1e-4)
+/// >>> found.converged
+/// True
+/// >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 4 * found.params['thresholds.mean'].error)
+/// True
 #[pyfunction(name = "fit")]
 #[pyo3(
     signature = (
@@ -96,6 +135,17 @@ pub fn fit(
     laws: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Estimates> {
+    let given = Given {
+        contacts: contacts.clone(),
+        start: start.to_owned(),
+        compliance: compliance.to_object(py)?,
+        free: free.clone(),
+        prior: prior.clone().unwrap_or_default(),
+        laws: laws.clone(),
+        noise: noise.to_owned(),
+        numbers: [("velocity", velocity), ("reading", reading), ("drift", drift)],
+        machine: [("offset", offset), ("trend", trend), ("origin", origin)],
+    };
     let interface = interface(contacts, initial, start)?;
     let known = if let Compliance::Known(compliance) = compliance { compliance } else { 0.0 };
     let background = interface.contacts.background().map_err(error::core)?;
@@ -131,12 +181,65 @@ pub fn fit(
         Ok((found, others))
     })?;
     let compared = PyDict::new(py);
+    let arguments = given.arguments(py, &interface, &found)?;
     for (name, (law, found)) in laws.iter().zip(others) {
         let mut interface = interface.clone();
         interface.contacts.thresholds = Some(law);
-        compared.set_item(name, Estimates::new(py, found, (interface, velocity), PyDict::new(py))?)?;
+        let arguments = arguments.of_law(py, name)?;
+        let of_law = Estimates::new(py, found, (interface, velocity), PyDict::new(py), arguments)?;
+        compared.set_item(name, of_law)?;
     }
-    Estimates::new(py, found, (interface, velocity), compared)
+    Estimates::new(py, found, (interface, velocity), compared, arguments)
+}
+
+/// The arguments of a fit but for its curves.
+struct Given<'py> {
+    contacts: Bound<'py, Contacts>,
+    start: String,
+    compliance: Py<PyAny>,
+    free: Vec<String>,
+    prior: BTreeMap<String, (f64, f64)>,
+    laws: Vec<String>,
+    noise: String,
+    numbers: [(&'static str, Option<f64>); 3],
+    machine: [(&'static str, f64); 3],
+}
+
+impl Given<'_> {
+    /// All arguments by name, with the curves as they were averaged.
+    fn arguments(
+        &self,
+        py: Python<'_>,
+        interface: &Interface,
+        found: &asperity::fit::Estimates,
+    ) -> PyResult<Arguments> {
+        let named = PyDict::new(py);
+        let curves = |of: fn(&Measurement) -> &Vec<f64>| {
+            found
+                .curves()
+                .iter()
+                .map(|curve| convert::row(py, of(curve).clone()))
+                .collect::<PyResult<Vec<_>>>()
+        };
+        named.set_item("contacts", &self.contacts)?;
+        named.set_item("position", curves(|curve| &curve.positions)?)?;
+        let forces = found.misfit.map(|_| curves(|curve| &curve.forces)).transpose()?;
+        named.set_item("force", forces)?;
+        named.set_item("initial", Plain::Law(interface.initial.clone()).instance::<crate::law::Law>(py)?)?;
+        for (name, value) in self.numbers {
+            named.set_item(name, value)?;
+        }
+        for (name, value) in self.machine {
+            named.set_item(name, value)?;
+        }
+        named.set_item("start", &self.start)?;
+        named.set_item("noise", &self.noise)?;
+        named.set_item("compliance", &self.compliance)?;
+        named.set_item("free", &self.free)?;
+        named.set_item("prior", &self.prior)?;
+        named.set_item("laws", &self.laws)?;
+        Ok(Arguments { function: "fit", named: named.unbind(), law: None })
+    }
 }
 
 /// The fit with thresholds of another family, from the mean and the standard deviation of the fitted ones.
@@ -182,7 +285,9 @@ fn of_argument(mut error: Error) -> Error {
 /// Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
 #[pyclass(frozen, module = "asperity")]
 pub struct Estimates {
-    found: asperity::fit::Estimates,
+    told: Told,
+    search: Search<Self, asperity::fit::Estimates>,
+    arguments: Arguments,
     model: Py<MasterEquation>,
     pull: Py<Pull>,
     readings: Py<Record>,
@@ -195,6 +300,7 @@ impl Estimates {
         found: asperity::fit::Estimates,
         (mut first, velocity): (Interface, Option<f64>),
         laws: Bound<'_, PyDict>,
+        arguments: Arguments,
     ) -> PyResult<Self> {
         let names: Vec<String> = found.parameters.iter().map(|estimate| estimate.name.clone()).collect();
         if names.iter().any(|name| name == "background" || name == "curve.0.background") {
@@ -204,7 +310,34 @@ impl Estimates {
         let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        Ok(Self { found, model: model.unbind(), pull, readings, laws: laws.unbind() })
+        let (told, laws) = (Told::of(&found), laws.unbind());
+        Ok(Self {
+            told,
+            search: Search::Own(Box::new(found)),
+            arguments,
+            model: model.unbind(),
+            pull,
+            readings,
+            laws,
+        })
+    }
+}
+
+impl Estimates {
+    /// The end of the search, which an object from a pickle makes again.
+    fn found(&self, py: Python<'_>) -> PyResult<&asperity::fit::Estimates> {
+        self.search.get(py, &self.arguments, |same| same.get().search.own())
+    }
+
+    /// The object that was pickled.
+    pub fn restored(
+        arguments: Arguments,
+        content: &[u8],
+        (model, pull): (Py<MasterEquation>, Py<Pull>),
+        (readings, laws): (Py<Record>, Py<PyDict>),
+    ) -> PyResult<Self> {
+        let (told, search) = (Told::read(content)?, Search::Again(PyOnceLock::new()));
+        Ok(Self { told, search, arguments, model, pull, readings, laws })
     }
 }
 
@@ -213,44 +346,43 @@ impl Estimates {
     /// The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate.
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
-        values::estimates(py, &self.found.parameters)
+        values::estimates(py, &self.told.parameters())
     }
 
     /// The covariance of the estimates in the order of `params`, shape (n, n).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        let n = self.found.parameters.len();
-        convert::array(py, &[n, n], self.found.covariance.clone()).map(typed::Array)
+        convert::square(py, self.told.covariance.clone()).map(typed::Array)
     }
 
     /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
     #[getter]
     fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.found.correlations())
+        values::correlations(py, self.told.correlations.clone())
     }
 
     /// Whether the search has converged; otherwise the estimates are its last values.
     #[getter]
     fn converged(&self) -> bool {
-        self.found.converged
+        self.told.converged
     }
 
     /// The number of solutions of the master equation that the search took.
     #[getter]
     fn solutions(&self) -> usize {
-        self.found.solutions
+        self.told.solutions
     }
 
     /// How well the curve is described, a Misfit; None for a planned measurement.
     #[getter]
     fn misfit<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::Misfit<'py>>> {
-        self.found.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
+        self.told.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
     }
 
     /// The standard deviation of the independent error of a reading, given or estimated, a force.
     #[getter]
     fn reading(&self) -> f64 {
-        self.found.reading
+        self.told.reading
     }
 
     /// The same fit with other distributions of thresholds, by their names: a dict of Estimates. Misfit.akaike compares them:
@@ -292,8 +424,16 @@ impl Estimates {
 
     /// The readings that are expected at positions, as they are measured, with their scatter and their errors.
     ///
-    /// position: a list of positions in any order, within the range of the measured ones or beyond it.
-    /// curve: the number of the curve.
+    /// Parameters
+    /// ----------
+    /// position
+    ///     A list of positions in any order, within the range of the measured ones or beyond it.
+    /// curve
+    ///     The number of the curve.
+    ///
+    /// Returns
+    /// -------
+    /// Prediction
     #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
     fn predict<'py>(
         &self,
@@ -302,7 +442,8 @@ impl Estimates {
         curve: Whole,
     ) -> PyResult<typed::Prediction<'py>> {
         let (positions, curve) = (convert::list("position", position)?, curve.get("curve")?);
-        let predicted = watched(None, py, |monitor| self.found.predict(curve, &positions, monitor))?;
+        let found = self.found(py)?;
+        let predicted = watched(None, py, |monitor| found.predict(curve, &positions, monitor))?;
         values::prediction(py, predicted)
     }
 
@@ -312,10 +453,21 @@ impl Estimates {
     /// either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
     /// that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
     ///
-    /// kernels: their number, 12 or more.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// kernels
+    ///     Their number, 12 or more.
+    /// progress
+    ///     As for MasterEquation.pull.
     ///
-    /// Raises ValueError if no number of the thresholds was free.
+    /// Returns
+    /// -------
+    /// FreeForm
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no number of the thresholds was free.
     #[pyo3(
         signature = (kernels = Whole::new(36), *, progress: "_Progress" = None),
         text_signature = "(self, kernels=36, *, progress=None)"
@@ -327,7 +479,8 @@ impl Estimates {
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::FreeForm<'py>> {
         let kernels = kernels.get("kernels")?;
-        let form = watched(progress, py, |monitor| self.found.free_form(kernels, monitor))?;
+        let found = self.found(py)?;
+        let form = watched(progress, py, |monitor| found.free_form(kernels, monitor))?;
         let series = form.thresholds.series();
         let law = scenario::Law::Series {
             boundaries: series.boundaries().to_vec(),
@@ -339,17 +492,31 @@ impl Estimates {
     }
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
+    ///
+    /// Returns
+    /// -------
+    /// FrictionEstimates
     fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
-        values::friction(py, &watched(None, py, |monitor| self.found.friction(monitor))?)
+        let found = self.found(py)?;
+        values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
     }
 
     /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
     /// its minimum.
     ///
-    /// name: a name of `params`.
-    /// values: a list of values, or None for 13 from three standard errors below the estimate to three above it; of the
-    /// logarithm for numbers above 0.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// values
+    ///     A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+    ///     logarithm for numbers above 0.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// Profile
     #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
     fn profile<'py>(
         &self,
@@ -360,14 +527,15 @@ impl Estimates {
     ) -> PyResult<typed::Profile<'py>> {
         /// As many as show whether a profile is a parabola.
         const VALUES: usize = 13;
+        let found = self.found(py)?;
         let values = match values {
             Some(values) => convert::list_within("values", values, &Domain::NUMBERS)?,
-            None => self.found.profile_values(name, VALUES).map_err(error::core)?,
+            None => found.profile_values(name, VALUES).map_err(error::core)?,
         };
         let rise = watched(progress, py, |monitor| {
             let share = 1.0 / values.len() as f64;
             let one = |(i, &value): (usize, &f64)| {
-                self.found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
+                found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
             };
             values.iter().enumerate().map(one).collect()
         })?;
@@ -377,8 +545,16 @@ impl Estimates {
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
     /// numbers, has risen by 3.84.
     ///
-    /// name: a name of `params`.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -386,17 +562,24 @@ impl Estimates {
         name: &str,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(f64, f64)> {
-        let [low, high] = watched(progress, py, |monitor| self.found.interval_by_profile(name, monitor))?;
+        let found = self.found(py)?;
+        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
         Ok((low, high))
     }
 
     /// ln L at values of the free numbers, and its gradient, for samplers and other searches.
     ///
-    /// values: a list of n numbers in the order of `params`.
+    /// Parameters
+    /// ----------
+    /// values
+    ///     A list of n numbers in the order of `params`.
     ///
-    /// Returns ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
-    /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent errors
-    /// whose size is estimated, ln L is the highest for any size.
+    /// Returns
+    /// -------
+    /// (float, numpy.ndarray)
+    ///     ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
+    ///     The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
+    ///     errors whose size is estimated, ln L is the highest for any size.
     #[pyo3(signature = (values: "ArrayLike"))]
     fn log_likelihood<'py>(
         &self,
@@ -404,7 +587,8 @@ impl Estimates {
         values: &Bound<'py, PyAny>,
     ) -> PyResult<(f64, typed::Array<'py>)> {
         let values = convert::list("values", values)?;
-        let (value, gradient) = watched(None, py, |monitor| self.found.log_likelihood(&values, monitor))?;
+        let found = self.found(py)?;
+        let (value, gradient) = watched(None, py, |monitor| found.log_likelihood(&values, monitor))?;
         Ok((value, typed::Array(convert::row(py, gradient)?)))
     }
 
@@ -414,15 +598,29 @@ impl Estimates {
     /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
     /// before, which are left out.
     ///
-    /// draws: the number of draws of each chain, 4 or more.
-    /// chains: their number, 1 or more; as many are made at a time as there are threads.
-    /// seed: a whole number below 2^63, which always gives the same draws, on any number of threads, or a
-    /// numpy.random.Generator, from which one is drawn.
-    /// progress: as for MasterEquation.pull.
-    /// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-    /// those of the process, one per core or RAYON_NUM_THREADS.
+    /// Parameters
+    /// ----------
+    /// draws
+    ///     The number of draws of each chain, 4 or more.
+    /// chains
+    ///     Their number, 1 or more; as many are made at a time as there are threads.
+    /// seed
+    ///     A whole number below 2^63, which always gives the same draws, on any number of threads, or a
+    ///     numpy.random.Generator, from which one is drawn.
+    /// progress
+    ///     As for MasterEquation.pull.
+    /// threads
+    ///     The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+    ///     the process, one per core or RAYON_NUM_THREADS.
     ///
-    /// Raises ValueError for a planned measurement, and if no number is known to better than a limit.
+    /// Returns
+    /// -------
+    /// Posterior
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a planned measurement, and if no number is known to better than a limit.
     #[pyo3(
         signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None, threads = None),
         text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None, threads=None)"
@@ -438,12 +636,16 @@ impl Estimates {
     ) -> PyResult<Posterior> {
         let sampling =
             FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
-        let drawn =
-            watched_on(threads, progress, py, |monitor| posterior::sample(&self.found, sampling, monitor))?;
+        let found = self.found(py)?;
+        let drawn = watched_on(threads, progress, py, |monitor| posterior::sample(found, sampling, monitor))?;
         Ok(Posterior::new(drawn))
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._fit")?.call_method1("summary", (slf,))?.extract()
     }
@@ -451,8 +653,17 @@ impl Estimates {
     /// Plots the readings with the expected force and a band of two standard deviations of a reading to either side, and
     /// below them the whitened residuals. Returns the axes. It needs matplotlib.
     ///
-    /// axes: two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of the
-    /// expected force. A planned measurement is plotted on the first of them only.
+    /// Parameters
+    /// ----------
+    /// axes
+    ///     Two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of
+    ///     the expected force. A planned measurement is plotted on the first of them only.
+    /// **style
+    ///     Arguments of the plot() of the expected force.
+    ///
+    /// Returns
+    /// -------
+    /// (matplotlib.axes.Axes, ...)
     #[pyo3(signature = (axes: "Sequence[Axes] | None" = None, **style: "Any") -> "tuple[Axes, ...]")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -464,7 +675,17 @@ impl Estimates {
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
-        Err(pickle::refused(slf))
+        let (py, this) = (slf.py(), slf.get());
+        let parts = (&this.model, &this.pull, &this.readings, &this.laws).into_pyobject(py)?;
+        pickle::reduced_fit(py, &this.arguments, this.told.written()?, parts)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

@@ -7,13 +7,15 @@ use asperity::monitor::Part;
 use asperity::record::{self, Quantity};
 use asperity::scenario::Units;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert;
-use crate::description::Interface;
+use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fit::fitted_model;
+use crate::found::{Arguments, Search, Told};
 use crate::law::AnyLaw;
 use crate::model::interface;
 use crate::pickle::{self, Reduced};
@@ -27,21 +29,50 @@ use crate::{error, typed, values};
 /// independent errors of readings are added. The likelihood is the debiased one of Whittle: the components of the
 /// discrete Fourier transform count as independent, with their exact variances, aliasing and leakage included.
 ///
-/// contacts, velocity: as for MasterEquation; their free numbers are first values.
-/// spacing: the displacement of the slider from one reading to the next, above 0.
-/// force: the n measured forces, 16 or more for each free number; none of them before sliding is steady.
-/// free: the names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
-/// "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
-/// Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with "offset",
-/// count and stiffness cannot both be free, unless one has a prior.
-/// initial, start: as for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
-/// reading: the standard deviation of the independent error of a reading; estimated if None.
-/// offset: the reading of the force where there is none.
-/// prior: as for fit.
-/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+/// Parameters
+/// ----------
+/// contacts, velocity
+///     As for MasterEquation; their free numbers are first values.
+/// spacing
+///     The displacement of the slider from one reading to the next, above 0.
+/// force
+///     The n measured forces, 16 or more for each free number; none of them before sliding is steady.
+/// free
+///     The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "reforming.std",
+///     "count" and "stiffness", but not of initial stretches, of which steady sliding is independent; and "offset".
+///     Thresholds and re-forming stretches cannot all be shifted together with count and stiffness free; with
+///     "offset", count and stiffness cannot both be free, unless one has a prior.
+/// initial, start
+///     As for MasterEquation; only the static friction and the critical stiffness of the result depend on them.
+/// reading
+///     The standard deviation of the independent error of a reading; estimated if None.
+/// offset
+///     The reading of the force where there is none.
+/// prior
+///     As for fit.
+/// progress
+///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
-/// Raises ValueError for invalid values, for contacts whose spectrum has lines, and for numbers that the record does not
-/// determine. A search that does not converge is no error: see SteadyEstimates.converged.
+/// Returns
+/// -------
+/// SteadyEstimates
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, for contacts whose spectrum has lines, and for numbers that the record does not determine.
+///     A search that does not converge is no error: see SteadyEstimates.converged.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=2000, stiffness=0.0005)
+/// >>> pull = asp.Ensemble(contacts, size=2000, seed=1).pull(60.0, 2401)
+/// >>> force = pull.force[400:]
+/// >>> found = asp.fit_steady(contacts, 0.025, force, free=['thresholds.mean'], reading=1e-5)
+/// >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 0.05)
+/// True
 #[pyfunction(name = "fit_steady")]
 #[pyo3(
     signature = (
@@ -74,6 +105,7 @@ pub fn fit_steady(
     }
     let measured = SteadyRecord { spacing, forces: convert::list("force", force)? };
     let prior = prior.unwrap_or_default();
+    let known = prior.clone();
     let found = watched(progress, py, |monitor| {
         let first = MasterEquation::build(&interface, velocity, &mut Part::new(monitor, 0.0, 0.05))?;
         let mut fit = SteadyFit::new(first.equation, measured).free(free.iter().cloned()).offset(offset);
@@ -85,7 +117,19 @@ pub fn fit_steady(
             .fold(fit, |fit, (name, (value, error))| fit.prior(&name, Prior { value, error }));
         fit.run_with(&mut Part::new(monitor, 0.05, 0.95))
     })?;
-    SteadyEstimates::new(py, found, (interface, velocity), &free)
+    let named = PyDict::new(py);
+    named.set_item("contacts", contacts)?;
+    named.set_item("spacing", spacing)?;
+    named.set_item("force", convert::row(py, found.record().forces.clone())?)?;
+    named.set_item("free", &free)?;
+    named.set_item("initial", Plain::Law(interface.initial.clone()).instance::<crate::law::Law>(py)?)?;
+    named.set_item("start", start)?;
+    named.set_item("velocity", velocity)?;
+    named.set_item("reading", reading)?;
+    named.set_item("offset", offset)?;
+    named.set_item("prior", known)?;
+    let arguments = Arguments { function: "fit_steady", named: named.unbind(), law: None };
+    SteadyEstimates::new(py, found, (interface, velocity), &free, arguments)
 }
 
 /// What a fit to a record of steady sliding has found: values of the free numbers with their errors, and how well they
@@ -94,7 +138,9 @@ pub fn fit_steady(
 /// Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyEstimates {
-    found: asperity::fit::SteadyEstimates,
+    told: Told,
+    search: Search<Self, asperity::fit::SteadyEstimates>,
+    arguments: Arguments,
     model: Py<MasterEquation>,
     spectrum: Py<Record>,
 }
@@ -105,10 +151,27 @@ impl SteadyEstimates {
         found: asperity::fit::SteadyEstimates,
         first: (Interface, Option<f64>),
         free: &[String],
+        arguments: Arguments,
     ) -> PyResult<Self> {
         let model = fitted_model(py, found.equation(), first, free)?;
         let spectrum = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        Ok(Self { found, model: model.unbind(), spectrum })
+        let (told, search) = (Told::of_steady(&found), Search::Own(Box::new(found)));
+        Ok(Self { told, search, arguments, model: model.unbind(), spectrum })
+    }
+
+    /// The end of the search, which an object from a pickle makes again.
+    fn found(&self, py: Python<'_>) -> PyResult<&asperity::fit::SteadyEstimates> {
+        self.search.get(py, &self.arguments, |same| same.get().search.own())
+    }
+
+    /// The object that was pickled.
+    pub fn restored(
+        arguments: Arguments,
+        content: &[u8],
+        (model, spectrum): (Py<MasterEquation>, Py<Record>),
+    ) -> PyResult<Self> {
+        let (told, search) = (Told::read(content)?, Search::Again(PyOnceLock::new()));
+        Ok(Self { told, search, arguments, model, spectrum })
     }
 }
 
@@ -117,56 +180,56 @@ impl SteadyEstimates {
     /// The free numbers by name, and after them "reading" if it was estimated: each an Estimate.
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
-        values::estimates(py, &self.found.parameters)
+        values::estimates(py, &self.told.parameters())
     }
 
     /// The covariance of the estimates in the order of `params`, shape (n, n).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        let n = self.found.parameters.len();
-        convert::array(py, &[n, n], self.found.covariance.clone()).map(typed::Array)
+        convert::square(py, self.told.covariance.clone()).map(typed::Array)
     }
 
     /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
     #[getter]
     fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.found.correlations())
+        values::correlations(py, self.told.correlations.clone())
     }
 
     /// Whether the search has converged; otherwise the estimates are its last values.
     #[getter]
     fn converged(&self) -> bool {
-        self.found.converged
+        self.told.converged
     }
 
     /// The number of solutions of the master equation that the search took, without those for derivatives.
     #[getter]
     fn solutions(&self) -> usize {
-        self.found.solutions
+        self.told.solutions
     }
 
     /// The number of readings of the record.
     #[getter]
     fn readings(&self) -> usize {
-        self.found.record().forces.len()
+        self.told.readings
     }
 
     /// How well the record is described, a Misfit: of its Fourier components, each divided by its expected size.
     #[getter]
     fn misfit<'py>(&self, py: Python<'py>) -> PyResult<typed::Misfit<'py>> {
-        values::misfit(py, &self.found.misfit)
+        let misfit = self.told.misfit.as_ref().ok_or_else(|| pickle::damaged("a planned measurement"))?;
+        values::misfit(py, misfit)
     }
 
     /// The standard deviation of the independent error of a reading, given or estimated, a force.
     #[getter]
     fn reading(&self) -> f64 {
-        self.found.reading
+        self.told.reading
     }
 
     /// The reading of the force where there is none, given or estimated, a force.
     #[getter]
     fn offset(&self) -> f64 {
-        self.found.offset
+        self.told.offset
     }
 
     /// The contacts of the estimated numbers.
@@ -193,15 +256,28 @@ impl SteadyEstimates {
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
     /// the initial stretches, of which the record tells nothing.
+    ///
+    /// Returns
+    /// -------
+    /// FrictionEstimates
     fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
-        values::friction(py, &watched(None, py, |monitor| self.found.friction(monitor))?)
+        let found = self.found(py)?;
+        values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
     }
 
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
     /// numbers, has risen by 3.84.
     ///
-    /// name: a name of `params`.
-    /// progress: as for MasterEquation.pull.
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -209,11 +285,16 @@ impl SteadyEstimates {
         name: &str,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(f64, f64)> {
-        let [low, high] = watched(progress, py, |monitor| self.found.interval_by_profile(name, monitor))?;
+        let found = self.found(py)?;
+        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
         Ok((low, high))
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the record is described.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._fit")?.call_method1("steady_summary", (slf,))?.extract()
     }
@@ -221,7 +302,16 @@ impl SteadyEstimates {
     /// Plots the periodogram as dots and its expectation as a line, on logarithmic axes. Returns the axes. It needs
     /// matplotlib.
     ///
-    /// ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes to plot on; new ones if None. Other arguments are passed to the plot() of the expectation.
+    /// **style
+    ///     Arguments of the plot() of the expectation.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -234,7 +324,17 @@ impl SteadyEstimates {
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
-        Err(pickle::refused(slf))
+        let (py, this) = (slf.py(), slf.get());
+        let parts = (&this.model, &this.spectrum).into_pyobject(py)?;
+        pickle::reduced_fit(py, &this.arguments, this.told.written()?, parts)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

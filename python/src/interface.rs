@@ -63,24 +63,42 @@ impl Deformable {
     /// Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
     /// contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
     ///
-    /// points: the number of points of the trace, including both ends.
-    /// velocity: the velocity of the drive, above 0; required for time-dependent contacts.
-    /// tolerance: the allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default;
-    /// for time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
-    /// maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
-    /// also stored at every point.
-    /// catalogue_from: events are recorded from this drive on.
-    /// slip_rates: the largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of
-    /// shape (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-    /// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-    /// those of the process, one per core or RAYON_NUM_THREADS.
+    /// Parameters
+    /// ----------
+    /// distance
+    ///     The displacement of the drive, above 0.
+    /// points
+    ///     The number of points of the trace, including both ends.
+    /// velocity
+    ///     The velocity of the drive, above 0; required for time-dependent contacts.
+    /// tolerance
+    ///     The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default; for
+    ///     time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
+    /// maps
+    ///     A list of drives, in increasing order, at which the state of every cell is stored; for a chain it is also
+    ///     stored at every point.
+    /// catalogue_from
+    ///     Events are recorded from this drive on.
+    /// slip_rates
+    ///     The largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of shape
+    ///     (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// threads
+    ///     The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+    ///     the process, one per core or RAYON_NUM_THREADS.
     ///
-    /// Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
-    /// `summary["catalogue"]` describes the distributions of their sizes and intervals. run computes the same
-    /// scenarios and can write checkpoints.
+    /// Returns
+    /// -------
+    /// Result
+    ///     The Result of the equivalent scenario: its `events` are the catalogue, and its `summary["catalogue"]`
+    ///     describes the distributions of their sizes and intervals. run computes the same scenarios and can write
+    ///     checkpoints.
     ///
-    /// Raises ValueError for invalid values, or for more results than fit in memory.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For invalid values, or for more results than fit in memory.
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
@@ -117,13 +135,23 @@ impl Deformable {
     /// Moves the load point from balance at t = 0 through the steps, one after the other: velocity steps and holds of an
     /// interface over time-dependent contacts.
     ///
-    /// steps: a list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-    /// tolerance, catalogue_from, slip_rates, progress, threads: as for drive.
+    /// Parameters
+    /// ----------
+    /// steps
+    ///     A list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
+    /// tolerance, catalogue_from, slip_rates, progress, threads
+    ///     As for drive.
     ///
-    /// Returns the Result of the equivalent scenario, with the state of every cell of a chain at every point of the
-    /// trace, and of a lattice where steps begin and end.
+    /// Returns
+    /// -------
+    /// Result
+    ///     The Result of the equivalent scenario, with the state of every cell of a chain at every point of the
+    ///     trace, and of a lattice where steps begin and end.
     ///
-    /// Raises ValueError for no steps, for time-independent contacts, and for more results than fit in memory.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For no steps, for time-independent contacts, and for more results than fit in memory.
     #[pyo3(
         signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None),
         text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
@@ -163,11 +191,20 @@ impl Deformable {
         result::object(slf.py(), outcome)
     }
 
-    /// Returns a simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
+    /// Parameters
+    /// ----------
+    /// velocity, tolerance
+    ///     As for drive.
     ///
-    /// velocity, tolerance: as for drive.
+    /// Returns
+    /// -------
+    /// Simulation
+    ///     A simulation that advances step by step, at X_T = 0; with start="steady", in balance at the velocity.
     ///
-    /// Raises ValueError for invalid values.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (*, velocity = None, tolerance = None))]
     fn simulation(
         slf: &Bound<'_, Self>,
@@ -259,28 +296,57 @@ impl Deformable {
 /// A deformable slider (Burridge–Knopoff, or on a half-space): elastically coupled cells of contacts, each
 /// connected to the drive by a spring. The contacts of a cell move together.
 ///
-/// contacts: the contacts of a cell.
-/// cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-/// initial, start: as for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the
-/// drive, unless they have a size.
-/// connection: K_0, the stiffness of the spring between a cell and the drive.
-/// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
-/// half-space and the side of a cell.
-/// edges: "open" or "periodic".
-/// loading: "uniform", or "edge" if the drive pulls only the first cell or row.
-/// slip: the slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
-/// viscosity: the drag on a moving cell, force per velocity; with it events have durations. Time-dependent
-/// contacts require it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips
-/// while it is more than ten times as fast as the drive.
-/// disorder: the standard deviation of the scale factors of cells, which multiply all lengths of their contacts
-/// and are drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
-/// drive_tolerance: the accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for
-/// time-dependent contacts.
-/// size: None for cells of many contacts, which follow the master equation; or the number of contacts in each
-/// cell, which are drawn with the seed and followed one by one, with slip="overdamped".
-/// quenched: whether these keep their thresholds.
+/// Parameters
+/// ----------
+/// contacts
+///     The contacts of a cell.
+/// cells
+///     The length of a chain, such as [1000], or rows and columns, such as [512, 512].
+/// initial, start
+///     As for MasterEquation; start="steady" holds for time-dependent contacts too, at the velocity of the drive,
+///     unless they have a size.
+/// connection
+///     K_0, the stiffness of the spring between a cell and the drive.
+/// neighbours
+///     K_int, the stiffness of the spring between two neighbours.
+/// half_space
+///     The modulus G* of a half-space and the side of a cell, instead of neighbours.
+/// edges
+///     "open" or "periodic".
+/// loading
+///     "uniform", or "edge" if the drive pulls only the first cell or row.
+/// slip
+///     The slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
+/// viscosity
+///     The drag on a moving cell, force per velocity; with it events have durations. Time-dependent contacts require
+///     it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it is more
+///     than ten times as fast as the drive.
+/// disorder
+///     The standard deviation of the scale factors of cells, which multiply all lengths of their contacts and are
+///     drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
+/// seed
+///     The seed of these scale factors and of single contacts.
+/// drive_tolerance
+///     The accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for time-dependent
+///     contacts.
+/// size
+///     None for cells of many contacts, which follow the master equation; or the number of contacts in each cell,
+///     which are drawn with the seed and followed one by one, with slip="overdamped".
+/// quenched
+///     Whether these keep their thresholds.
 ///
-/// Raises ValueError for invalid values.
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+/// >>> chain = asp.Interface(contacts, [16], connection=0.5, neighbours=1.0)
+/// >>> len(chain.drive(distance=3.0).events) > 0
+/// True
 #[pyclass(frozen, extends = Deformable, module = "asperity")]
 pub struct Interface;
 
@@ -404,18 +470,33 @@ impl Interface {
     /// The distribution of the stretches of the contacts of a cell, per length, after the interface has been driven
     /// from X_T = 0.
     ///
-    /// cell: its number, counted row by row.
-    /// stretches: a list of n stretches.
-    /// at: the drive, 0 or above.
-    /// velocity: the velocity of the drive, for time-dependent contacts.
-    /// edges: instead of stretches, edges of n bins, n + 1 increasing numbers; only for time-dependent contacts and
-    /// for cells with a size. The density is then the mean in each bin, and `stretch` its middle.
-    /// progress: as for MasterEquation.pull.
-    ///
     /// The result has `stretch` and `density` of shape (n,), and `atoms`, the point masses. Detached contacts are
     /// not counted. Without bins each of the few contacts of a cell with a size is an atom.
     ///
-    /// Raises ValueError for a cell that does not exist, and for invalid values.
+    /// Parameters
+    /// ----------
+    /// cell
+    ///     Its number, counted row by row.
+    /// stretches
+    ///     A list of n stretches.
+    /// at
+    ///     The drive, 0 or above.
+    /// velocity
+    ///     The velocity of the drive, for time-dependent contacts.
+    /// edges
+    ///     Instead of stretches, edges of n bins, n + 1 increasing numbers; only for time-dependent contacts and for
+    ///     cells with a size. The density is then the mean in each bin, and `stretch` its middle.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// StretchDensity
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a cell that does not exist, and for invalid values.
     #[pyo3(
         signature = (cell, stretches: "ArrayLike | None" = None, *, at, velocity = None, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell, stretches=None, *, at, velocity=None, edges=None, progress=None)"
@@ -488,16 +569,35 @@ fn scales(disorder: &Bound<'_, PyAny>, seed: u64) -> PyResult<Scales> {
 /// Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
 /// Christensen, for any distribution of thresholds.
 ///
-/// contacts: the distributions of the contacts; their count is the total number that all cells represent.
-/// cells: the length of a chain, or rows and columns.
-/// initial, start: as for Ensemble.
-/// neighbours: the stiffness of the spring between two neighbours.
-/// connection: the stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z
-/// neighbours + connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
-/// edges: "open" or "periodic".
-/// seed, disorder: as for Ensemble.
+/// Parameters
+/// ----------
+/// contacts
+///     The distributions of the contacts; their count is the total number that all cells represent.
+/// cells
+///     The length of a chain, or rows and columns.
+/// initial, start
+///     As for Ensemble.
+/// neighbours
+///     The stiffness of the spring between two neighbours.
+/// connection
+///     The stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z neighbours +
+///     connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
+/// edges
+///     "open" or "periodic".
+/// seed, disorder
+///     As for Ensemble.
 ///
-/// Raises ValueError for invalid values.
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> lattice = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.1)), [16, 16], neighbours=0.2, connection=0.2)
+/// >>> len(lattice.drive(distance=3.0).events) > 0
+/// True
 #[pyclass(frozen, extends = Deformable, module = "asperity")]
 pub struct Lattice;
 

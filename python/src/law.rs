@@ -29,6 +29,19 @@ const PIECE: usize = 1 << 14;
 /// parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
 /// before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
 /// raises TypeError.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> law = asp.Gaussian(1.0, 0.05)
+/// >>> round(law.cdf(0.95), 4)
+/// 0.1587
+/// >>> law.ppf([0.25, 0.5]).round(4)
+/// array([0.9663, 1.    ])
+/// >>> round(asp.Lognormal(1.0, 0.2).std(), 4)
+/// 0.2
+/// >>> asp.Weibull(12.0, 1.0) == asp.Weibull(scale=1.0, shape=12.0)
+/// True
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Law {
     built: SharedLaw,
@@ -49,36 +62,96 @@ impl Law {
     }
 
     /// The density p(x) without point masses, per length; 0 for x < 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn pdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
     }
 
     /// The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn cdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.cumulative(x))
     }
 
     /// The survival S(x) = P(ξ > x), accurate to all digits also where it is small.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn sf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.survival(x))
     }
 
     /// ln S(x), accurate also where S underflows; -inf where S is 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logsf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
     }
 
     /// ln p(x), accurate also where p underflows; -inf where p is 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logpdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| law::ln_density(self.built.as_ref(), x))
     }
 
     /// ln P(ξ ≤ x); -inf where P is 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logcdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| {
@@ -89,12 +162,32 @@ impl Law {
 
     /// The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
     /// (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// x
+    ///     Stretches: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn hazard<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.hazard(x))
     }
 
     /// The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1.
+    ///
+    /// Parameters
+    /// ----------
+    /// q
+    ///     Probabilities from 0 to 1: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn ppf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.quantile(q))
@@ -102,6 +195,16 @@ impl Law {
 
     /// The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
     /// q) is not.
+    ///
+    /// Parameters
+    /// ----------
+    /// q
+    ///     Probabilities from 0 to 1: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn isf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.upper_quantile(q))
@@ -112,6 +215,20 @@ impl Law {
     /// The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
     /// from which one such number is drawn. random_state is another name for it; without either, the numbers are
     /// different in each call.
+    ///
+    /// Parameters
+    /// ----------
+    /// size
+    ///     How many, or the shape of an array; None for one number.
+    /// seed
+    ///     A whole number below 2^63, or a numpy.random.Generator; without one, draws differ from call to call.
+    /// random_state
+    ///     The same by the name that scipy.stats uses.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, random_state: "_Seed | None" = None, *, seed: "_Seed | None" = None) -> "float; _Array")]
     fn rvs<'py>(
         &self,
@@ -148,26 +265,51 @@ impl Law {
     }
 
     /// The mean after truncation at 0, a length.
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn mean(&self) -> f64 {
         self.built.mean()
     }
 
     /// The standard deviation after truncation at 0, a length.
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn std(&self) -> f64 {
         self.built.std()
     }
 
     /// The variance after truncation at 0, in units of length².
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn var(&self) -> f64 {
         self.built.std().powi(2)
     }
 
     /// The median, the smallest x with P(ξ ≤ x) ≥ 1/2.
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn median(&self) -> f64 {
         self.built.quantile(0.5)
     }
 
     /// The interval between the quantiles (1 - confidence)/2 and (1 + confidence)/2.
+    ///
+    /// Parameters
+    /// ----------
+    /// confidence
+    ///     The probability of the interval, from 0 to 1.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
     fn interval(&self, confidence: f64) -> PyResult<(f64, f64)> {
         if !(0.0..=1.0).contains(&confidence) {
             return Err(error::invalid("confidence", "a number from 0 to 1", confidence));
@@ -178,6 +320,15 @@ impl Law {
 
     /// The mean "m", variance "v", skewness "s" and excess kurtosis "k" named by moments, in this order: a float for one,
     /// a tuple for several. Skewness and kurtosis of a point mass are nan.
+    ///
+    /// Parameters
+    /// ----------
+    /// moments
+    ///     Letters of "mvsk".
+    ///
+    /// Returns
+    /// -------
+    /// float or tuple[float, ...]
     #[pyo3(signature = (moments = "mv") -> "float | tuple[float, ...]")]
     fn stats<'py>(&self, py: Python<'py>, moments: &str) -> PyResult<Bound<'py, PyAny>> {
         if moments.is_empty() || moments.chars().any(|name| !"mvsk".contains(name)) {
@@ -206,6 +357,10 @@ impl Law {
     }
 
     /// The differential entropy -∫p ln p, in nats; -inf for a distribution with point masses.
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn entropy(&self) -> f64 {
         law::entropy(self.built.as_ref())
     }
@@ -214,6 +369,19 @@ impl Law {
     ///
     /// func is called with one float at a time, at the nodes of an adaptive Gauss quadrature; the relative error is 1e-13
     /// where it is smooth. At a jump of func, divide the range by lb and ub.
+    ///
+    /// Parameters
+    /// ----------
+    /// func
+    ///     A function of a number, or None.
+    /// lb, ub
+    ///     The limits; the whole range by default.
+    /// conditional
+    ///     Whether to divide by the probability of the range.
+    ///
+    /// Returns
+    /// -------
+    /// float
     #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = false))]
     fn expect(
         &self,
@@ -240,9 +408,12 @@ impl Law {
 
     /// The distribution of this class under which the samples are most likely.
     ///
-    /// samples: values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and Weibull
-    /// have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters instead, among them
-    /// loc and scale.
+    /// Parameters
+    /// ----------
+    /// samples
+    ///     Values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and
+    ///     Weibull have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters
+    ///     instead, among them loc and scale.
     #[classmethod]
     #[pyo3(signature = (samples: "ArrayLike") -> "Self")]
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -258,6 +429,15 @@ impl Law {
     }
 
     /// The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ.
+    ///
+    /// Parameters
+    /// ----------
+    /// order
+    ///     The order n, a whole number.
+    ///
+    /// Returns
+    /// -------
+    /// float
     fn moment(&self, order: Whole) -> PyResult<f64> {
         let order = order.get("order")?;
         if order > 29 {
@@ -267,6 +447,10 @@ impl Law {
     }
 
     /// The lowest and the highest value; the highest may be inf.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
     fn support(&self) -> (f64, f64) {
         (self.built.quantile(0.0), self.built.quantile(1.0))
     }
@@ -330,8 +514,8 @@ macro_rules! parametric_classes {
     )+) => {
         classes! {$(
             $(#[doc = $doc])+
-            #[doc = ""]
-            $(#[doc = concat!(stringify!($parameter), ":", $($parameter_doc),+)])+
+            #[doc = "\nParameters\n----------"]
+            $(#[doc = concat!(stringify!($parameter), "\n   ", $($parameter_doc),+)])+
             $name($($parameter),+) { $($parameter: f64),+ } => scenario::Law::$name { $($parameter),+ };
         )+}
 
@@ -424,41 +608,89 @@ fn set_of_component(components: &mut [Component], name: &str, to: f64) {
 classes! {
     /// A measured distribution: a density given at increasing stretches, or a sample.
     ///
-    /// stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
-    /// samples: a list of equally likely values, of any length; the distribution is their kernel density estimate,
-    /// with their mean and standard deviation.
-    /// bandwidth: of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
-    /// exact: quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density
-    /// estimate. Each sample is then a jump of the density, and more than twenty take the master equation minutes.
-    /// Give either stretch and density, or samples.
+    /// Parameters
+    /// ----------
+    /// stretch, density
+    ///     Lists of equal length; the density is linear between them, 0 outside, and normalised.
+    /// samples
+    ///     A list of equally likely values, of any length; the distribution is their kernel density estimate, with
+    ///     their mean and standard deviation.
+    /// bandwidth
+    ///     Of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
+    /// exact
+    ///     Quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density estimate.
+    ///     Each sample is then a jump of the density, and more than twenty take the master equation minutes. Give
+    ///     either stretch and density, or samples.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import asperity as asp
+    /// >>> law = asp.Tabulated(stretch=[0.9, 1.1], density=[1.0, 1.0])
+    /// >>> round(law.pdf(1.0), 6)
+    /// 5.0
     Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None, bandwidth: "_Number | None" = None, exact: "bool" = false) {
         stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>,
         bandwidth: Option<f64>, exact: bool
     } => table(stretch, density, samples, bandwidth, exact)?;
     /// A density that is a polynomial in each of several cells, given as Legendre series and normalised.
     ///
-    /// boundaries: the boundaries of the cells, in increasing order from 0 or above.
-    /// coefficients: for each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t),
-    /// with t from -1 to 1 across the cell.
-    /// cut: the probability of an infinite tail that was truncated at the last boundary; quantities that depend on
-    /// this tail, such as the relaxation length, are then nan.
-    ///
     /// asperity.law makes a Series from any distribution of scipy.stats.
+    ///
+    /// Parameters
+    /// ----------
+    /// boundaries
+    ///     The boundaries of the cells, in increasing order from 0 or above.
+    /// coefficients
+    ///     For each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t), with t from -1
+    ///     to 1 across the cell.
+    /// cut
+    ///     The probability of an infinite tail that was truncated at the last boundary; quantities that depend on
+    ///     this tail, such as the relaxation length, are then nan.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import asperity as asp
+    /// >>> law = asp.Series([0.0, 2.0], [[0.5]])
+    /// >>> round(law.cdf(0.5), 6)
+    /// 0.25
     Series(boundaries: "ArrayLike", coefficients: "Sequence[ArrayLike]", *, cut = 0.0) {
         boundaries: Bound<'_, PyAny>, coefficients: Vec<Bound<'_, PyAny>>, cut: f64
     } => series(&boundaries, &coefficients, cut)?;
-    /// A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1.
+    /// A mixture of distributions.
+    ///
+    /// Parameters
+    /// ----------
+    /// components
+    ///     A list of pairs (weight, distribution), with weights above 0 that sum to 1.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import asperity as asp
+    /// >>> law = asp.Mixture([(0.5, asp.Point(1.0)), (0.5, asp.Gaussian(2.0, 0.1))])
+    /// >>> round(law.mean(), 6)
+    /// 1.5
     Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
         components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
     );
     /// The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
     /// that contacts break at lower drives. Its mean is lower and it is narrower than law.
     ///
-    /// law: the distribution P_c of the thresholds, without point masses above 0.
-    /// coupling: κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to
-    /// below critical_coupling(law). Contacts start at stretch 0. When the unbroken contacts have the stretch x,
-    /// breaks have contributed κ∫ξ P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1
-    /// - κ x P_c(x)).
+    /// Parameters
+    /// ----------
+    /// law
+    ///     The distribution P_c of the thresholds, without point masses above 0.
+    /// coupling
+    ///     κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to below
+    ///     critical_coupling(law).
+    ///     Contacts start at stretch 0. When the unbroken contacts have the stretch x, breaks have contributed κ∫ξ
+    ///     P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+    ///
+    /// Examples
+    /// --------
+    /// >>> import asperity as asp
+    /// >>> law = asp.Renormalised(asp.Gaussian(1.0, 0.1), coupling=0.1)
+    /// >>> round(law.std(), 4)
+    /// 0.0721
     Renormalised(law, coupling) { law: AnyLaw, coupling: f64 } => scenario::Law::Renormalised {
         law: Box::new(law.0), coupling,
     };
@@ -501,6 +733,21 @@ fn series(
 ///
 /// For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩). For
 /// narrow distributions it is critical when K is the critical stiffness.
+///
+/// Parameters
+/// ----------
+/// law
+///     The distribution P_c of the thresholds.
+///
+/// Returns
+/// -------
+/// float
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> round(asp.critical_coupling(asp.Gaussian(1.0, 0.1)), 4)
+/// 0.2494
 #[pyfunction]
 pub fn critical_coupling(law: AnyLaw) -> PyResult<f64> {
     Ok(law::critical_coupling(built(law)?.as_ref()))

@@ -2,6 +2,7 @@
 //! computed here. The documentation here is what Python shows.
 
 mod block;
+mod command;
 mod contacts;
 mod convert;
 mod description;
@@ -11,6 +12,7 @@ mod error;
 mod exact;
 mod fit;
 mod fit_steady;
+mod found;
 mod history;
 mod interface;
 mod law;
@@ -43,6 +45,8 @@ mod _core {
     #[pymodule_export]
     use crate::block::{Block, Damped, Inertial};
     #[pymodule_export]
+    use crate::command::command;
+    #[pymodule_export]
     use crate::contacts::{Areas, Contacts};
     #[pymodule_export]
     use crate::description::{Description, restore};
@@ -74,7 +78,7 @@ mod _core {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::pickle::restore_result;
+    use crate::pickle::{restore_fit, restore_result};
     #[pymodule_export]
     use crate::posterior::Posterior;
     #[pymodule_export]

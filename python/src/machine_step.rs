@@ -24,15 +24,41 @@ enum LawWord {
 /// Least squares by the method of Levenberg and Marquardt. The misfit is stated, and no errors: what a fit leaves of a
 /// computed curve is what the equation does not describe (read_velocity_step gives errors, without a spring).
 ///
-/// displacement: rising displacements of the load point relative to the step, a length; those below 0 give F_0.
-/// force: the forces there.
-/// ratio: v/v_0, above 0 and not 1.
-/// stiffness: the stiffness K of the machine, a force per length, above 0.
-/// law: "ageing", with d(theta)/dt = 1 - V theta/D, or "slip", with d(theta)/dt = -(V theta/D) ln(V theta/D).
-/// states: the number of state variables, 1 or 2.
-/// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+/// Parameters
+/// ----------
+/// displacement
+///     Rising displacements of the load point relative to the step, a length; those below 0 give F_0.
+/// force
+///     The forces there.
+/// ratio
+///     v/v_0, above 0 and not 1.
+/// stiffness
+///     The stiffness K of the machine, a force per length, above 0.
+/// law
+///     "ageing", with d(theta)/dt = 1 - V theta/D, or "slip", with d(theta)/dt = -(V theta/D) ln(V theta/D).
+/// states
+///     The number of state variables, 1 or 2.
+/// progress
+///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
-/// Raises ValueError for invalid values, displacements that do not rise, and fewer than 8 points after the step.
+/// Returns
+/// -------
+/// MachineStep
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, displacements that do not rise, and fewer than 8 points after the step.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> displacement = np.concatenate([np.linspace(-1, 0, 11), np.linspace(0.02, 5, 250)])
+/// >>> force = np.where(displacement < 0, 1.0, 1.0 + 0.02 - 0.03 * (1.0 - np.exp(-displacement)))
+/// >>> found = asp.fit_velocity_step(displacement, force, np.e, stiffness=10.0, law='slip')
+/// >>> bool(found.a > 0.01 and found.b[0] > found.a)
+/// True
 #[pyfunction]
 #[pyo3(signature = (
     displacement: "ArrayLike", force: "ArrayLike", ratio, stiffness, *, law: "Literal['ageing', 'slip']" = "ageing",

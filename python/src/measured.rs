@@ -13,6 +13,16 @@ pub enum Compliance {
     Free,
 }
 
+impl Compliance {
+    /// The argument itself.
+    pub fn to_object(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        Ok(match self {
+            Self::Known(compliance) => compliance.into_pyobject(py)?.into_any().unbind(),
+            Self::Free => "free".into_pyobject(py)?.into_any().unbind(),
+        })
+    }
+}
+
 impl<'py> FromPyObject<'_, 'py> for Compliance {
     type Error = PyErr;
 

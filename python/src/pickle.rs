@@ -1,14 +1,17 @@
 //! Pickles of results: plain values and columns as bytes that end with a checksum. Only the version that wrote them reads
 //! them, as for descriptions.
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::convert::Import;
 use crate::ensemble::EnsemblePull;
+use crate::fit::Estimates;
+use crate::fit_steady::SteadyEstimates;
+use crate::found::Arguments;
 use crate::posterior::Posterior;
 use crate::pull::{FrictionGradient, Pull};
 use crate::rate_state::{Healing, VelocityStep};
@@ -87,12 +90,48 @@ pub fn reduced<'py>(
     Ok((RESTORE.get(py)?.clone(), arguments))
 }
 
-/// The refusal of a fit, whose search and likelihood are not written.
-pub fn refused<T>(fit: &Bound<'_, T>) -> PyErr {
-    let name = fit.as_any().get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
-    let hint = "pickle its params, contacts, model, and pull or spectrum";
-    let text = format!("pickle: expected a result, got {name}, which keeps its likelihood ({hint})");
-    PyTypeError::new_err(text)
+/// What restores a fit: its numbers, the arguments that give it again, and the objects that it has.
+pub fn reduced_fit<'py>(
+    py: Python<'py>,
+    given: &Arguments,
+    told: Vec<u8>,
+    parts: Bound<'py, PyTuple>,
+) -> PyResult<Reduced<'py>> {
+    static RESTORE: Import = Import::new("asperity._core", "_restore_fit");
+    let arguments =
+        (VERSION, given.function, given.named.bind(py), &given.law, PyBytes::new(py, &told), parts);
+    Ok((RESTORE.get(py)?.clone(), arguments.into_pyobject(py)?))
+}
+
+/// The fit that was pickled.
+#[pyfunction(name = "_restore_fit")]
+#[pyo3(signature = (version, function, named: "dict[str, object]", law, content, parts: "tuple[Any, ...]") -> "object")]
+pub fn restore_fit(
+    py: Python<'_>,
+    version: &str,
+    function: &str,
+    named: Bound<'_, PyDict>,
+    law: Option<String>,
+    content: &[u8],
+    parts: Bound<'_, PyTuple>,
+) -> PyResult<Py<PyAny>> {
+    check_version(version)?;
+    let named = named.unbind();
+    let other = |_| damaged("a fit with other parts");
+    match function {
+        "fit" => {
+            let (model, pull, readings, laws) = parts.extract().map_err(other)?;
+            let given = Arguments { function: "fit", named, law };
+            let fit = Estimates::restored(given, content, (model, pull), (readings, laws))?;
+            Ok(Py::new(py, fit)?.into_any())
+        }
+        "fit_steady" => {
+            let given = Arguments { function: "fit_steady", named, law };
+            let fit = SteadyEstimates::restored(given, content, parts.extract().map_err(other)?)?;
+            Ok(Py::new(py, fit)?.into_any())
+        }
+        found => Err(damaged(format!("a {found:?}"))),
+    }
 }
 
 /// A method of an object and its arguments, for a result that is fast to compute from the object.

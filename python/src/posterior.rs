@@ -95,19 +95,30 @@ impl Posterior {
 
     /// The draws as ArviZ holds them, with the groups `posterior` and `sample_stats`. It needs arviz.
     ///
-    /// Returns a DataTree of xarray; before version 1 of ArviZ its InferenceData.
+    /// Returns
+    /// -------
+    /// Any
+    ///     A DataTree of xarray; before version 1 of ArviZ its InferenceData.
     #[pyo3(signature = () -> "Any")]
     fn to_arviz<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("asperity._posterior")?.call_method1("arviz", (slf,))
     }
 
     /// A table in plain English: means with standard deviations, intervals of 95 %, and how well the chains agree.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._posterior")?.call_method1("summary", (slf,))?.extract()
     }
 
     /// Plots the draws: histograms of the numbers on the diagonal, pairs of them below it. Returns the axes, shape (n, n).
     /// It needs matplotlib.
+    ///
+    /// Returns
+    /// -------
+    /// NDArray[Any]
     #[pyo3(signature = () -> "NDArray[Any]")]
     fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("asperity._plot")?.call_method1("corner", (slf,))

@@ -201,6 +201,16 @@ impl Pull {
     }
 
     /// F(X), for positions from 0 to the distance.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions from 0 to the distance: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -213,6 +223,16 @@ impl Pull {
     }
 
     /// dF/dX from the right, force per length, for positions from 0 to the distance.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions from 0 to the distance: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -220,6 +240,16 @@ impl Pull {
     }
 
     /// The fraction of contacts breaking per length, for positions from 0 to the distance.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     Positions from 0 to the distance: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn breaking_rate_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -228,8 +258,18 @@ impl Pull {
 
     /// The standard deviation of the force of `size` random contacts, scaled to N_c.
     ///
-    /// at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
-    /// independent, so the result is exact.
+    /// Parameters
+    /// ----------
+    /// at
+    ///     Positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
+    ///     independent, so the result is exact.
+    /// size
+    ///     The number of contacts; None for the N_c of the contacts.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (size, at: "float; ArrayLike | None" = None) -> "float; _Array")]
     fn force_std<'py>(
         slf: &Bound<'py, Self>,
@@ -245,11 +285,19 @@ impl Pull {
 
     /// The covariance of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
     ///
-    /// at: a list of m positions.
-    /// size: the number of contacts, or None for the N_c of the contacts.
-    ///
     /// Contacts under a rigid drive are independent, so the result is exact: a symmetric array of shape (m, m), in
     /// units of force². Contacts with a delay, or whose stiffness depends on the threshold, are refused.
+    ///
+    /// Parameters
+    /// ----------
+    /// at
+    ///     A list of m positions.
+    /// size
+    ///     The number of contacts, or None for the N_c of the contacts.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
     #[pyo3(signature = (at: "ArrayLike", size = None))]
     fn covariance<'py>(
         &self,
@@ -264,14 +312,24 @@ impl Pull {
 
     /// Sample paths of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
     ///
-    /// at: a list of m positions.
-    /// count: the number n of paths.
-    /// size: the number of contacts, or None for the N_c of the contacts.
-    /// seed: a whole number below 2^63, which always gives the same paths, or a numpy.random.Generator, from which
-    /// one such number is drawn.
-    ///
     /// The paths are those of a Gaussian process with the exact mean and covariance: an array of shape (n, m). They
     /// cost the same for any number of contacts. The force of few contacts is not Gaussian: use an Ensemble there.
+    ///
+    /// Parameters
+    /// ----------
+    /// at
+    ///     A list of m positions.
+    /// count
+    ///     The number n of paths.
+    /// size
+    ///     The number of contacts, or None for the N_c of the contacts.
+    /// seed
+    ///     A whole number below 2^63, which always gives the same paths, or a numpy.random.Generator, from which one
+    ///     such number is drawn.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
     #[pyo3(signature = (at: "ArrayLike", count, size = None, *, seed))]
     fn sample_paths<'py>(
         &self,
@@ -290,11 +348,23 @@ impl Pull {
     /// Plots F(X) with the static and the kinetic friction, and on request the scatter of the force of `size` random
     /// contacts. Returns the axes. It needs matplotlib.
     ///
-    /// ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
-    /// size: the number of contacts for a band of one standard deviation to either side; None for no band, or with
-    /// `paths` for the N_c of the contacts.
-    /// paths: the number of sample paths.
-    /// seed: as for `sample_paths`; required with `paths`.
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes to plot on; new ones if None. Other arguments are passed to its plot().
+    /// size
+    ///     The number of contacts for a band of one standard deviation to either side; None for no band, or with
+    ///     `paths` for the N_c of the contacts.
+    /// paths
+    ///     The number of sample paths.
+    /// seed
+    ///     As for `sample_paths`; required with `paths`.
+    /// **style
+    ///     Arguments of the plot() of the curve.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
     #[pyo3(
         signature = (
             ax: "Axes | None" = None, *, size = None, paths = Whole::new(0), seed = None, **style: "Any"
@@ -326,6 +396,10 @@ impl Pull {
     /// They are those of the distributions (`thresholds.mean`, `reforming.std`, `initial.max`, `ageing.mature.mean`),
     /// `count`, `stiffness` or `stiffness_per_threshold`, and those of time-dependent contacts: `temperature.energy`,
     /// `temperature.attempt_rate`, `ageing.growth`, `ageing.time`, `ageing.diffusion`, `delay` and `velocity`.
+    ///
+    /// Returns
+    /// -------
+    /// dict[str, float]
     #[pyo3(signature = () -> "dict[str, float]")]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
@@ -337,8 +411,15 @@ impl Pull {
 
     /// The derivative of the force by one of `parameters()`, as a function of the position.
     ///
-    /// parameter: `thresholds.mean`, `reforming.std`, `stiffness`, `temperature.energy`, and so on. The position of a
-    /// point mass has no derivative.
+    /// Parameters
+    /// ----------
+    /// parameter
+    ///     `thresholds.mean`, `reforming.std`, `stiffness`, `temperature.energy`, and so on. The position of a point
+    ///     mass has no derivative.
+    ///
+    /// Returns
+    /// -------
+    /// Gradient
     fn gradient(slf: &Bound<'_, Self>, parameter: String) -> PyResult<Gradient> {
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
         let gradient = watched(None, py, |monitor| pull.gradient_with(&parameter, monitor))?;
@@ -348,7 +429,14 @@ impl Pull {
     /// The derivatives of the force by several of `parameters()`, at little more than half the cost of one after the
     /// other.
     ///
-    /// parameters: a list of names, as for `gradient`.
+    /// Parameters
+    /// ----------
+    /// parameters
+    ///     A list of names, as for `gradient`.
+    ///
+    /// Returns
+    /// -------
+    /// list[Gradient]
     fn gradients(slf: &Bound<'_, Self>, parameters: Vec<String>) -> PyResult<Vec<Gradient>> {
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
@@ -360,7 +448,14 @@ impl Pull {
 
     /// The derivatives of F_s, F_k, X* and K_c by one of `parameters()`, for the propagation of errors.
     ///
-    /// parameter: as in `gradient`.
+    /// Parameters
+    /// ----------
+    /// parameter
+    ///     As in `gradient`.
+    ///
+    /// Returns
+    /// -------
+    /// FrictionGradient
     fn friction_gradient(&self, py: Python<'_>, parameter: &str) -> PyResult<FrictionGradient> {
         let pull = self.solution(py)?;
         let gradient = watched(None, py, |monitor| pull.friction_gradient_with(parameter, monitor))?;
@@ -369,7 +464,14 @@ impl Pull {
 
     /// The derivatives of F_s, F_k, X* and K_c by several of `parameters()`, with one computation.
     ///
-    /// parameters: a list of names, as for `gradient`.
+    /// Parameters
+    /// ----------
+    /// parameters
+    ///     A list of names, as for `gradient`.
+    ///
+    /// Returns
+    /// -------
+    /// list[FrictionGradient]
     fn friction_gradients(&self, py: Python<'_>, parameters: Vec<String>) -> PyResult<Vec<FrictionGradient>> {
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
         let pull = self.solution(py)?;
@@ -379,11 +481,18 @@ impl Pull {
 
     /// The response of the force to the probability of single thresholds, as a function of the position.
     ///
-    /// thresholds: a list of n thresholds, lengths of 0 or above.
-    ///
     /// It is the derivative of F for thresholds drawn from (1 - ε) P_c + ε δ(x_s - ξ) by ε at 0. A change of P_c that
     /// keeps its total changes the force by the integral of the response times this change. Contacts with temperature,
     /// ageing or a delay, or whose stiffness depends on the threshold, are refused.
+    ///
+    /// Parameters
+    /// ----------
+    /// thresholds
+    ///     A list of n thresholds, lengths of 0 or above.
+    ///
+    /// Returns
+    /// -------
+    /// ThresholdResponse
     #[pyo3(signature = (thresholds: "ArrayLike"))]
     fn threshold_response(
         slf: &Bound<'_, Self>,
@@ -397,11 +506,19 @@ impl Pull {
 
     /// The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
     ///
-    /// at: a position, or a list of m of them.
-    /// stretches: a list of n stretches, or None for an automatic choice that resolves the distributions.
-    ///
     /// The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
     /// the position, or a list of them for a list of positions.
+    ///
+    /// Parameters
+    /// ----------
+    /// at
+    ///     A position, or a list of m of them.
+    /// stretches
+    ///     A list of n stretches, or None for an automatic choice that resolves the distributions.
+    ///
+    /// Returns
+    /// -------
+    /// StretchDensity
     #[pyo3(signature = (at: "ArrayLike", stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
@@ -495,8 +612,16 @@ impl ThresholdResponse {
 
     /// The derivatives of a scalar by the probability of each threshold, shape (n,).
     ///
-    /// position: a list of m positions from 0 to the distance of the pull.
-    /// weights: the derivatives of the scalar by the forces at these positions.
+    /// Parameters
+    /// ----------
+    /// position
+    ///     A list of m positions from 0 to the distance of the pull.
+    /// weights
+    ///     The derivatives of the scalar by the forces at these positions.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
     #[pyo3(signature = (position: "ArrayLike", weights: "ArrayLike"))]
     fn adjoint<'py>(
         &self,

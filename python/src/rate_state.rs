@@ -123,7 +123,16 @@ impl VelocityStep {
 
     /// Plots the measured force as dots and the fit as a line. Returns the axes. It needs matplotlib.
     ///
-    /// ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+    /// **style
+    ///     Arguments of the plot() of the fit.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -158,17 +167,47 @@ impl VelocityStep {
 /// likelihood, and the errors contain the uncertainty of the correlation length of the drift. The stiffness of the
 /// machine is not modelled: a and b hold for the position X_p of the peak.
 ///
-/// position: rising positions relative to the step, a length; those below 0 give F_0.
-/// force: the forces there.
-/// ratio: v/v_0, above 0 and not 1.
-/// before: F_0, if it is known; the points before the step are then not used.
-/// peak: X_p; by default the extremum of the force after the step, averaged over five points, or the step
-/// itself if there is none. Points between the step and X_p are left out. trend: whether the force also has a
-/// constant slope. noise: "drift" for white noise plus drift, "white" for white noise alone, whose errors are
-/// too small where there is drift. average: the number of successive points that are averaged first, needed
-/// where positions do not rise. progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+/// Parameters
+/// ----------
+/// position
+///     Rising positions relative to the step, a length; those below 0 give F_0.
+/// force
+///     The forces there.
+/// ratio
+///     v/v_0, above 0 and not 1.
+/// before
+///     F_0, if it is known; the points before the step are then not used.
+/// peak
+///     X_p; by default the extremum of the force after the step, averaged over five points, or the step itself if
+///     there is none. Points between the step and X_p are left out.
+/// trend
+///     Whether the force also has a constant slope.
+/// noise
+///     "drift" for white noise plus drift, "white" for white noise alone, whose errors are too small where there is
+///     drift.
+/// average
+///     The number of successive points that are averaged first, needed where positions do not rise.
+/// progress
+///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
 ///
-/// Raises ValueError for invalid values, positions that do not rise, and too few points.
+/// Returns
+/// -------
+/// VelocityStep
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, positions that do not rise, and too few points.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> position = np.concatenate([np.linspace(-1, 0, 11), np.linspace(0.1, 4, 40)])
+/// >>> force = np.where(position < 0, 1, 1 + 0.02 * np.exp(-position)) + 1e-4 * np.sin(37 * position)
+/// >>> found = asp.read_velocity_step(position, force, 10.0, noise='white')
+/// >>> round(found.distance.value, 1)
+/// 1.0
 #[pyfunction]
 #[pyo3(signature = (
     position: "ArrayLike", force: "ArrayLike", ratio, *, before = None, peak = None, trend = false,
@@ -261,7 +300,16 @@ impl Healing {
     /// Plots static friction against the logarithm of the hold time: measured values as dots, the fit as a
     /// line. Returns the axes. It needs matplotlib.
     ///
-    /// ax: axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes to plot on; new ones if None. Other arguments are passed to the plot() of the fit.
+    /// **style
+    ///     Arguments of the plot() of the fit.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -295,10 +343,30 @@ impl Healing {
 /// The scatter of the forces is taken as independent and of the same size for all holds, and is estimated from the
 /// residuals. With few holds Student's distribution makes the intervals wider.
 ///
-/// hold: hold times, a list of at least 4 numbers above 0.
-/// force: the static friction after each: the highest force, or its difference from steady sliding.
+/// Parameters
+/// ----------
+/// hold
+///     Hold times, a list of at least 4 numbers above 0.
+/// force
+///     The static friction after each: the highest force, or its difference from steady sliding.
 ///
-/// Raises ValueError for invalid values, and for forces that grow in proportion to the hold time.
+/// Returns
+/// -------
+/// Healing
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, and for forces that grow in proportion to the hold time.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import asperity as asp
+/// >>> hold = np.array([1.0, 3.0, 10.0, 30.0, 100.0])
+/// >>> force = 1 + 0.01 * np.log1p(hold) + 1e-4 * np.sin(hold)
+/// >>> round(asp.read_healing(hold, force).per_decade.value, 3)
+/// 0.023
 #[pyfunction]
 #[pyo3(signature = (hold: "ArrayLike", force: "ArrayLike"))]
 pub fn read_healing(hold: &Bound<'_, PyAny>, force: &Bound<'_, PyAny>) -> PyResult<Healing> {

@@ -163,24 +163,47 @@ impl Record {
     }
 
     /// The names of the variables.
+    ///
+    /// Returns
+    /// -------
+    /// KeysView[str]
     #[pyo3(signature = () -> "KeysView[str]")]
     fn keys(&self) -> Vec<&str> {
         self.names().collect()
     }
 
     /// The arrays of the variables.
+    ///
+    /// Returns
+    /// -------
+    /// ValuesView[numpy.ndarray]
     #[pyo3(signature = () -> "ValuesView[_Array]")]
     fn values<'py>(&self, py: Python<'py>) -> Vec<typed::Array<'py>> {
         self.columns.iter().map(|column| typed::Array(column.values.bind(py).clone())).collect()
     }
 
     /// Names and arrays of the variables.
+    ///
+    /// Returns
+    /// -------
+    /// ItemsView[str, numpy.ndarray]
     #[pyo3(signature = () -> "ItemsView[str, _Array]")]
     fn items<'py>(&self, py: Python<'py>) -> Vec<(&str, typed::Array<'py>)> {
         self.names().zip(self.values(py)).collect()
     }
 
     /// The array called key, or default.
+    ///
+    /// Parameters
+    /// ----------
+    /// key
+    ///     The name of a variable.
+    /// default
+    ///     What to return if there is none.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray or None or numpy.ndarray or _T
     #[pyo3(signature = (key, default: "None; _Array | _T" = None, /) -> "_Array | None; _Array | _T")]
     fn get<'py>(
         &self,
@@ -205,6 +228,10 @@ impl Record {
     }
 
     /// An xarray.Dataset with named dimensions, long names and units. It needs xarray.
+    ///
+    /// Returns
+    /// -------
+    /// xarray.Dataset
     #[pyo3(signature = () -> "Dataset")]
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))

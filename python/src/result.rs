@@ -126,7 +126,17 @@ impl Result {
 
     /// Writes the folder that `asperity run` would write, without figures; open_result reads it.
     ///
-    /// Raises FileExistsError if there is a folder that asperity did not make, OSError for errors of the system.
+    /// Parameters
+    /// ----------
+    /// folder
+    ///     The folder, which asperity made if it exists.
+    ///
+    /// Raises
+    /// ------
+    /// FileExistsError
+    ///     If there is a folder that asperity did not make.
+    /// OSError
+    ///     For errors of the system.
     fn save(slf: &Bound<'_, Self>, folder: PathBuf) -> PyResult<()> {
         let Self { scenario, summary } = slf.get();
         let record = slf.as_super().get().copy(slf.py())?;
@@ -193,22 +203,53 @@ impl Result {
 
 /// Computes a scenario.
 ///
-/// scenario: the path of a file; or the text of a scenario, recognised by an equals sign; or a dictionary of
-/// the same keys, in which distributions and contacts may be objects.
-/// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a distribution replaces
-/// the one in the scenario.
-/// progress: as for MasterEquation.pull.
-/// folder: folder for the results, as for Result.save.
-/// checkpoint: with a folder, checkpoints of the drive of an interface are written next to it: after each
-/// number of events, or after each time interval, a datetime.timedelta or a text such as "10min". They are
-/// removed once the results are written.
-/// resume: whether to continue from the last checkpoint; without one, the run starts at the beginning.
-/// threads: the number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
-/// those of the process, one per core or RAYON_NUM_THREADS.
+/// Parameters
+/// ----------
+/// scenario
+///     The path of a file; or the text of a scenario, recognised by an equals sign; or a dictionary of the same keys,
+///     in which distributions and contacts may be objects.
+/// overrides
+///     Values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a distribution replaces the one in
+///     the scenario.
+/// progress
+///     As for MasterEquation.pull.
+/// folder
+///     Folder for the results, as for Result.save.
+/// checkpoint
+///     With a folder, checkpoints of the drive of an interface are written next to it: after each number of events,
+///     or after each time interval, a datetime.timedelta or a text such as "10min". They are removed once the results
+///     are written.
+/// resume
+///     Whether to continue from the last checkpoint; without one, the run starts at the beginning.
+/// threads
+///     The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+///     the process, one per core or RAYON_NUM_THREADS.
 ///
-/// Raises ValueError for an invalid scenario, with the key, what was expected and what was found, and for a
-/// checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of
-/// a run that was not finished or is still running; MemoryError for results that do not fit.
+/// Returns
+/// -------
+/// Result
+///
+/// Raises
+/// ------
+/// ValueError
+///     For an invalid scenario, with the key, what was expected and what was found, and for a checkpoint of another
+///     scenario.
+/// OSError
+///     For a file that cannot be read.
+/// FileExistsError
+///     For a checkpoint of a run that was not finished or is still running.
+/// MemoryError
+///     For results that do not fit.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> scenario = {'contacts': {'thresholds': asp.Gaussian(1.0, 0.1)}, 'pull': {'distance': 5.0}}
+/// >>> result = asp.run(scenario, {'pull.points': 501})
+/// >>> round(result.kinetic_friction, 6)
+/// 0.505
+/// >>> result['force'].shape
+/// (501,)
 #[pyfunction]
 #[pyo3(signature = (
     scenario: "str | PathLike[str] | Mapping[str, Any]", overrides: "Mapping[str, Any] | None" = None, *,
@@ -268,7 +309,32 @@ fn checkpoints(
 
 /// Reads the folder that `asperity run` or Result.save wrote.
 ///
-/// Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
+/// Parameters
+/// ----------
+/// folder
+///     The folder.
+///
+/// Returns
+/// -------
+/// Result
+///
+/// Raises
+/// ------
+/// OSError
+///     For a file that cannot be read.
+/// ValueError
+///     For one that asperity did not write.
+///
+/// Examples
+/// --------
+/// >>> import tempfile
+/// >>> import asperity as asp
+/// >>> scenario = {'contacts': {'thresholds': asp.Gaussian(1.0, 0.1)}, 'pull': {}}
+/// >>> with tempfile.TemporaryDirectory() as folder:
+/// ...     _ = asp.run(scenario, folder=folder + '/results')
+/// ...     again = asp.open_result(folder + '/results')
+/// >>> round(again.kinetic_friction, 6)
+/// 0.505
 #[pyfunction]
 pub fn open_result(py: Python<'_>, folder: PathBuf) -> PyResult<Py<Result>> {
     object(py, detached(py, || output::read(&folder)).map_err(error::files)?)

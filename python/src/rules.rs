@@ -11,12 +11,26 @@ use crate::typed;
 
 /// Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
 ///
-/// energy: the temperature T in units of energy (force × length), above 0.
-/// attempt_rate: the attempt rate ω, per time, above 0.
-/// barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²);
-/// "bell", E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
-///
 /// Values are checked when contacts are made with it.
+///
+/// Parameters
+/// ----------
+/// energy
+///     The temperature T in units of energy (force × length), above 0.
+/// attempt_rate
+///     The attempt rate ω, per time, above 0.
+/// barrier
+///     ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
+///     E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> thermal = asp.Temperature(energy=0.05, attempt_rate=1.0)
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=thermal)
+/// >>> friction = asp.velocity_curve(contacts, [1e-4, 1e-2])
+/// >>> bool(friction[0] < friction[1])
+/// True
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Temperature;
 
@@ -96,8 +110,20 @@ impl Ageing {
 /// Thresholds diffuse independently in the potential U = −ln P_cf towards the mature distribution
 /// (Fokker–Planck equation).
 ///
-/// mature: the distribution P_cf of the thresholds of contacts that never break.
-/// diffusion: the diffusion coefficient D, stretch² per time, above 0.
+/// Parameters
+/// ----------
+/// mature
+///     The distribution P_cf of the thresholds of contacts that never break.
+/// diffusion
+///     The diffusion coefficient D, stretch² per time, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> ageing = asp.Smoluchowski(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
+/// >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
+/// >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 4)
+/// 0.3847
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct Smoluchowski;
 
@@ -123,8 +149,20 @@ impl Smoluchowski {
 
 /// The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
 ///
-/// mature: the mature distribution P_cf.
-/// time: the time scale of maturing, above 0.
+/// Parameters
+/// ----------
+/// mature
+///     The mature distribution P_cf.
+/// time
+///     The time scale of maturing, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> ageing = asp.FrozenRank(asp.Gaussian(1.0, 0.05), time=1.0)
+/// >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
+/// >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+/// 0.386778
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct FrozenRank;
 
@@ -150,8 +188,19 @@ impl FrozenRank {
 
 /// Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
 ///
-/// growth: β, 0 or above.
-/// time: τ_0, above 0.
+/// Parameters
+/// ----------
+/// growth
+///     Β, 0 or above.
+/// time
+///     Τ_0, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+/// >>> asp.velocity_curve(contacts, [1.0, 1e-2]).round(6)
+/// array([0.512211, 0.552766])
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct Logarithmic;
 
@@ -178,10 +227,22 @@ impl Logarithmic {
 /// The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
 /// and stretches. It is not a rule for a single contact.
 ///
-/// mature: the mature distribution P_cf.
-/// diffusion: the diffusion coefficient D, stretch² per time, above 0.
-///
 /// It cannot be combined with temperature, an ensemble, or a varying velocity.
+///
+/// Parameters
+/// ----------
+/// mature
+///     The mature distribution P_cf.
+/// diffusion
+///     The diffusion coefficient D, stretch² per time, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> ageing = asp.MeanField(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
+/// >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
+/// >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+/// 0.370081
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct MeanField;
 

@@ -134,10 +134,20 @@ impl Simulation {
     /// breaks under a rigid slider), with the same fields: `drive`, `drop`, …. Between two events the state is the one just
     /// after the first of them; it can be read, saved, or advanced. The iterator ends at the displacement.
     ///
-    /// until: an absolute displacement of the load point, not a step; larger than the present one, or, for sliders that
-    /// can turn back, also smaller.
+    /// Parameters
+    /// ----------
+    /// until
+    ///     An absolute displacement of the load point, not a step; larger than the present one, or, for sliders that
+    ///     can turn back, also smaller.
     ///
-    /// Raises ValueError for a displacement to which an interface would have to move backwards.
+    /// Returns
+    /// -------
+    /// Iterator[Event]
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a displacement to which an interface would have to move backwards.
     #[pyo3(signature = (until) -> "Iterator[Event]")]
     fn events(slf: Bound<'_, Self>, until: f64) -> PyResult<EventIterator> {
         let from = slf.get().with(|simulated| {
@@ -149,12 +159,20 @@ impl Simulation {
 
     /// Advances to a displacement of the load point, through all events in between.
     ///
-    /// drive: an absolute displacement, not a step; larger than the present one, or, for sliders that can turn back, also
-    /// smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is an equilibrium
-    /// that is computed: stops may change the last digits of later results, and the drives of events within drive_tolerance.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// drive
+    ///     An absolute displacement, not a step; larger than the present one, or, for sliders that can turn back,
+    ///     also smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is
+    ///     an equilibrium that is computed: stops may change the last digits of later results, and the drives of
+    ///     events within drive_tolerance.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for a displacement to which an interface would have to move backwards.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a displacement to which an interface would have to move backwards.
     #[pyo3(signature = (drive, *, progress: "_Progress" = None))]
     fn advance(&self, py: Python<'_>, drive: f64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
         self.with(|simulated| {
@@ -165,17 +183,32 @@ impl Simulation {
 
     /// The density Q(x) of the stretches of the contacts of a cell, per length.
     ///
-    /// cell: the number of a cell of an Interface, counted along rows; 0 for a slider, and for a Lattice, whose contacts are
-    /// counted all together.
-    /// stretches: a list of n stretches at which the density is given, for contacts that follow the master equation.
-    /// edges: n + 1 rising edges of bins in which contacts are counted that are simulated one by one, or in time; at given
-    /// stretches each of them is an atom. Without stretches and edges, a suitable grid is chosen.
-    /// progress: as for MasterEquation.pull.
-    ///
     /// The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Detached
     /// contacts are not counted.
     ///
-    /// Raises IndexError if there is no such cell, ValueError for invalid values.
+    /// Parameters
+    /// ----------
+    /// cell
+    ///     The number of a cell of an Interface, counted along rows; 0 for a slider, and for a Lattice, whose
+    ///     contacts are counted all together.
+    /// stretches
+    ///     A list of n stretches at which the density is given, for contacts that follow the master equation.
+    /// edges
+    ///     N + 1 rising edges of bins in which contacts are counted that are simulated one by one, or in time; at
+    ///     given stretches each of them is an atom. Without stretches and edges, a suitable grid is chosen.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// StretchDensity
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such cell.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(
         signature = (cell = Whole::new(0), stretches: "ArrayLike | None" = None, *, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell=0, stretches=None, *, edges=None, progress=None)"
@@ -202,6 +235,10 @@ impl Simulation {
     }
 
     /// The whole state of the simulation, as bytes for `restore` in the same version of asperity.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let mut bytes = Vec::new();
@@ -216,7 +253,15 @@ impl Simulation {
 
     /// Restores a state of this simulation, or of another one of the same model; it continues from there bit for bit.
     ///
-    /// Raises ValueError for the state of another model, or of another version of asperity.
+    /// Parameters
+    /// ----------
+    /// state
+    ///     What `state` gave.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For the state of another model, or of another version of asperity.
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
         let mut rest = state;
         let Heading { version, model } = read(&mut rest).map_err(error::core)?;

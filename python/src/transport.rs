@@ -21,16 +21,35 @@ use crate::watch::watched;
 
 /// A step of a motion in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
 ///
-/// velocity: a length per time; above 0 over a distance, 0 or above for a duration.
-/// distance: the displacement in the step.
-/// duration: the time that the step takes.
-/// hold: a time at rest, instead of all others.
-/// velocity_to: the velocity at the end of a ramp that begins at velocity and takes a duration.
-/// points: the number of points of the trace in the step, evenly spaced in time, including both ends; 2 or
-/// more.
-/// pieces: the number of intervals of constant velocity that approximate a ramp, 64 by default.
+/// Parameters
+/// ----------
+/// velocity
+///     A length per time; above 0 over a distance, 0 or above for a duration.
+/// distance
+///     The displacement in the step.
+/// duration
+///     The time that the step takes.
+/// hold
+///     A time at rest, instead of all others.
+/// velocity_to
+///     The velocity at the end of a ramp that begins at velocity and takes a duration.
+/// points
+///     The number of points of the trace in the step, evenly spaced in time, including both ends; 2 or more.
+/// pieces
+///     The number of intervals of constant velocity that approximate a ramp, 64 by default.
 ///
-/// Raises ValueError for invalid values or combinations.
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values or combinations.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> asp.Step(1.0, distance=10.0)
+/// Step(velocity=1.0, distance=10.0)
+/// >>> asp.Step(hold=100.0).hold
+/// 100.0
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Step;
 
@@ -139,13 +158,29 @@ pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 
 /// The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
 ///
-/// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0, or, with start="steady",
-/// which all contacts may have, the ages of steady sliding at velocity, without initial.
-/// velocity: the velocity of that steady sliding, above 0.
-/// tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by
-/// default 1e-6, and 1e-4 for ageing by Smoluchowski.
+/// Parameters
+/// ----------
+/// contacts, initial, start
+///     As for MasterEquation; the contacts have age 0 at t = 0, or, with start="steady", which all contacts may have,
+///     the ages of steady sliding at velocity, without initial.
+/// velocity
+///     The velocity of that steady sliding, above 0.
+/// tolerance
+///     Allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by default 1e-6, and
+///     1e-4 for ageing by Smoluchowski.
 ///
-/// Raises ValueError for invalid values, and for ageing by MeanField, which is not a rule for a single contact.
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values, and for ageing by MeanField, which is not a rule for a single contact.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+/// >>> motion = asp.Transport(contacts).follow([asp.Step(1.0, distance=2.0), asp.Step(hold=10.0)])
+/// >>> bool(motion['time'][-1] == 12.0)
+/// True
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Transport {
     pub transport: master::Transport,
@@ -189,15 +224,28 @@ impl Transport {
 
     /// Follows the contacts from t = 0 through the steps, one after the other.
     ///
-    /// steps: a list of Step.
-    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    /// Parameters
+    /// ----------
+    /// steps
+    ///     A list of Step.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
-    /// they meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
-    /// contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
-    /// re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all points).
+    /// Returns
+    /// -------
+    /// Record
+    ///     A Record of variables of shape (n,), with n output points of all steps (steps share the point where they
+    ///     meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
+    ///     contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
+    ///     re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all
+    ///     points).
     ///
-    /// Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For no steps.
+    /// RuntimeError
+    ///     If that error is larger than a given tolerance.
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,

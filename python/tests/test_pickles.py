@@ -178,3 +178,63 @@ def test_the_kind_of_a_pickle_is_checked() -> None:
     for kind in ("StickSlip", "Healing", "Posterior", "VelocityStep"):
         with pytest.raises(ValueError, match="pickle: expected"):
             restore(version, kind, content, asp.Block(THEORY, 1.0))
+
+
+def fitted() -> asp.Estimates:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), count=500, stiffness=0.002)
+    at = np.linspace(0.05, 2.0, 40)
+    force = asp.MasterEquation(contacts).pull(2.0).sample_paths(at, 1, size=500, seed=3)[0]
+    free = ["thresholds.mean", "thresholds.std"]
+    return asp.fit(contacts, at, force, free=free, reading=1e-4, laws=["gamma"], compliance=0.01)
+
+
+def fitted_steadily() -> asp.SteadyEstimates:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=2000, stiffness=0.0005)
+    force = asp.Ensemble(contacts, size=2000, seed=1).pull(40.0, 1601).force[400:]
+    return asp.fit_steady(contacts, 0.025, force, free=["thresholds.mean"], reading=1e-5)
+
+
+@pytest.mark.parametrize("made", [fitted, fitted_steadily])
+def test_fits_are_pickled_with_all_their_numbers(made: Callable[[], Any]) -> None:
+    found = made()
+    again = pickle.loads(pickle.dumps(found))
+    assert type(again) is type(found)
+    for name in (
+        "params",
+        "correlations",
+        "converged",
+        "solutions",
+        "misfit",
+        "reading",
+        "model",
+        "contacts",
+    ):
+        assert getattr(again, name) == getattr(found, name), name
+    np.testing.assert_array_equal(bits(again.covariance), bits(found.covariance))
+    assert repr(again) == repr(found)
+    assert again.summary() == found.summary()
+    assert copy.copy(found) is found
+    assert copy.deepcopy(found) is found
+    # What the search is needed for is found by the same search, made again.
+    assert again.friction() == found.friction()
+    assert again.interval_by_profile("thresholds.mean") == found.interval_by_profile("thresholds.mean")
+    # An object from a pickle travels further.
+    assert pickle.loads(pickle.dumps(again)).params == found.params
+
+
+def test_a_pickled_fit_has_its_readings_and_other_distributions() -> None:
+    found = fitted()
+    again = pickle.loads(pickle.dumps(found))
+    same(found.readings, again.readings)
+    same(found.pull, again.pull)
+    assert list(again.laws) == ["gamma"]
+    assert again.laws["gamma"].params == found.laws["gamma"].params
+    at = [0.5, 1.0]
+    np.testing.assert_array_equal(
+        again.laws["gamma"].predict(at).force, found.laws["gamma"].predict(at).force
+    )
+    restore, (version, *rest) = found.__reduce__()
+    with pytest.raises(ValueError, match=f"written by asperity {version}, got one of asperity 0.0.9"):
+        restore("0.0.9", *rest)
+    with pytest.raises(ValueError, match="a fit with other parts"):
+        restore(version, *rest[:-1], (1, 2))

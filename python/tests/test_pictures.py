@@ -7,6 +7,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
+from asperity._smooth import along_logarithm
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -186,3 +187,18 @@ def test_a_kind_that_is_not_there_is_refused() -> None:
 def test_units_are_on_the_axes() -> None:
     axes = asp.run(ROOT / "scenarios" / "compared.toml").plot()
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$X$ (µm)", "$F$ (N)")
+
+
+def test_velocity_curves_are_smooth_and_meet_their_points() -> None:
+    x = np.geomspace(1e-3, 10.0, 9)
+    y = 0.3 + 0.02 * np.log1p(10.0 * x)
+    at, curve = along_logarithm(x, y)
+    assert len(at) == 8 * 24 + 1
+    np.testing.assert_array_equal(at[::24], x)
+    np.testing.assert_allclose(curve[::24], y, rtol=1e-15)
+    # Between points a cubic with slopes of second order; straight pieces are off by 1e-3.
+    np.testing.assert_allclose(curve, 0.3 + 0.02 * np.log1p(10.0 * at), atol=3e-4)
+    assert np.all(np.diff(curve) > 0.0)
+    # A step: nothing beyond its ends.
+    _, step = along_logarithm(x, np.where(x < 0.1, 0.0, 1.0))
+    assert (step.min(), step.max()) == (0.0, 1.0)

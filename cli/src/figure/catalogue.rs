@@ -10,7 +10,8 @@ use kuva::render::render::Scene;
 
 use super::advance::Advance;
 use super::curve::{Point, line, thinned};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 /// Bins per decade.
@@ -24,14 +25,14 @@ const FEWEST: usize = 10;
 /// Range of the waiting times that are shown, over their mean.
 const WAITING: (f64, f64) = (1e-3, 1e2);
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let catalogue = outcome.summary.numbers.catalogue()?;
     let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
     let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();
     // With too few waiting times, magnitudes take the whole picture.
     let lower = if plots.len() > 2 { vec![vec![2], vec![3]] } else { vec![vec![2, 3]] };
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
     let mut legend = vec![style::marker(events, ORANGE, MarkerShape::Circle)];
     legend.extend(catalogue.law.map(|law| style::line(fitted_text(&law), BLUE, None)));
@@ -42,14 +43,12 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_structure([vec![vec![0, 1]], lower].concat())
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH / 2.0, 300.0)
-        .with_row_height(0, 200.0)
+        .with_cell_size(page.width / 2.0, page.height(300.0))
+        .with_row_height(0, page.height(200.0))
         .with_spacing(10.0)
         .with_shared_legend_entries(legend)
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 /// The fitted distribution in words.
@@ -92,7 +91,7 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
 }
 
-/// Fraction of events per unit of magnitude, and the fitted distribution.
+/// Probability density of magnitudes, and the fitted distribution.
 fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let variable = outcome.record.get(&format!("event_{}", catalogue.magnitude))?;
     let whole = variable.values.iter().all(|value| value.fract() == 0.0);
@@ -112,7 +111,7 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
     };
     let layout = logarithmic((0.7 * first, 1.5 * last), (0.4 * low, 2.5 * high))
         .with_x_label(style::axis(outcome, words, variable))
-        .with_y_label("Fraction of events per unit");
+        .with_y_label("Probability density");
     Some((plots, layout))
 }
 
@@ -134,11 +133,11 @@ fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> 
     let chance = steps.map(|t| (t, (-t).exp())).filter(|point| point.1 > 0.5 * low).collect();
     let layout = logarithmic((0.7 * points[0].0, 1.5 * last), (0.4 * low, 2.5 * high.max(1.0)))
         .with_x_label("Interval to the next event / mean interval")
-        .with_y_label("Density");
+        .with_y_label("Probability density");
     Some((vec![line(chance, GREY, 1.4, Some(DASHES)), scatter(points)], layout))
 }
 
-/// Fraction of `values` per unit, in bins of equal width on a logarithmic axis.
+/// Probability density of `values`, in bins of equal width on a logarithmic axis.
 fn density(values: &[f64], whole: bool) -> Vec<Point> {
     let mut bins = std::collections::BTreeMap::<i64, u64>::new();
     for value in values.iter().filter(|&&value| value > 0.0) {

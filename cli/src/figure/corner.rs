@@ -10,7 +10,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::field::Field;
-use super::style::{self, BLUE, Plots};
+use super::style::{self, BLUE, Page, Plots};
+use super::ticks;
 
 /// Largest number of numbers that are drawn; those after them are left out.
 const MOST: usize = 6;
@@ -31,7 +32,7 @@ struct Drawn<'a> {
     range: (f64, f64),
 }
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let told = outcome.summary.numbers.fit()?.posterior.as_ref()?;
     let values = outcome.record.values("posterior_value")?;
     let draws = values.chunks_exact(told.chains * told.draws);
@@ -66,19 +67,17 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         (plots, layout)
     };
     let (plots, layouts): (Vec<_>, Vec<_>) = pairs.iter().map(panel).unzip();
-    let (title, size) = style::heading(&outcome.summary.title);
-    let side = (style::WIDTH - LABELS.0) / count.max(2) as f64;
+    let (title, size) = page.heading(&outcome.summary.title);
+    let side = (page.width - LABELS.0) / count.max(2) as f64;
     let figure = Figure::new(count, count)
         .with_structure(pairs.iter().map(|(row, column)| vec![row * count + column]).collect())
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
         .with_cell_size(side, side)
         .with_col_width(0, side + LABELS.0 - MARGIN)
         .with_row_height(count - 1, side + LABELS.1 - MARGIN)
         .with_spacing(0.0);
-    (count > 0).then(|| figure.render())
+    (count > 0).then(|| ticks::panels(figure, plots, layouts))
 }
 
 /// A key without its table; of a long one the last two parts.

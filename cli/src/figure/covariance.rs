@@ -10,19 +10,21 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::field::{Field, bar};
-use super::style::{self, Plots};
+use super::style::{self, Page, Plots};
+use super::ticks;
 
 /// Rows and columns of the map where positions are not evenly spaced.
 const FINE: usize = 200;
-/// Width of the panel of the colour scale, and side of the map.
+/// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
+/// Side of the map.
 const SIDE: f64 = 480.0;
 /// Variances below this, relative to the largest, are 0 up to rounding: the force is certain there.
 const CERTAIN: f64 = 1e-9;
 /// Correlation coefficients.
 const ENDS: (f64, f64) = (-1.0, 1.0);
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (positions, correlation) = correlation(&outcome.record)?;
     let (side, values, range) = map(&positions, &correlation);
     let field = Field { values: &values, sides: [side, side], x: range, y: range };
@@ -32,18 +34,16 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_x_label(style::axis(outcome, &name('₁'), position))
         .with_y_label(style::axis(outcome, &name('₂'), position));
     let (scale, axes) = bar(ENDS, &colours(), "Correlation coefficient of the force");
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let plots: Plots = vec![field.plot(ENDS, &colours(), 1)];
     let figure = Figure::new(1, 2)
         .with_structure(vec![vec![0], vec![1]])
         .with_title(title)
         .with_title_size(size)
-        .with_plots(vec![plots, scale])
-        .with_layouts(vec![layout, axes])
-        .with_cell_size(SIDE, SIDE)
+        .with_cell_size(page.height(SIDE), page.height(SIDE))
         .with_col_width(1, BAR)
         .with_spacing(6.0);
-    Some(figure.render())
+    Some(ticks::panels(figure, vec![plots, scale], vec![layout, axes]))
 }
 
 /// Blue for −1, white for 0, red for 1.

@@ -76,6 +76,38 @@ pub fn errors(x: &[f64], y: &[f64], error: &[f64], color: &str) -> Vec<Plot> {
     points().zip(error).map(bar).chain([markers]).collect()
 }
 
+/// The computed points of a smooth curve, if they can be told apart.
+pub fn computed(x: &[f64], y: &[f64], color: &str) -> Plot {
+    const MOST: usize = 60;
+    let shown = if x.len() > MOST { Vec::new() } else { curve(x, y) };
+    Plot::Scatter(ScatterPlot::new().with_data(shown).with_color(color).with_size(2.4))
+}
+
+/// The indices of points of a curve that are evenly spaced along it in a picture of these ranges, so that no period of it is
+/// passed over. The first and the last are among them.
+pub fn spread(points: &[Point], (x, y): ((f64, f64), (f64, f64)), most: usize) -> Vec<usize> {
+    let length = |pair: &[Point]| {
+        let (right, up) = ((pair[1].0 - pair[0].0) / (x.1 - x.0), (pair[1].1 - pair[0].1) / (y.1 - y.0));
+        right.hypot(up)
+    };
+    let along: Vec<f64> =
+        points.windows(2).map(length).map(|l| if l.is_finite() { l } else { 0.0 }).collect();
+    let total: f64 = along.iter().sum();
+    let step = (total / (most.max(2) - 1) as f64).max(CLOSEST);
+    let (mut shown, mut passed, mut next) = (Vec::new(), 0.0, 0.0);
+    for i in 0..points.len() {
+        if passed >= next || i + 1 == points.len() {
+            shown.push(i);
+            next = passed + step;
+        }
+        passed += along.get(i).copied().unwrap_or(0.0);
+    }
+    shown
+}
+
+/// Smallest distance of the points of a curve that is drawn as points, over the size of the picture.
+const CLOSEST: f64 = 0.03;
+
 /// A filled histogram with bins of equal width around `centres`.
 pub fn histogram(centres: &[f64], heights: &[f64], color: &str) -> Plot {
     let plot = LinePlot::new().with_data(steps(centres, heights)).with_color(color);
@@ -107,6 +139,19 @@ mod tests {
         assert!(kept.contains(&(54_321.0, 7.0)) && kept.contains(&(54_322.0, -7.0)));
         assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
         assert!(kept.is_sorted_by(|a, b| a.0 < b.0));
+    }
+
+    #[test]
+    fn points_of_a_curve_are_spread_along_it_and_meet_all_of_its_periods() {
+        // 25 teeth of height 1, on 2501 points.
+        let teeth: Vec<Point> = (0..=2500).map(|i| (f64::from(i), f64::from(i % 100) / 100.0)).collect();
+        let shown = spread(&teeth, ((0.0, 2500.0), (0.0, 1.0)), 200);
+        assert!(shown.len() <= 201 && shown[0] == 0 && shown[shown.len() - 1] == 2500);
+        for tooth in 0..25 {
+            let within = shown.iter().filter(|&&i| i / 100 == tooth).count();
+            assert!((3..=9).contains(&within), "{tooth}: {within}");
+        }
+        assert_eq!(spread(&teeth[..1], ((0.0, 1.0), (0.0, 1.0)), 10), [0]);
     }
 
     #[test]

@@ -4,15 +4,16 @@ use asperity::record::Record;
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_twin_y};
+use kuva::render::render::Scene;
 
 use super::curve::{Point, below, curve, line};
-use super::style::{self, BLACK, BLUE, ORANGE, Plots, RED};
+use super::style::{self, BLACK, BLUE, ORANGE, Page, Plots, RED};
+use super::ticks;
 
 const DOTS: &str = "3 3";
 const DASHES: &str = "8 4";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let stretch = record.values("stretch")?;
     let (steady, thresholds) =
@@ -28,14 +29,15 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     legend.extend(axis.legend);
     let farthest = record.values("threshold_atom_stretch").unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
     let end = style::reach(stretch, &[steady, thresholds]).max(1.05 * farthest);
-    let layout = style::titled(style::layout((0.0, end), (0.0, left)), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout((0.0, end), (0.0, left)), &outcome.summary.title)
         .with_y2_range(0.0, axis.top)
         .with_y2_axis_min(0.0)
         .with_y2_axis_max(axis.top)
         .with_x_label(style::axis(outcome, "Stretch x", record.get("stretch")?))
         .with_y_label(style::axis(outcome, "Stretch density Q(x)", record.get("steady_stretch_density")?))
         .with_y2_label(axis.label);
-    Some(render_twin_y(plots, axis.plots, style::legend_below(layout, legend)))
+    Some(ticks::twin(plots, axis.plots, style::legend_below(layout, legend)))
 }
 
 /// The curves of the right axis.

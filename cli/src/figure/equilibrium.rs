@@ -6,10 +6,11 @@ use asperity::record::Record;
 use asperity_runner::output::Outcome;
 use kuva::plot::BandPlot;
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
-use super::style::{self, BLUE, GREY, Plots, RED};
+use super::style::{self, BLUE, GREY, Page, Plots, RED};
+use super::ticks;
 
 const DASHES: &str = "5 4";
 /// Range of the picture, in units of the position at the end of the first slip.
@@ -42,7 +43,7 @@ pub fn end(record: &Record) -> Option<f64> {
     Some(first_slip(record).map_or(last, |slip| (BEYOND * slip.to).min(last)))
 }
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let end = end(record)?;
     let position = record.values("branch_position")?;
@@ -70,14 +71,15 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         plots.push(line(points, if is_stable { BLUE } else { GREY }, 2.0, (!is_stable).then_some(DASHES)));
     }
     let (low, high) = (0.0, style::headroom(style::range([drive]).1));
-    let layout = style::titled(style::layout((0.0, end), (low, high)), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout((0.0, end), (low, high)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
         .with_y_label(style::axis(
             outcome,
             "Load-point displacement X_T, first loading",
             record.get("branch_drive")?,
         ));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// The area between the drive of a slip and the equilibrium drive.

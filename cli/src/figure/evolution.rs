@@ -9,7 +9,8 @@ use kuva::render::render::Scene;
 
 use super::curve::{curve, histogram, line};
 use super::distribution::stem;
-use super::style::{self, BLUE, ORANGE, Plots};
+use super::style::{self, BLUE, ORANGE, Page, Plots};
+use super::ticks;
 
 /// Largest number of panels; if there are more snapshots, some are left out.
 const PANELS: usize = 24;
@@ -19,7 +20,7 @@ const SMOOTH: f64 = 0.02;
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let snapshots = record.values("snapshot")?;
     let shown = chosen(snapshots.len());
@@ -28,23 +29,21 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let panels: Option<Vec<_>> = shown.iter().map(|&s| panel(outcome, s, end)).collect();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
     let layouts = labelled(outcome, layouts, columns)?;
-    let height = if columns < 3 { 190.0 } else { 150.0 };
+    let height = page.height(if columns < 3 { 190.0 } else { 150.0 });
     let title = match snapshots.len() - shown.len() {
         0 => outcome.summary.title.clone(),
         more => format!("{} ({} of {} snapshots)", outcome.summary.title, shown.len(), more + shown.len()),
     };
-    let (title, size) = style::heading(&title);
+    let (title, size) = page.heading(&title);
     let figure = Figure::new(rows, columns)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH / columns as f64, height)
+        .with_cell_size(page.width / columns as f64, height)
         .with_row_height(rows - 1, height + LABEL)
         .with_spacing(6.0)
         .with_shared_legend_entries(legend(outcome))
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 /// The snapshots that are drawn: all, or an even selection with the first and the last.

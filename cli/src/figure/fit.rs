@@ -10,7 +10,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 /// Heights of the panels, and of the label of the lowest axis.
 const HEIGHT: f64 = 340.0;
@@ -21,7 +22,7 @@ const MARGINS: (f64, f64) = (14.0, 24.0);
 const EDGES: usize = 600;
 const DOTS: &str = "2 4";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (position, expected, std) =
         (record.values("reading_position")?, record.values("expected_force")?, record.values("reading_std")?);
@@ -59,7 +60,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let residuals = record.values("whitened_residual").map(|whitened| below(ends, position, whitened));
     let mut panels = vec![(forces, above)];
     panels.extend(residuals);
-    Some(stacked(outcome, panels, legend)?.render())
+    stacked(outcome, page, panels, legend)
 }
 
 /// The readings of each curve: where the number of the curve stays the same.
@@ -72,7 +73,12 @@ fn curves(numbers: Option<&[f64]>, count: usize) -> Vec<Range<usize>> {
 }
 
 /// The panels, one above the other, with the label of the position below the last.
-fn stacked(outcome: &Outcome, mut panels: Vec<(Plots, Layout)>, legend: Vec<LegendEntry>) -> Option<Figure> {
+fn stacked(
+    outcome: &Outcome,
+    page: Page,
+    mut panels: Vec<(Plots, Layout)>,
+    legend: Vec<LegendEntry>,
+) -> Option<Scene> {
     let driven = outcome.record.get("slider_position").is_some();
     let words = if driven { "Load-point displacement" } else { "Position of the slider" };
     let label = style::axis(outcome, words, outcome.record.get("reading_position")?);
@@ -80,19 +86,17 @@ fn stacked(outcome: &Outcome, mut panels: Vec<(Plots, Layout)>, legend: Vec<Lege
     panels.push((plots, lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)));
     let rows = panels.len();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
-    let (title, size) = style::heading(&outcome.summary.title);
-    let heights = [HEIGHT, RESIDUALS];
+    let (title, size) = page.heading(&outcome.summary.title);
+    let heights = [HEIGHT, RESIDUALS].map(|height| page.height(height));
     let figure = Figure::new(rows, 1)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH, HEIGHT)
+        .with_cell_size(page.width, heights[0])
         .with_row_height(rows - 1, heights[rows - 1] + LABEL)
         .with_spacing(4.0)
         .with_shared_legend_entries(legend)
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure)
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 /// The whitened residuals between lines at ±2.

@@ -4,10 +4,11 @@
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 /// Bins of wave numbers per factor e.
 const BINS: f64 = 24.0;
@@ -15,7 +16,7 @@ const BINS: f64 = 24.0;
 const POINTS: usize = 3000;
 const DASHES: &str = "8 5";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (q, measured, expected) = (
         record.values("fit_wave_number")?,
@@ -45,10 +46,11 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let heights = (bottom, 2.0 * high);
     let layout = style::layout(ends, heights).with_log_scale();
     let layout = layout.with_x_tick_format(style::powers(ends)).with_y_tick_format(style::powers(heights));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("fit_wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("fit_periodogram")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// Means of wave numbers and of values over bins of equal width in ln q; the first bins hold one each.

@@ -6,17 +6,18 @@ use asperity_runner::output::Outcome;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple, render_twin_y};
+use kuva::render::render::Scene;
 
-use super::curve::{Point, curve, errors, line};
-use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
+use super::curve::{Point, curve, errors, line, spread};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 /// Largest number of markers of the force of the ensemble.
-const MARKERS: usize = 80;
+const MARKERS: usize = 160;
 const DASHES: &str = "8 5";
 const DOTS: &str = "3 3";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     record.get("breaking_rate")?;
     let (position, force) = (record.values("position")?, record.values("force")?);
@@ -26,22 +27,22 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     plots.push(line(curve(position, force), BLUE, 2.0, None));
     legend.insert(0, style::line("master equation", BLUE, None));
     ensemble(outcome, position, &mut plots, &mut legend);
-    let axes = axes(outcome, position, force)?;
+    let axes = axes(outcome, page, position, force)?;
     frictions(outcome, position, height(&axes), (&mut plots, &mut legend));
     let layout = style::legend_below(axes, legend);
     Some(match outcome.summary.numbers.friction().and_then(|friction| friction.friction_coefficients) {
-        Some(coefficients) => render_twin_y(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
-        None => render_multiple(plots, layout),
+        Some(coefficients) => ticks::twin(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
+        None => ticks::panel(plots, layout),
     })
 }
 
-fn axes(outcome: &Outcome, position: &[f64], force: &[f64]) -> Option<Layout> {
+fn axes(outcome: &Outcome, page: Page, position: &[f64], force: &[f64]) -> Option<Layout> {
     let record = &outcome.record;
     let others = ["ensemble_force", "compared_force"].into_iter().filter_map(|name| record.values(name));
     let (low, high) = style::range(others.chain([force]));
     let x = (position[0], *position.last()?);
     Some(
-        style::titled(style::layout(x, (low.min(0.0), style::headroom(high))), &outcome.summary.title)
+        page.titled(style::layout(x, (low.min(0.0), style::headroom(high))), &outcome.summary.title)
             .with_x_label(style::axis(outcome, "Position X", record.get("position")?))
             .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?)),
     )
@@ -103,8 +104,9 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
     let record = &outcome.record;
     let Some(force) = record.values("ensemble_force") else { return };
     let error = record.values("ensemble_error").unwrap_or_default();
-    let shown = (0..position.len()).step_by(position.len().div_ceil(MARKERS));
-    let pick = |values: &[f64]| shown.clone().filter_map(|i| values.get(i).copied()).collect::<Vec<_>>();
+    let points: Vec<Point> = position.iter().copied().zip(force.iter().copied()).collect();
+    let shown = spread(&points, (style::range([position]), style::range([force])), MARKERS);
+    let pick = |values: &[f64]| shown.iter().filter_map(|&i| values.get(i).copied()).collect::<Vec<_>>();
     plots.extend(errors(&pick(position), &pick(force), &pick(error), ORANGE));
     legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
 }

@@ -2,78 +2,96 @@
 
 use std::sync::{Arc, OnceLock};
 
-use clap::ValueEnum;
+use asperity::scenario::{Figure, FigureFormat};
 use krilla_svg::{SurfaceExt, SvgSettings};
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::Scene;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{self, Tree, fontdb};
 
-use super::typography;
-
-/// File formats of pictures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// Scalable Vector Graphics
-    Svg,
-    /// Portable Network Graphics, in dots
-    Png,
-    /// Portable Document Format, a page of the size of the picture
-    Pdf,
-}
-
-impl Format {
-    /// The ending of names of files.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Svg => "svg",
-            Self::Png => "png",
-            Self::Pdf => "pdf",
-        }
-    }
-}
+use super::style::{HEIGHT, LABELS, Page, WIDTH};
+use super::{grey, typography};
 
 /// Units of the canvas per inch, as in CSS.
-pub const PER_INCH: f64 = 96.0;
+const PER_INCH: f64 = 96.0;
+/// Points per inch.
+const POINTS: f64 = 72.0;
+const MM_PER_INCH: f64 = 25.4;
+/// The usual width of pictures in mm.
+const USUAL: f64 = WIDTH / PER_INCH * MM_PER_INCH;
 
-/// How pictures are written.
-#[derive(Debug, Clone)]
-pub struct Style {
-    pub formats: Vec<Format>,
-    /// Width of a picture in mm; without one, that of its canvas.
-    pub width: Option<f64>,
-    /// Dots per inch.
-    pub resolution: f64,
-    /// Whether the title of the scenario stands above pictures.
-    pub title: bool,
+/// The canvas of pictures that are drawn in this style.
+pub fn page(style: &Figure) -> Page {
+    let wide = style.width.unwrap_or(USUAL);
+    // What one unit of the canvas is in mm.
+    let unit = style.font_size.map_or(wide / WIDTH, |size| size / POINTS * MM_PER_INCH / LABELS);
+    Page::new(wide / unit, style.height.map(|height| height / wide))
+}
+
+/// Least width and height of a picture of one panel, in units of the canvas: about as much as its labels take.
+const LEAST: (f64, f64) = (240.0, 180.0);
+/// Most dots of a PNG along a side.
+const DOTS: f64 = 20_000.0;
+
+/// Refuses a style in which letters leave no room for curves, or with more dots than programs can show.
+///
+/// # Errors
+/// What was expected.
+pub fn check(style: &Figure) -> Result<(), String> {
+    let page = page(style);
+    let height = page.height(HEIGHT);
+    if page.width < LEAST.0 || height < LEAST.1 {
+        let widest = (LEAST.0 / page.width).max(LEAST.1 / height);
+        return Err(format!(
+            "figure: expected a picture at least {widest:.1} times as wide and high for letters of this size, or a smaller figure.font_size"
+        ));
+    }
+    let wide = style.width.unwrap_or(USUAL);
+    let dots = wide.max(wide * height / page.width) / MM_PER_INCH * style.dpi;
+    if style.formats.contains(&FigureFormat::Png) && dots > DOTS {
+        return Err(format!("figure.dpi: expected at most {DOTS} dots along a side, got {dots:.0}"));
+    }
+    Ok(())
 }
 
 /// The picture as SVG, with symbols typeset and a viewBox, so that it can be scaled.
-pub fn svg(scene: &Scene, title: &str, style: &Style) -> String {
+pub fn svg(scene: &Scene, title: &str, style: &Figure) -> String {
     let plain = renumbered(&SvgBackend::new().render_scene(scene));
     let drawn = typography::typeset(&plain, title);
     let (width, height) = (scene.width, scene.height);
-    let unit = |length: f64| match style.width {
-        None => format!("{length}"),
-        Some(wide) => format!("{}mm", length * wide / width),
+    let unit = |length: f64| match (style.width, style.font_size) {
+        (None, None) => format!("{length}"),
+        (wide, _) => format!("{}mm", length * wide.unwrap_or(USUAL) / width),
     };
-    let size = format!("width=\"{width}\" height=\"{height}\"");
     let scaled =
         format!("width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"", unit(width), unit(height));
-    drawn.replacen(&size, &scaled, 1)
+    let coloured = resized(&drawn, &scaled);
+    if style.grey { grey::shaded(&coloured) } else { coloured }
+}
+
+/// The picture with other attributes in the place of its width and height, which stand together in its first tag.
+fn resized(svg: &str, attributes: &str) -> String {
+    let found = svg.find("width=\"").and_then(|start| {
+        let height = start + svg[start..].find("height=\"")? + "height=\"".len();
+        Some((start, height + svg[height..].find('"')? + 1))
+    });
+    found.map_or_else(
+        || svg.to_owned(),
+        |(start, end)| format!("{}{attributes}{}", &svg[..start], &svg[end..]),
+    )
 }
 
 /// An SVG picture in another format.
 ///
 /// # Errors
 /// What cannot be drawn.
-pub fn converted(svg: &str, format: Format, style: &Style) -> Result<Vec<u8>, String> {
-    if format == Format::Svg {
+pub fn converted(svg: &str, format: FigureFormat, style: &Figure) -> Result<Vec<u8>, String> {
+    if format == FigureFormat::Svg {
         return Ok(svg.as_bytes().to_vec());
     }
     let options = usvg::Options { fontdb: fonts(), font_family: FAMILY.into(), ..usvg::Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
-    if format == Format::Pdf { pdf(&tree) } else { png(&tree, style.resolution / PER_INCH) }
+    if format == FigureFormat::Pdf { pdf(&tree) } else { png(&tree, style.dpi / PER_INCH) }
 }
 
 fn png(tree: &Tree, scale: f64) -> Result<Vec<u8>, String> {
@@ -89,7 +107,8 @@ fn png(tree: &Tree, scale: f64) -> Result<Vec<u8>, String> {
 /// Dots as a PNG file. Fast compression takes a tenth of the time of the usual one for a few more bytes.
 fn compressed(dots: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     // All dots are opaque.
-    let opaque: Vec<u8> = dots.data().chunks_exact(4).flat_map(|dot| [dot[0], dot[1], dot[2]]).collect();
+    let mut opaque = Vec::with_capacity(dots.data().len() / 4 * 3);
+    dots.data().chunks_exact(4).for_each(|dot| opaque.extend_from_slice(&dot[..3]));
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, dots.width(), dots.height());
     encoder.set_color(png::ColorType::Rgb);
@@ -100,8 +119,7 @@ fn compressed(dots: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
 
 /// A page of the size of the picture.
 fn pdf(tree: &Tree) -> Result<Vec<u8>, String> {
-    const POINTS: f64 = 72.0 / PER_INCH;
-    let points = |length: f32| (f64::from(length) * POINTS) as f32;
+    let points = |length: f32| (f64::from(length) * POINTS / PER_INCH) as f32;
     let size = krilla::geom::Size::from_wh(points(tree.size().width()), points(tree.size().height()))
         .ok_or("a picture without extent")?;
     let mut document = krilla::Document::new();

@@ -3,12 +3,13 @@
 use asperity_runner::output::Outcome;
 use kuva::plot::BandPlot;
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
-use super::style::{self, BLUE, Plots};
+use super::style::{self, BLUE, Page, Plots};
+use super::ticks;
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (threshold, density) = (record.values("free_form_threshold")?, record.values("free_form_density")?);
     let (low, high) = (record.values("free_form_density_low")?, record.values("free_form_density_high")?);
@@ -20,8 +21,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let plots: Plots = vec![Plot::Band(band), line(curve(threshold, density), BLUE, 2.0, None)];
     let legend = vec![style::line("density of free form", BLUE, None), style::area("95 %", "#C7DFEE")];
     let layout = style::layout(style::range([threshold]), (0.0, top));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Threshold", record.get("free_form_threshold")?))
         .with_y_label(style::axis(outcome, "Density of thresholds", record.get("free_form_density")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }

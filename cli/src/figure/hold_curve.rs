@@ -2,17 +2,18 @@
 
 use asperity::record::Quantity;
 use asperity_runner::output::Outcome;
-use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
-use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::plot::{LegendEntry, MarkerShape};
+use kuva::render::render::Scene;
 
-use super::curve::{curve, errors, line};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::curve::{computed, errors, line};
+use super::smooth::along_logarithm;
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (hold, force) = (record.values("hold")?, record.values("static_friction")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
@@ -20,9 +21,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let kinetic = outcome.summary.numbers.hold_curve().map(|curve| curve.kinetic_friction);
     let (low, high) = style::range([force, others, kinetic.as_slice()]);
     healing(outcome, hold, &mut plots, &mut legend);
-    plots.push(line(curve(hold, force), BLUE, 2.0, None));
-    let points = ScatterPlot::new().with_data(curve(hold, force)).with_color(BLUE).with_size(3.2);
-    plots.push(Plot::Scatter(points));
+    plots.push(line(along_logarithm(hold, force), BLUE, 2.0, None));
+    plots.push(computed(hold, force, BLUE));
     legend.insert(0, style::line("master equation", BLUE, None));
     if let Some(force) = record.values("ensemble_force") {
         let error = record.values("ensemble_error").unwrap_or_default();
@@ -31,10 +31,11 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     }
     let layout = style::layout(style::decades(hold), style::heights(low, high)).with_log_x();
     let layout = layout.with_x_tick_format(style::powers(style::decades(hold)));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))
         .with_y_label(style::axis(outcome, "Static friction F_s", record.get("static_friction")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// Points of the fitted curve.

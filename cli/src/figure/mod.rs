@@ -14,12 +14,14 @@ mod fit_spectrum;
 mod force;
 mod formats;
 mod free_form;
+mod grey;
 mod hold_curve;
 mod potential;
 mod protocol;
 mod sizes;
 mod slip;
 mod slip_rate;
+mod smooth;
 mod space_time;
 mod spectrum;
 mod stability;
@@ -28,22 +30,25 @@ mod stress_map;
 mod style;
 mod sweep;
 mod thresholds;
+mod ticks;
 mod typography;
 mod velocity_curve;
 mod velocity_step;
 
+use asperity::scenario::{Figure, FigureFormat};
 use asperity_runner::output::{Attachment, Outcome};
 use asperity_runner::sweep::Dataset;
 use kuva::render::render::Scene;
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
-pub use formats::{Format, Style};
+pub use formats::check;
 pub use style::digits;
 
 /// Draws every picture for which the record has the variables.
 ///
 /// # Errors
 /// A picture that cannot be converted, with its name.
-pub fn draw(outcome: &mut Outcome, style: &Style) -> Result<Vec<Attachment>, String> {
+pub fn draw(outcome: &mut Outcome, style: &Figure) -> Result<Vec<Attachment>, String> {
     if style.title {
         return pictures(outcome, style);
     }
@@ -53,73 +58,72 @@ pub fn draw(outcome: &mut Outcome, style: &Style) -> Result<Vec<Attachment>, Str
     found
 }
 
-fn pictures(outcome: &Outcome, style: &Style) -> Result<Vec<Attachment>, String> {
+fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String> {
     if style.formats.is_empty() {
         return Ok(Vec::new());
     }
+    let page = formats::page(style);
     let scenes = [
-        ("force", force::scene(outcome)),
-        ("evolution", evolution::scene(outcome)),
-        ("distribution", distribution::scene(outcome)),
-        ("covariance", covariance::scene(outcome)),
-        stick_slip::scene(outcome),
-        ("velocity_curve", velocity_curve::scene(outcome)),
-        ("hold_curve", hold_curve::scene(outcome)),
-        ("protocol", protocol::scene(outcome)),
-        ("velocity_step", velocity_step::scene(outcome)),
-        ("equilibrium", equilibrium::scene(outcome)),
-        ("potential", potential::scene(outcome)),
-        ("slip", slip::scene(outcome)),
-        ("sizes", sizes::scene(outcome)),
-        ("catalogue", catalogue::scene(outcome)),
-        ("stress_map", stress_map::scene(outcome)),
-        ("space_time", space_time::scene(outcome)),
-        ("slip_rate", slip_rate::scene(outcome)),
-        ("thresholds", thresholds::scene(outcome)),
-        ("spectrum", spectrum::scene(outcome).or_else(|| fit_spectrum::scene(outcome))),
-        ("correlation", spectrum::correlation(outcome)),
-        ("stability", stability::scene(outcome)),
-        ("fit", fit::scene(outcome)),
-        ("free_form", free_form::scene(outcome)),
-        ("corner", corner::scene(outcome)),
+        ("force", force::scene(outcome, page)),
+        ("evolution", evolution::scene(outcome, page)),
+        ("distribution", distribution::scene(outcome, page)),
+        ("covariance", covariance::scene(outcome, page)),
+        stick_slip::scene(outcome, page),
+        ("velocity_curve", velocity_curve::scene(outcome, page)),
+        ("hold_curve", hold_curve::scene(outcome, page)),
+        ("protocol", protocol::scene(outcome, page)),
+        ("velocity_step", velocity_step::scene(outcome, page)),
+        ("equilibrium", equilibrium::scene(outcome, page)),
+        ("potential", potential::scene(outcome, page)),
+        ("slip", slip::scene(outcome, page)),
+        ("sizes", sizes::scene(outcome, page)),
+        ("catalogue", catalogue::scene(outcome, page)),
+        ("stress_map", stress_map::scene(outcome, page)),
+        ("space_time", space_time::scene(outcome, page)),
+        ("slip_rate", slip_rate::scene(outcome, page)),
+        ("thresholds", thresholds::scene(outcome, page)),
+        ("spectrum", spectrum::scene(outcome, page).or_else(|| fit_spectrum::scene(outcome, page))),
+        ("correlation", spectrum::correlation(outcome, page)),
+        ("stability", stability::scene(outcome, page)),
+        ("fit", fit::scene(outcome, page)),
+        ("free_form", free_form::scene(outcome, page)),
+        ("corner", corner::scene(outcome, page)),
     ];
+    let title = page.heading(&outcome.summary.title).0;
     let scenes = scenes.into_iter().filter_map(|(name, scene)| Some((name.to_owned(), scene?)));
-    converted(scenes, &outcome.summary.title, style)
+    files(scenes, &title, style)
 }
 
 /// Draws the pictures of a sweep.
 ///
 /// # Errors
 /// A picture that cannot be converted, with its name.
-pub fn of_sweep(dataset: &Dataset, style: &Style) -> Result<Vec<Attachment>, String> {
+pub fn of_sweep(dataset: &Dataset, style: &Figure) -> Result<Vec<Attachment>, String> {
     if style.formats.is_empty() {
         return Ok(Vec::new());
     }
-    if style.title {
-        return converted(sweep::scenes(dataset).into_iter(), &dataset.title, style);
-    }
-    let untitled = Dataset { title: String::new(), ..dataset.clone() };
-    converted(sweep::scenes(&untitled).into_iter(), "", style)
+    let page = formats::page(style);
+    let title = if style.title { dataset.title.clone() } else { String::new() };
+    let titled = Dataset { title, ..dataset.clone() };
+    files(sweep::scenes(&titled, page).into_iter(), &page.heading(&titled.title).0, style)
 }
 
 /// Scenes with their names as files of all formats.
-fn converted(
+fn files(
     scenes: impl Iterator<Item = (String, Scene)>,
     title: &str,
-    style: &Style,
+    style: &Figure,
 ) -> Result<Vec<Attachment>, String> {
-    let title = style::heading(title).0;
-    let mut pictures = Vec::new();
-    for (name, scene) in scenes {
-        let svg = formats::svg(&scene, &title, style);
-        for &format in &style.formats {
-            let name = format!("{name}.{}", format.ending());
-            let bytes =
-                formats::converted(&svg, format, style).map_err(|error| format!("{name}: {error}"))?;
-            pictures.push(Attachment { name, bytes });
-        }
-    }
-    Ok(pictures)
+    let drawn: Vec<(String, String)> =
+        scenes.map(|(name, scene)| (name, formats::svg(&scene, title, style))).collect();
+    let files: Vec<_> =
+        drawn.iter().flat_map(|picture| style.formats.iter().map(move |format| (picture, *format))).collect();
+    let convert = |((name, svg), format): (&(String, String), FigureFormat)| {
+        let name = format!("{name}.{}", format.name());
+        let bytes = formats::converted(svg, format, style).map_err(|error| format!("{name}: {error}"))?;
+        Ok(Attachment { name, bytes })
+    };
+    files.into_par_iter().map(convert).collect()
 }
 
 #[cfg(test)]

@@ -5,15 +5,16 @@
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::equilibrium::{end, first_slip};
-use super::style::{self, BLACK, BLUE, GREEN, GREY, Plots, RED};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, Page, Plots, RED};
+use super::ticks;
 
 const COLORS: [&str; 3] = [GREY, BLUE, GREEN];
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (end, slip) = (end(record)?, first_slip(record)?);
     let (drives, position) = (record.values("potential_drive")?, record.values("branch_position")?);
@@ -41,8 +42,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     }
     let (low, high) = style::range(heights);
     let air = 0.05 * (high - low);
-    let layout = style::titled(style::layout((0.0, end), (low - air, high + air)), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout((0.0, end), (low - air, high + air)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
         .with_y_label(style::axis(outcome, "Potential V(X_T, X), first loading", record.get("potential")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }

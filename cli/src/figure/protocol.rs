@@ -7,8 +7,9 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::advance::is_in_time;
-use super::curve::{Point, curve, errors, line, thinned};
-use super::style::{self, BLUE, GREEN, ORANGE, Plots};
+use super::curve::{Point, curve, errors, line, spread, thinned};
+use super::style::{self, BLUE, GREEN, ORANGE, Page, Plots};
+use super::ticks;
 
 /// Heights of the panels of velocity and force.
 const HEIGHTS: (f64, f64) = (150.0, 330.0);
@@ -16,26 +17,24 @@ const MARGINS: (f64, f64) = (12.0, 24.0);
 /// Height of the label of the lower axis.
 const LABEL: f64 = 26.0;
 /// Largest number of markers of the force of the ensemble.
-const MARKERS: usize = 80;
+const MARKERS: usize = 160;
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     // A driven interface has pictures of its own.
     if outcome.summary.numbers.catalogue().is_some() && !is_in_time(&outcome.record) {
         return None;
     }
     let (above, below) = (velocity(outcome)?, force(outcome)?);
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let figure = Figure::new(2, 1)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(vec![above.0, below.0])
-        .with_layouts(vec![above.1, below.1])
-        .with_cell_size(style::WIDTH, HEIGHTS.0)
-        .with_row_height(1, HEIGHTS.1 + LABEL)
+        .with_cell_size(page.width, page.height(HEIGHTS.0))
+        .with_row_height(1, page.height(HEIGHTS.1) + LABEL)
         .with_spacing(6.0)
         .with_shared_legend_entries(legend(outcome))
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure.render())
+    Some(ticks::panels(figure, vec![above.0, below.0], vec![above.1, below.1]))
 }
 
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
@@ -81,8 +80,9 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let mut plots = vec![line(curve(time, force), BLUE, 2.0, None)];
     if let Some(force) = others {
         let error = record.values("ensemble_error").unwrap_or_default();
-        let shown = (0..time.len()).step_by(time.len().div_ceil(MARKERS));
-        let pick = |values: &[f64]| shown.clone().filter_map(|i| values.get(i).copied()).collect::<Vec<_>>();
+        let points: Vec<Point> = time.iter().copied().zip(force.iter().copied()).collect();
+        let shown = spread(&points, (style::range([time]), style::range([force])), MARKERS);
+        let pick = |values: &[f64]| shown.iter().filter_map(|&i| values.get(i).copied()).collect::<Vec<_>>();
         plots.extend(errors(&pick(time), &pick(force), &pick(error), ORANGE));
     }
     let layout = style::layout((0.0, *time.last()?), style::heights(low, high))

@@ -3,10 +3,11 @@
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::line;
-use super::style::{self, GREY, ORANGE, Plots};
+use super::style::{self, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 /// Fewest bins with events that are drawn.
@@ -16,7 +17,7 @@ const PER_DECADE: f64 = 10.0;
 /// Exponent of sizes of a mean-field model swept to its instability (P. C. Hemmer and A. Hansen, 1992).
 const SWEPT: f64 = -2.5;
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (sizes, events) = (record.values("size")?, record.values("size_events")?);
     let points: Vec<(f64, f64)> =
@@ -41,10 +42,11 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (widths, heights) = ((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high));
     let layout = style::layout(widths, heights).with_log_scale();
     let layout = layout.with_x_tick_format(style::powers(widths)).with_y_tick_format(style::powers(heights));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label("Contacts broken in an event")
         .with_y_label("Events per number of contacts");
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// Number of integers in the bin around `size`.

@@ -6,14 +6,15 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
-use super::style::{self, BLUE, GREEN, Plots, RED};
+use super::style::{self, BLUE, GREEN, Page, Plots, RED};
+use super::ticks;
 
 const HEIGHT: f64 = 190.0;
 /// Height of the label of the lowest axis.
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (12.0, 24.0);
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let rows = [
         panel(outcome, &[("slip_position", BLUE)], "Position X")?,
         panel(outcome, &[("slip_velocity", GREEN)], "Velocity")?,
@@ -23,20 +24,18 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let time = style::axis(outcome, "Time t", outcome.record.get("slip_time")?);
     let lowest = layouts.pop()?.with_x_label(time).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
     layouts.push(lowest);
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let legend =
         vec![style::line("friction force F", BLUE, None), style::line("spring force K(X_T − X)", RED, None)];
     let figure = Figure::new(3, 1)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH, HEIGHT)
-        .with_row_height(2, HEIGHT + LABEL)
+        .with_cell_size(page.width, page.height(HEIGHT))
+        .with_row_height(2, page.height(HEIGHT) + LABEL)
         .with_spacing(6.0)
         .with_shared_legend_entries(legend)
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 fn panel(outcome: &Outcome, columns: &[(&str, &str)], words: &str) -> Option<(Plots, Layout)> {

@@ -11,7 +11,8 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::render::Scene;
 
 use super::field::{Field, bar};
-use super::style::{self, Plots};
+use super::style::{self, Page, Plots};
+use super::ticks;
 
 /// Decades below the highest velocity of the drive that are shown: slower cells hold.
 const BELOW: f64 = 3.0;
@@ -21,7 +22,7 @@ const DECADES: f64 = 6.0;
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let cells = record.length("cell")?;
     let rates = record.get("slip_rate")?;
@@ -40,16 +41,14 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         scale_axes.with_y_tick_step(1.0).with_y_tick_format(TickFormat::Custom(Arc::new(|exponent: f64| {
             style::power(exponent.round() + 0.0)
         })));
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let figure = Figure::new(1, 3)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(vec![over_time, by_step, scale])
-        .with_layouts(vec![time_axes, step_axes, scale_axes])
-        .with_cell_size(0.5 * (1.4 * style::WIDTH - BAR), HEIGHT)
+        .with_cell_size(0.5 * (page.width - BAR), page.height(HEIGHT))
         .with_col_width(2, BAR)
         .with_spacing(6.0);
-    Some(figure.render())
+    Some(ticks::panels(figure, vec![over_time, by_step, scale], vec![time_axes, step_axes, scale_axes]))
 }
 
 /// The highest velocity of the drive from one step to the next.

@@ -12,7 +12,8 @@ use kuva::render::render::Scene;
 use super::advance::Advance;
 use super::curve::{Point, line};
 use super::field::{Field, bar, scale};
-use super::style::{self, BLACK, ORANGE, Plots, RED};
+use super::style::{self, BLACK, ORANGE, Page, Plots, RED};
+use super::ticks;
 
 /// Smallest fraction of the cells in an event that is drawn.
 const LARGE: f64 = 0.05;
@@ -25,7 +26,7 @@ const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
 const DASHES: &str = "8 5";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let cells = record.length("cell")?;
     let ends = scale(record.values("cell_force")?);
@@ -40,18 +41,16 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         structure.push(vec![2]);
     }
     let rows = if structure.len() > 2 { 2 } else { 1 };
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let figure = Figure::new(rows, 2)
         .with_structure(structure)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH, 260.0)
-        .with_row_height(0, HEIGHT)
+        .with_cell_size(page.width - BAR, page.height(260.0))
+        .with_row_height(0, page.height(HEIGHT))
         .with_col_width(1, BAR)
         .with_spacing(6.0);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 /// The rows that are drawn: as many as there are points of the trace with maps, evenly spaced from one end of the trace to the
@@ -156,7 +155,7 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
         .with_title_size(12)
         .with_x_label("Cell")
-        .with_y_label(style::axis(outcome, "Time at which it begins to slip", record.get("slipped_start")?));
+        .with_y_label(style::axis(outcome, "Beginning of slip", record.get("slipped_start")?));
     Some((plots, layout))
 }
 

@@ -4,15 +4,16 @@
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (record, noise) = (&outcome.record, outcome.summary.numbers.noise()?);
     let (q, spectrum) = (record.values("wave_number")?, record.values("spectrum")?);
     let last = q[q.len() - 1];
@@ -43,14 +44,15 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let layout = style::layout((0.0, last), (bottom, top))
         .with_log_y()
         .with_y_tick_format(style::powers((bottom, top)));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("spectrum")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// The autocovariance relative to the variance.
-pub fn correlation(outcome: &Outcome) -> Option<Scene> {
+pub fn correlation(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (u, covariance) = (record.values("displacement")?, record.values("autocovariance")?);
     let relative: Vec<f64> = covariance.iter().map(|c| c / covariance[0]).collect();
@@ -59,8 +61,9 @@ pub fn correlation(outcome: &Outcome) -> Option<Scene> {
     plots.push(line(curve(u, &relative), BLUE, 2.0, None));
     let low = style::range([relative.as_slice()]).0;
     let layout = style::layout((0.0, last), (low.min(0.0) - 0.05, 1.05));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Displacement u", record.get("displacement")?))
         .with_y_label("Autocorrelation of the force");
-    Some(render_multiple(plots, layout))
+    Some(ticks::panel(plots, layout))
 }

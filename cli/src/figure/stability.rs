@@ -4,10 +4,11 @@
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{Point, line};
-use super::style::{self, BLACK, BLUE, GREY, ORANGE, Plots, RED};
+use super::style::{self, BLACK, BLUE, GREY, ORANGE, Page, Plots, RED};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
@@ -17,7 +18,7 @@ const KINDS: [(f64, &str, &str); 3] =
     [(0.0, "no stick-slip", "#C8C8C8"), (1.0, "transient", BLUE), (2.0, "persistent", ORANGE)];
 
 /// A picture of two velocities and two stiffnesses or more.
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let kinds = record.values("stick_slip")?;
     let (velocities, stiffnesses) = (record.values("velocity")?, record.values("stiffness")?);
@@ -62,8 +63,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let layout = style::layout((first, last), ends).with_log_x().with_log_y();
     let layout =
         layout.with_x_tick_format(style::powers((first, last))).with_y_tick_format(style::powers(ends));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Stiffness K", record.get("stiffness")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }

@@ -2,22 +2,27 @@
 
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::Outcome;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
 
-use super::curve::{curve, line};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::curve::{Point, curve, line, spread};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
+/// Largest number of markers of the ensemble.
+const MARKERS: usize = 300;
 
 /// The picture, with a name for the kind of drive.
-pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
+pub fn scene(outcome: &Outcome, page: Page) -> (&'static str, Option<Scene>) {
     let record = &outcome.record;
     let Some(drive) = record.get("drive") else { return ("stick_slip", None) };
     if record.get("velocity").is_some() && record.get("event_drive").is_none() {
         return ("stick_slip", None);
     }
     if drive.quantity == Quantity::Force {
-        return ("creep", traces(outcome, ("position", "drive"), ("Position X", "Imposed force")));
+        return ("creep", traces(outcome, page, ("position", "drive"), ("Position X", "Imposed force")));
     }
     let backward = |pair: &[f64]| pair[1] < pair[0];
     let turns = drive.values.windows(2).any(backward);
@@ -27,23 +32,26 @@ pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
         ("Position X", "Friction force F")
     };
     let name = if turns { "hysteresis" } else { "stick_slip" };
-    (name, traces(outcome, ("drive", "spring_force"), words))
+    (name, traces(outcome, page, ("drive", "spring_force"), words))
 }
 
 /// The traces of both models as curves in two of their variables.
-fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option<Scene> {
+fn traces(outcome: &Outcome, page: Page, names: (&str, &str), words: (&str, &str)) -> Option<Scene> {
     let record = &outcome.record;
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
-    if let Some((x, y)) = columns(record, "ensemble_", names) {
-        plots.push(line(curve(x, y), ORANGE, 2.6, None));
-        legend.push(style::line(style::sized_ensemble(outcome), ORANGE, None));
-    }
     let (x, y) = columns(record, "", names)?;
     plots.push(line(curve(x, y), BLUE, 1.6, None));
-    legend.insert(0, style::line("master equation", BLUE, None));
+    legend.push(style::line("master equation", BLUE, None));
     let others = columns(record, "ensemble_", names);
     let (left, right) = style::range(others.map(|o| o.0).into_iter().chain([x]));
     let (low, high) = style::range(others.map(|o| o.1).into_iter().chain([y]));
+    if let Some((x, y)) = others {
+        let points: Vec<Point> = x.iter().copied().zip(y.iter().copied()).collect();
+        let shown = spread(&points, ((left, right), (low, high)), MARKERS);
+        let markers = ScatterPlot::new().with_data(shown.into_iter().map(|i| points[i]));
+        plots.push(Plot::Scatter(markers.with_color(ORANGE).with_size(2.2)));
+        legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
+    }
     if let Some(kinetic) =
         outcome.summary.numbers.friction().map(|f| f.kinetic_friction).filter(|k| *k < high)
     {
@@ -51,11 +59,11 @@ fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option
         plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));
         legend.push(style::line(format!("kinetic {}", style::with_unit(kinetic, &unit)), GREY, Some(DASHES)));
     }
-    let layout =
-        style::titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)
-            .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
-            .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    let layout = page
+        .titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)
+        .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
+        .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 fn columns<'a>(record: &'a Record, prefix: &str, names: (&str, &str)) -> Option<(&'a [f64], &'a [f64])> {

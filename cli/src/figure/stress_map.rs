@@ -7,7 +7,8 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::field::{Field, bar, scale};
-use super::style::{self, Plots};
+use super::style::{self, Page, Plots};
+use super::ticks;
 
 /// Largest number of panels; if there are more maps, some are left out.
 const PANELS: usize = 6;
@@ -19,7 +20,7 @@ const MARGINS: (f64, f64) = (30.0, 48.0);
 /// Smallest and largest height of a map.
 const HEIGHTS: (f64, f64) = (60.0, 600.0);
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (drives, force) = (record.values("map_drive")?, record.get("cell_force")?);
     let sides = [record.length("row")?, record.length("column")?];
@@ -58,24 +59,22 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let axes = axes.with_force_margins_y(MARGINS.0, MARGINS.1);
     let structure = structure(rows, columns);
     // Cells are square, and the colour scale is as tall as the maps.
-    let across = (style::WIDTH * 1.3 - BAR) / columns as f64 - SIDES.0 - SIDES.1;
+    let across = (page.width - BAR) / columns as f64 - SIDES.0 - SIDES.1;
     let square = sides[0] as f64 / sides[1] as f64;
     let height = (across * square).clamp(HEIGHTS.0, HEIGHTS.1);
     let across = across.min(height / square);
     let order = shown.len().min(columns);
     plots.insert(order, colours);
     layouts.insert(order, axes);
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let figure = Figure::new(rows, columns + 1)
         .with_structure(structure)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
         .with_cell_size(across + SIDES.0 + SIDES.1, height + MARGINS.0 + MARGINS.1)
         .with_col_width(columns, BAR)
         .with_spacing(6.0);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 /// The maps that are drawn: all, or an even selection with the first and the last.

@@ -18,12 +18,55 @@ pub const GREEN: &str = "#009E73";
 pub const BLACK: &str = "#000000";
 pub const GREY: &str = "#767676";
 
-/// Width of a picture, in units of the canvas. Font sizes are for 8.6 cm columns.
+/// Width of a picture with letters of the usual size, in units of the canvas, and height of a picture of one panel.
 pub const WIDTH: f64 = 660.0;
+pub const HEIGHT: f64 = 480.0;
+/// Font size of the labels of axes, in units of the canvas.
+pub const LABELS: f64 = 15.0;
 /// Left and right margins of panels above each other, so that their axes begin and end together.
 pub const SIDES: (f64, f64) = (82.0, 16.0);
-/// Height of a picture of one panel.
-pub const HEIGHT: f64 = 480.0;
+
+/// The canvas of a picture. Its unit is a fraction of the font size, so that large letters leave less room.
+#[derive(Debug, Clone, Copy)]
+pub struct Page {
+    /// Width of a picture.
+    pub width: f64,
+    /// Height of panels over the usual one.
+    stretch: f64,
+}
+
+impl Page {
+    /// A canvas of this width whose pictures of one panel have this ratio of height to width.
+    pub fn new(width: f64, aspect: Option<f64>) -> Self {
+        Self { width, stretch: width * aspect.map_or(1.0 / WIDTH, |aspect| aspect / HEIGHT) }
+    }
+
+    /// The height of what is as high as this on the usual canvas.
+    pub fn height(self, usual: f64) -> f64 {
+        usual * self.stretch
+    }
+
+    /// The size of a picture of one panel, and the title above it, with a font size that fits its length.
+    pub fn titled(self, layout: Layout, title: &str) -> Layout {
+        let (text, size) = self.heading(title);
+        let layout = layout.with_width(self.width).with_height(self.height(HEIGHT));
+        layout.with_title(text).with_title_size(size)
+    }
+
+    /// A title that fits on one line, shortened if needed, and its font size.
+    pub fn heading(self, title: &str) -> (String, u32) {
+        const SIZES: std::ops::RangeInclusive<usize> = 10..=15;
+        // Letters of size s are about 0.58 s wide, and the axes begin to the right of the canvas's edge.
+        let room = (self.width - 80.0).max(0.0) / 0.58;
+        let length = title.chars().count();
+        let size = ((room / length.max(1) as f64) as usize).clamp(*SIZES.start(), *SIZES.end());
+        let most = ((room / size as f64) as usize).max(1);
+        if length <= most {
+            return (title.to_owned(), size as u32);
+        }
+        (title.chars().take(most - 1).chain(['…']).collect(), size as u32)
+    }
+}
 
 /// Axes that include `x` and `y`, with the common fonts and lines.
 pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
@@ -35,34 +78,12 @@ pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
         .with_y_axis_min(y.0)
         .with_y_axis_max(y.1)
         .with_theme(theme)
-        .with_width(WIDTH)
-        .with_height(HEIGHT)
-        .with_label_size(15)
+        .with_label_size(LABELS as u32)
         .with_tick_size(13)
         .with_body_size(12)
         .with_show_grid(false)
         .with_box_axes()
         .with_tick_align("in")
-}
-
-/// The title above `layout`, with a font size that fits its length.
-pub fn titled(layout: Layout, title: &str) -> Layout {
-    let (text, size) = heading(title);
-    layout.with_title(text).with_title_size(size)
-}
-
-/// A title that fits on one line, shortened if needed, and its font size.
-pub fn heading(title: &str) -> (String, u32) {
-    const SIZES: std::ops::RangeInclusive<usize> = 10..=15;
-    // Letters of size s are about 0.58 s wide, and the axes begin to the right of the canvas's edge.
-    let room = (WIDTH - 80.0) / 0.58;
-    let length = title.chars().count();
-    let size = ((room / length.max(1) as f64) as usize).clamp(*SIZES.start(), *SIZES.end());
-    let most = (room / size as f64) as usize;
-    if length <= most {
-        return (title.to_owned(), size as u32);
-    }
-    (title.chars().take(most - 1).chain(['…']).collect(), size as u32)
 }
 
 /// Fraction of contacts, or of the maximum of a curve, that is too small to be visible.

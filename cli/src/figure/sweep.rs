@@ -7,11 +7,12 @@ use kuva::plot::{ColorMap, MarkerShape};
 use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, errors, line};
 use super::field::{Field, bar, scale};
-use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
+use super::ticks;
 
 /// Colours of words that are known, as in the picture of `[stability]`.
 const KNOWN: [(&str, &str); 5] =
@@ -26,26 +27,26 @@ const BAR: f64 = 105.0;
 const MARGINS: (f64, f64) = (36.0, 56.0);
 
 /// The pictures that can be drawn, each with its name.
-pub fn scenes(dataset: &Dataset) -> Vec<(String, Scene)> {
+pub fn scenes(dataset: &Dataset, page: Page) -> Vec<(String, Scene)> {
     let drawn =
         dataset.variables.iter().filter(|variable| variable.name != "failure" && variable.name != "accuracy");
-    drawn.filter_map(|variable| Some((variable.name.clone(), scene(dataset, variable)?))).collect()
+    drawn.filter_map(|variable| Some((variable.name.clone(), scene((dataset, page), variable)?))).collect()
 }
 
 /// A variable over the dimensions that it has beside that of replicas.
-fn scene(dataset: &Dataset, variable: &Labelled) -> Option<Scene> {
+fn scene((dataset, page): (&Dataset, Page), variable: &Labelled) -> Option<Scene> {
     let all: Vec<&Axis> = dataset.axes.iter().chain(&dataset.grids).collect();
     let along =
         variable.dimensions.iter().filter_map(|name| all.iter().find(|axis| axis.name == *name).copied());
     let axes: Vec<&Axis> = along.collect();
     let drawn: Vec<&Axis> = axes.iter().copied().filter(|axis| axis.name != "repeat").collect();
     match (&drawn[..], &variable.values) {
-        ([x], Values::Numbers(numbers)) => lines(dataset, variable, x, &replicas(&axes, numbers)),
+        ([x], Values::Numbers(numbers)) => lines((dataset, page), variable, x, &replicas(&axes, numbers)),
         ([y, x], Values::Numbers(numbers)) => {
             let means: Vec<f64> = replicas(&axes, numbers).iter().map(|found| found.0).collect();
-            map(dataset, variable, [x, y], &means)
+            map((dataset, page), variable, [x, y], &means)
         }
-        ([y, x], Values::Texts(words)) if axes.len() == 2 => kinds(dataset, [x, y], words),
+        ([y, x], Values::Texts(words)) if axes.len() == 2 => kinds((dataset, page), [x, y], words),
         _ => None,
     }
 }
@@ -82,7 +83,12 @@ fn labelled(words: &str, units: &str) -> String {
     if units.is_empty() || units == "1" { words.to_owned() } else { format!("{words} ({units})") }
 }
 
-fn lines(dataset: &Dataset, variable: &Labelled, axis: &Axis, found: &[(f64, f64)]) -> Option<Scene> {
+fn lines(
+    (dataset, page): (&Dataset, Page),
+    variable: &Labelled,
+    axis: &Axis,
+    found: &[(f64, f64)],
+) -> Option<Scene> {
     let (x, label) = places(axis)?;
     let mut order: Vec<usize> = (0..x.len()).collect();
     order.sort_by(|&a, &b| x[a].total_cmp(&x[b]));
@@ -104,10 +110,11 @@ fn lines(dataset: &Dataset, variable: &Labelled, axis: &Axis, found: &[(f64, f64
     if axis.logarithmic {
         layout = layout.with_log_x().with_x_tick_format(style::powers(ends));
     }
-    let layout = style::titled(layout, &dataset.title)
+    let layout = page
+        .titled(layout, &dataset.title)
         .with_x_label(label)
         .with_y_label(labelled(&variable.key, &variable.units));
-    Some(render_multiple(plots, layout))
+    Some(ticks::panel(plots, layout))
 }
 
 /// An axis of a map: the centres of its cells in the coordinate that is drawn.
@@ -178,7 +185,12 @@ fn layout([x, y]: [&Side; 2]) -> Layout {
 }
 
 /// Numbers over two axes, with a colour scale.
-fn map(dataset: &Dataset, variable: &Labelled, axes: [&Axis; 2], values: &[f64]) -> Option<Scene> {
+fn map(
+    (dataset, page): (&Dataset, Page),
+    variable: &Labelled,
+    axes: [&Axis; 2],
+    values: &[f64],
+) -> Option<Scene> {
     let [x, y] = [Side::new(axes[0])?, Side::new(axes[1])?];
     if !values.iter().any(|value| value.is_finite()) {
         return None;
@@ -194,24 +206,21 @@ fn map(dataset: &Dataset, variable: &Labelled, axes: [&Axis; 2], values: &[f64])
     let layout = layout.with_force_margins_y(MARGINS.0, MARGINS.1);
     let label = labelled(&variable.key, &variable.units);
     let (scale_plots, scale_axes) = bar(ends, &ColorMap::Viridis, &label);
-    let (title, size) = style::heading(&dataset.title);
+    let (title, size) = page.heading(&dataset.title);
     let figure = Figure::new(1, 2)
         .with_structure(vec![vec![0], vec![1]])
         .with_title(title)
         .with_title_size(size)
-        .with_plots(vec![vec![field.plot(ends, &colours, 1)], scale_plots])
-        .with_layouts(vec![
-            layout,
-            scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1),
-        ])
-        .with_cell_size(style::WIDTH - BAR, style::HEIGHT - 40.0)
+        .with_cell_size(page.width - BAR, page.height(style::HEIGHT) - 40.0)
         .with_col_width(1, BAR)
         .with_spacing(6.0);
-    Some(figure.render())
+    let axes = scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1);
+    let plots: Plots = vec![field.plot(ends, &colours, 1)];
+    Some(ticks::panels(figure, vec![plots, scale_plots], vec![layout, axes]))
 }
 
 /// Words over two axes, each with its colour.
-fn kinds(dataset: &Dataset, axes: [&Axis; 2], words: &[String]) -> Option<Scene> {
+fn kinds((dataset, page): (&Dataset, Page), axes: [&Axis; 2], words: &[String]) -> Option<Scene> {
     let [x, y] = [Side::new(axes[0])?, Side::new(axes[1])?];
     let mut known: Vec<&String> = words.iter().filter(|word| !word.is_empty()).collect();
     known.sort();
@@ -236,8 +245,8 @@ fn kinds(dataset: &Dataset, axes: [&Axis; 2], words: &[String]) -> Option<Scene>
         legend.push(style::marker("no value", NONE, MarkerShape::Square));
     }
     let plots: Vec<Plot> = vec![field.plot((0.0, last), &colours, 1)];
-    let layout = style::titled(layout([&x, &y]), &dataset.title);
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    let layout = page.titled(layout([&x, &y]), &dataset.title);
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// The colour of a word.

@@ -1,5 +1,5 @@
 use asperity::record::{Quantity, Record};
-use asperity::scenario::Units;
+use asperity::scenario::{Figure, FigureFormat, Units};
 use asperity::task::summary::{
     Catalogue, CurveLimits, Extended, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers,
     InterfaceNumbers, Numbers, Peak, ProtocolNumbers, ProtocolStep, PullNumbers, RateState, StaticFriction,
@@ -8,7 +8,6 @@ use asperity::task::summary::{
 use asperity_runner::output::{Attachment, Outcome};
 
 use super::formats::renumbered;
-use super::{Format, Style};
 
 fn friction() -> Friction {
     Friction {
@@ -63,8 +62,8 @@ fn outcome() -> Outcome {
     Outcome { scenario: String::new(), summary, record }
 }
 
-fn style() -> Style {
-    Style { formats: vec![Format::Svg, Format::Png], width: None, resolution: 300.0, title: true }
+fn style() -> Figure {
+    Figure::default()
 }
 
 fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
@@ -98,8 +97,8 @@ fn frames(svg: &str) -> Vec<[f64; 4]> {
 
 #[test]
 fn every_picture_comes_in_every_format() {
-    let formats = vec![Format::Svg, Format::Png, Format::Pdf];
-    let pictures = super::draw(&mut outcome(), &Style { formats, ..style() }).unwrap();
+    let formats = FigureFormat::ALL.to_vec();
+    let pictures = super::draw(&mut outcome(), &Figure { formats, ..style() }).unwrap();
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).collect();
     let expected = ["force", "evolution", "distribution"]
         .map(|n| ["svg", "png", "pdf"].map(|ending| format!("{n}.{ending}")));
@@ -108,19 +107,90 @@ fn every_picture_comes_in_every_format() {
         let mut of_format = pictures.iter().filter(|p| p.name.ends_with(ending));
         assert!(of_format.all(|p| p.bytes.starts_with(start)), "{ending}");
     }
-    assert!(super::draw(&mut outcome(), &Style { formats: Vec::new(), ..style() }).unwrap().is_empty());
+    assert!(super::draw(&mut outcome(), &Figure { formats: Vec::new(), ..style() }).unwrap().is_empty());
 }
 
 /// A column of 86 mm at 600 dots per inch has 2031.5 dots, and its height follows.
 #[test]
 fn a_picture_has_the_width_and_the_resolution_that_are_asked_for() {
-    let wanted = Style { width: Some(86.0), resolution: 600.0, ..style() };
+    let wanted = Figure { width: Some(86.0), dpi: 600.0, ..style() };
     let pictures = super::draw(&mut outcome(), &wanted).unwrap();
     let text = raw(&pictures, "force.svg");
     assert!(text.contains("width=\"86mm\"") && text.contains("viewBox=\"0 0 660 480\""), "{}", &text[..200]);
     let png = &pictures.iter().find(|p| p.name == "force.png").unwrap().bytes;
     let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
     assert_eq!([number(16), number(20)], [2032, 1478]);
+}
+
+/// The labels of axes have 15 units of the canvas, which is as wide as the picture.
+#[test]
+fn letters_have_the_size_that_is_asked_for() {
+    let wanted = Figure { width: Some(86.0), height: Some(60.0), font_size: Some(8.0), ..style() };
+    let pictures = super::draw(&mut outcome(), &wanted).unwrap();
+    for (name, panels) in [("force.svg", 1), ("evolution.svg", 2)] {
+        let text = raw(&pictures, name);
+        let size = |key: &str| -> f64 {
+            let value = text.split(&format!(" {key}=\"")).nth(1).unwrap().split('"').next().unwrap();
+            value.trim_end_matches("mm").parse().unwrap()
+        };
+        let canvas: Vec<f64> = text
+            .split("viewBox=\"")
+            .nth(1)
+            .and_then(|rest| rest.split('"').next())
+            .map(|rest| rest.split(' ').map(|number| number.parse().unwrap()).collect())
+            .unwrap();
+        assert_eq!(size("width"), 86.0);
+        // A point is 25.4 / 72 mm. Pictures of several panels have margins besides, of 20 units.
+        let points = 15.0 * 86.0 / canvas[2] / 25.4 * 72.0;
+        assert!((points / 8.0 - 1.0).abs() < if panels == 1 { 1e-9 } else { 0.05 }, "{name}: {points}");
+        if panels == 1 {
+            assert!((size("height") - 60.0).abs() < 1e-9);
+        }
+        assert_eq!(frames(text).len(), panels);
+    }
+}
+
+#[test]
+fn grey_pictures_have_shades_of_grey_alone() {
+    let pictures = super::draw(&mut outcome(), &Figure { grey: true, ..style() }).unwrap();
+    for name in ["force.svg", "evolution.svg", "distribution.svg"] {
+        let text = raw(&pictures, name);
+        let colours = text.split("\"#").skip(1).map(|part| &part[..6]);
+        let grey = |colour: &str| colour[..2] == colour[2..4] && colour[..2] == colour[4..];
+        let mut shades: Vec<&str> =
+            colours.inspect(|colour| assert!(grey(colour), "{name}: {colour}")).collect();
+        shades.sort_unstable();
+        shades.dedup();
+        assert!(shades.len() >= 3, "{name}: {shades:?}");
+    }
+}
+
+/// The number of ticks that begin on the lower edge of a frame, by their length.
+fn ticks_below(text: &str, frame: [f64; 4]) -> [usize; 2] {
+    let edge = frame[1] + frame[3];
+    let number = |line: &str, key: &str| -> f64 {
+        line.split(&format!("{key}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    let mut found = [0, 0];
+    for line in text.split("<line ").skip(1) {
+        let [x1, y1, x2, y2] = ["x1", "y1", "x2", "y2"].map(|key| number(line, key));
+        if x1 == x2 && (y1.max(y2) - edge).abs() < 0.02 {
+            match (y1 - y2).abs() {
+                length if (length - 5.0).abs() < 0.02 => found[0] += 1,
+                length if (length - 3.0).abs() < 0.02 => found[1] += 1,
+                _ => {}
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn axes_have_minor_ticks() {
+    let pictures = draw(&outcome()).unwrap();
+    let text = raw(&pictures, "force.svg");
+    // From 0 to 9.95 with ticks at 0, 2, 4, 6 and 8 and four parts of each step, up to 9.5.
+    assert_eq!(ticks_below(text, frames(text)[0]), [5, 15]);
 }
 
 #[test]
@@ -244,6 +314,35 @@ fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
         assert!(text.contains(words), "{words}");
     }
     assert_eq!(pictures.len(), 2);
+    // Six decades from 10⁻⁶, a little longer at both ends, with 2 to 9 in each.
+    let marked = raw(&pictures, "velocity_curve.svg");
+    let [major, minor] = ticks_below(marked, frames(marked)[0]);
+    assert_eq!(major, 7);
+    assert!((48..=52).contains(&minor), "{minor}");
+    // Curves of 7 velocities with 24 points from each to the next.
+    let longest = marked.split("<path d=\"").skip(1).map(|path| path.split('"').next().unwrap());
+    assert!(longest.map(|path| path.matches('L').count()).max().unwrap() >= 6 * 24);
+}
+
+/// The force of an ensemble in a drive is drawn as points, not as a line under the other.
+#[test]
+fn an_ensemble_that_sticks_and_slips_is_drawn_as_points() {
+    let mut outcome = outcome();
+    outcome.record = Record::default();
+    let drive: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
+    let force: Vec<f64> = drive.iter().map(|drive| drive.fract()).collect();
+    for (name, values) in [("drive", &drive), ("ensemble_drive", &drive)] {
+        outcome.record.push(name, name, Quantity::Length, &["point"], values.clone());
+    }
+    for name in ["spring_force", "ensemble_spring_force"] {
+        outcome.record.push(name, name, Quantity::Force, &["point"], force.clone());
+    }
+    let pictures = draw(&outcome).unwrap();
+    let text = raw(&pictures, "stick_slip.svg");
+    let lines = text.matches("stroke=\"#e69f00\"").count();
+    let points = text.matches("fill=\"#e69f00\"").count();
+    // Twenty teeth, of two markers or more each.
+    assert!(lines == 0 && points > 60, "{lines} {points}");
 }
 
 #[test]

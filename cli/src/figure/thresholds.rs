@@ -2,14 +2,15 @@
 
 use asperity_runner::output::Outcome;
 use kuva::plot::MarkerShape;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
 use super::curve::{curve, errors, line};
-use super::style::{self, BLUE, GREY, ORANGE, Plots};
+use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
+use super::ticks;
 
 const DASHES: &str = "8 5";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let found = outcome.summary.numbers.renormalisation()?;
     let (drive, measured) = (record.values("drive")?, record.values("measured_density")?);
@@ -26,8 +27,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     legend.push(style::marker(breaks, ORANGE, MarkerShape::Circle));
     let top = style::range([measured, free, mean_field.unwrap_or(&[])]).1;
     let ends = (drive[0], drive[drive.len() - 1]);
-    let layout = style::titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)
+    let layout = page
+        .titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Drive X", record.get("drive")?))
         .with_y_label(style::axis(outcome, "Density of contacts that break", record.get("free_density")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }

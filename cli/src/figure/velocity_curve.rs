@@ -3,17 +3,19 @@
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::Scene;
 
-use super::curve::{Point, below, curve, errors, line};
-use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
+use super::curve::{Point, below, computed, errors, line};
+use super::smooth::along_logarithm;
+use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
+use super::ticks;
 
 /// Colours of the curves of several temperatures.
 const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let friction = record.values("kinetic_friction")?;
     let velocity = record.values("velocity")?;
@@ -38,10 +40,11 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     }
     let layout = style::layout(style::decades(velocity), (low, high)).with_log_x();
     let layout = layout.with_x_tick_format(style::powers(style::decades(velocity)));
-    let layout = style::titled(layout, &outcome.summary.title)
+    let layout = page
+        .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Kinetic friction F_k", record.get("kinetic_friction")?));
-    Some(render_multiple(plots, style::legend_below(layout, legend)))
+    Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
 /// The curve of one temperature, with its ensemble and closed forms.
@@ -57,12 +60,16 @@ fn draw(
     let color = COLORS[row % COLORS.len()];
     for (name, dashes) in [("creep_friction", DASHES), ("viscous_friction", DOTS)] {
         let Some(values) = part(record, name, velocity.len(), row) else { continue };
-        for piece in below(&curve(velocity, values), top) {
+        for piece in below(&along_logarithm(velocity, values), top) {
             plots.push(line(piece, color, 1.4, Some(dashes)));
         }
     }
     let Some(friction) = part(record, "kinetic_friction", velocity.len(), row) else { return };
-    plots.push(line(curve(velocity, friction), color, 2.0, None));
+    plots.push(line(along_logarithm(velocity, friction), color, 2.0, None));
+    // An ensemble has its markers at the same velocities.
+    if record.get("ensemble_force").is_none() {
+        plots.push(computed(velocity, friction, color));
+    }
     legend.push(style::line(called(outcome, row), color, None));
     let ensemble = ["ensemble_force", "ensemble_error"].map(|name| part(record, name, velocity.len(), row));
     if let [Some(force), error] = ensemble {

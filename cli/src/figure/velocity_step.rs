@@ -8,7 +8,8 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line, thinned};
-use super::style::{self, BLUE, GREEN, Plots, RED};
+use super::style::{self, BLUE, GREEN, Page, Plots, RED};
+use super::ticks;
 
 /// Largest number of panels.
 const PANELS: usize = 4;
@@ -20,7 +21,7 @@ const DASHES: &str = "8 5";
 /// Displacement shown before a step, as a fraction of that after it.
 const BEFORE: f64 = 0.1;
 
-pub fn scene(outcome: &Outcome) -> Option<Scene> {
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let read =
         outcome.summary.numbers.steps().iter().filter_map(|step| Some((step, step.rate_state.as_ref()?)));
     let panels: Option<Vec<_>> = read.take(PANELS).map(|(step, read)| panel(outcome, step, read)).collect();
@@ -29,18 +30,16 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let lowest = layouts.pop()?.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
     layouts.push(lowest);
     let rows = layouts.len();
-    let (title, size) = style::heading(&outcome.summary.title);
+    let (title, size) = page.heading(&outcome.summary.title);
     let figure = Figure::new(rows, 1)
         .with_title(title)
         .with_title_size(size)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(style::WIDTH, HEIGHT)
-        .with_row_height(rows - 1, HEIGHT + LABEL)
+        .with_cell_size(page.width, page.height(HEIGHT))
+        .with_row_height(rows - 1, page.height(HEIGHT) + LABEL)
         .with_spacing(6.0)
         .with_shared_legend_entries(legend(outcome))
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(figure.render())
+    Some(ticks::panels(figure, plots, layouts))
 }
 
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {

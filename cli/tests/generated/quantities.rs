@@ -71,6 +71,9 @@ fn ordinary(dimension: &str, table: &str, key: &str) -> [f64; 2] {
         ("master_equation", "tolerance") => [-9.0, -3.0],
         ("interface", "drive_tolerance") => [-8.0, -4.0],
         ("disorder", "scale") => [-0.1, 0.1],
+        ("figure", "width" | "height") => [1.9, 2.1],
+        ("figure", "font_size") => [0.8, 1.0],
+        ("figure", "dpi") => [1.5, 2.3],
         _ => match dimension {
             "length" | "force" => [-1.0, 0.5],
             "time" | "force/length" | "force/length^2" => [-1.0, 1.0],

@@ -9,6 +9,7 @@ mod compare;
 mod contacts;
 mod drive;
 mod ensemble;
+mod figure;
 mod fit;
 mod fit_curve;
 mod fit_steady;
@@ -37,6 +38,7 @@ mod task_start;
 mod time;
 mod units;
 mod velocity_curve;
+mod without_effect;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,6 +55,7 @@ pub use compare::Compare;
 pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
+pub use figure::{Figure, FigureFormat};
 pub(crate) use fit::FitKeys;
 pub use fit::{Fit, FitDrift, FitNoise, FitThresholds, threshold_family};
 pub use fit_curve::{FitCompliance, FitCurve, FitSource};
@@ -157,6 +160,9 @@ pub struct Scenario {
     /// Values of keys for all combinations of which the task is computed, by `asperity sweep`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<Sweep>,
+    /// How pictures are drawn.
+    #[serde(default, skip_serializing_if = "Figure::is_default")]
+    pub figure: Figure,
 }
 
 impl Scenario {
@@ -183,6 +189,7 @@ impl Scenario {
             units: Units::default(),
             compare: None,
             sweep: None,
+            figure: Figure::default(),
         }
     }
 
@@ -193,6 +200,7 @@ impl Scenario {
     pub fn build(&self) -> Result<Model> {
         self.check_sweep()?;
         let task = self.task()?;
+        self.figure.check().map_err(|e| e.under("figure"))?;
         let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
         let model = Model {
             steady: task.steady_velocity(&contacts),

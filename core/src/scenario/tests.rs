@@ -190,6 +190,49 @@ fn warnings_say_what_will_surprise() {
     assert!(scenario.warnings()[0].starts_with("contacts.ageing: the mature law is weaker"));
 }
 
+#[test]
+fn keys_without_effect_are_named() {
+    let pulled = scenario(Law::Gaussian { mean: 1.0, std: 0.1 });
+    let pull = Pull { velocity: Some(2.0), ..pulled.pull.clone().unwrap() };
+    let block = Block { stiffness: 1.0, slip: Slip::Overdamped, slip_fraction: 0.2 };
+    let curve = VelocityCurve::between(1.0, 10.0);
+    let png = Figure { dpi: 600.0, formats: vec![FigureFormat::Pdf], ..Figure::default() };
+    let mut one_by_one = Interface { disorder: None, contacts: PerCell::One, ..cells() };
+    one_by_one.slip = None;
+    let lattice =
+        Scenario { pull: None, drive: Some(Drive::default()), interface: Some(one_by_one), ..pulled.clone() };
+    let alike = Interface { disorder: Some(Scales { seed: Some(3), ..Scales::default() }), ..cells() };
+    for (key, scenario) in [
+        ("pull.velocity", Scenario { pull: Some(pull), ..pulled.clone() }),
+        ("contacts.delay.time", {
+            let contacts = Contacts { delay: Some(Delay { time: 0.0 }), ..pulled.contacts.clone() };
+            Scenario { contacts, ..pulled.clone() }
+        }),
+        ("initial", {
+            let initial = Law::Point { at: 0.1 };
+            Scenario { pull: None, velocity_curve: Some(curve), initial, ..pulled.clone() }
+        }),
+        ("block.slip_fraction", {
+            Scenario { pull: None, drive: Some(Drive::default()), block: Some(block), ..pulled.clone() }
+        }),
+        ("interface.disorder.seed", Scenario { interface: Some(alike), ..pulled.clone() }),
+        ("master_equation.tolerance", {
+            Scenario { master_equation: MasterEquation { tolerance: Some(1e-8) }, ..lattice.clone() }
+        }),
+        ("figure.dpi", Scenario { figure: png.clone(), ..pulled.clone() }),
+        ("figure", Scenario { figure: Figure { formats: Vec::new(), ..png }, ..pulled.clone() }),
+    ] {
+        let warnings = scenario.warnings();
+        assert!(
+            warnings.iter().any(|warning| warning.starts_with(&format!("{key}: "))),
+            "{key}: {warnings:?}"
+        );
+    }
+    for quiet in [pulled, lattice] {
+        assert_eq!(quiet.warnings(), [""; 0]);
+    }
+}
+
 /// Cells of many contacts that differ by chance.
 fn cells() -> Interface {
     Interface {

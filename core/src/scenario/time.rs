@@ -77,17 +77,6 @@ impl Scenario {
             ));
         }
         if rules.first().is_none() {
-            let velocities = [
-                ("pull.velocity", self.pull.as_ref().and_then(|task| task.velocity)),
-                ("drive.velocity", self.drive.as_ref().and_then(|task| task.velocity)),
-                ("spectrum.velocity", self.spectrum.as_ref().and_then(|task| task.velocity)),
-                ("fit.velocity", self.fit.as_ref().and_then(|task| task.velocity)),
-            ];
-            for (key, _) in velocities.iter().filter(|(_, velocity)| velocity.is_some()) {
-                warnings.push(format!(
-                    "{key}: nothing in [contacts] depends on time: the velocity has no effect"
-                ));
-            }
             if self.hold_curve.is_some() {
                 warnings
                     .push("hold_curve: nothing in [contacts] depends on time: a hold changes nothing".into());
@@ -96,6 +85,7 @@ impl Scenario {
                 warnings.push("velocity_curve: nothing in [contacts] depends on time: friction is the same at all velocities".into());
             }
         }
+        warnings.extend(self.without_effect(&contacts));
         warnings
     }
 }

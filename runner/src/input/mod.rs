@@ -11,8 +11,8 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use asperity::scenario::Scenario;
-use serde::Deserialize as _;
+use asperity::scenario::{Figure, Scenario};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 pub use deserialise::nearest;
@@ -113,6 +113,16 @@ fn short(text: &str) -> String {
 pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> asperity::Result<T> {
     let refused = |fault: Fault| asperity::Error::invalid(key, fault.expected, fault.found);
     T::deserialize(Reader(&Node::from(word))).map_err(refused)
+}
+
+/// How the pictures of a scenario are drawn, from its text as [`to_text`] writes it.
+pub fn figure(text: &str) -> Figure {
+    #[derive(Default, Deserialize)]
+    struct Drawn {
+        #[serde(default)]
+        figure: Figure,
+    }
+    toml::from_str::<Drawn>(text).unwrap_or_default().figure
 }
 
 /// A scenario as TOML with every value written out. Reading it gives the same scenario.

@@ -22,7 +22,8 @@ fn combinations() -> Vec<Value> {
     );
     let single = having("interface.contacts", json!({ "const": "one" }));
     let steady = any([
-        having("protocol", json!({ "prefixItems": [having("start", json!({ "const": "steady" }))] })),
+        // Only the first step may have a start; editors do not know the keyword for a first item.
+        having("protocol", json!({ "contains": having("start", json!({ "const": "steady" })) })),
         having("pull.start", json!({ "const": "steady" })),
         having("drive.start", json!({ "const": "steady" })),
     ]);
@@ -139,14 +140,13 @@ fn combinations() -> Vec<Value> {
         ),
         // Starts and noise.
         implies(
-            having("protocol", json!({ "minItems": 2 })),
-            having("protocol", json!({ "prefixItems": [true], "items": not(key("start")) })),
-        ),
-        implies(
-            having("protocol", json!({ "prefixItems": [having("start", json!({ "const": "steady" }))] })),
+            key("protocol"),
             having(
                 "protocol",
-                json!({ "prefixItems": [having("velocity", json!({ "exclusiveMinimum": 0 }))] }),
+                json!({ "items": implies(
+                    having("start", json!({ "const": "steady" })),
+                    having("velocity", json!({ "exclusiveMinimum": 0 })),
+                ) }),
             ),
         ),
         refuses(having("pull.start", json!({ "const": "steady" })), timed.clone()),

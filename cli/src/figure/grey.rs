@@ -1,0 +1,50 @@
+//! Pictures in shades of grey.
+
+use super::style::{BLUE, GREEN, ORANGE, RED};
+
+/// Shades of the colours of curves, darker for those that matter more; by their luminance three of them would be alike.
+const SHADES: [(&str, &str); 4] =
+    [(BLUE, "#202020"), (RED, "#606060"), (GREEN, "#8a8a8a"), (ORANGE, "#a6a6a6")];
+
+/// The picture with every colour as a shade of grey: another colour by its luminance.
+pub fn shaded(svg: &str) -> String {
+    let mut parts = svg.split("\"#");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        text += "\"";
+        match part.split_once('"').and_then(|(colour, rest)| Some((shade(colour)?, rest))) {
+            Some((shade, rest)) => text += &format!("{shade}\"{rest}"),
+            None => text += &format!("#{part}"),
+        }
+    }
+    text
+}
+
+/// The shade of a colour of six hexadecimal digits.
+fn shade(digits: &str) -> Option<String> {
+    let known = SHADES.iter().find(|(colour, _)| colour[1..].eq_ignore_ascii_case(digits));
+    if let Some((_, shade)) = known {
+        return Some((*shade).to_owned());
+    }
+    let part = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok().map(f64::from);
+    if digits.len() != 6 {
+        return None;
+    }
+    // ITU-R BT.601.
+    let luminance = 0.299 * part(0)? + 0.587 * part(2)? + 0.114 * part(4)?;
+    Some(format!("#{}", format!("{:02x}", luminance.round() as u8).repeat(3)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_become_shades_and_all_else_stays() {
+        let svg =
+            "<a href=\"#top\" fill=\"#0072b2\" stroke=\"#FF0000\">#0072B2 \"#</a><rect fill=\"#ffffff\"/>";
+        let grey =
+            "<a href=\"#top\" fill=\"#202020\" stroke=\"#4c4c4c\">#0072B2 \"#</a><rect fill=\"#ffffff\"/>";
+        assert_eq!(shaded(svg), grey);
+    }
+}
