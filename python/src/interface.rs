@@ -156,7 +156,6 @@ impl Deformable {
         signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None),
         text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
     )]
-    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn follow(
         slf: &Bound<'_, Self>,
         steps: Vec<Bound<'_, Step>>,

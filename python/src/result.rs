@@ -256,7 +256,6 @@ impl Result {
     progress: "_Progress" = None, folder = None, checkpoint: "SupportsIndex | timedelta | str | None" = None,
     resume = false, threads = None
 ))]
-#[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn run(
     scenario: &Bound<'_, PyAny>,
     overrides: Option<&Bound<'_, PyDict>>,

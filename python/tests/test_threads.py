@@ -44,7 +44,8 @@ def test_wrong_numbers_are_refused(work: Callable[[int | None], bytes]) -> None:
 def test_progress_is_reported_and_errors_of_the_listener_stop_the_work() -> None:
     heard: list[float] = []
     asp.Ensemble(ROUGH, size=200_000).pull(20.0, progress=heard.append, threads=2)
-    assert heard[-1] == 1.0 and heard == sorted(heard)
+    assert heard[-1] == 1.0
+    assert heard == sorted(heard)
 
     def refuse(_: float) -> None:
         raise RuntimeError("enough")

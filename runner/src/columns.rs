@@ -109,6 +109,8 @@ impl StoredColumn {
     const PIECE: usize = 1 << 13;
 
     fn append(&mut self, values: &[f64]) -> io::Result<()> {
+        // Values may have been read in the meantime.
+        self.file.seek(SeekFrom::End(0))?;
         let mut bytes = Vec::with_capacity(Self::PIECE * size_of::<f64>());
         for piece in values.chunks(Self::PIECE) {
             bytes.clear();

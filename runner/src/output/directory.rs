@@ -21,12 +21,15 @@ pub struct Renamed {
     pub to: PathBuf,
 }
 
+/// Writes the content of a file.
+type Writer<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+
 /// A file that is to be written.
 pub(crate) struct NewFile<'a> {
     /// Its name.
     pub name: String,
     /// Writes its content.
-    pub write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+    pub write: Writer<'a>,
 }
 
 impl<'a> NewFile<'a> {
