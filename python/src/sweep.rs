@@ -58,15 +58,16 @@ impl Sweep {
             Kind::Scenario(plan, _) => plan.identity(),
             Kind::Function(identity, _) => identity.clone(),
         };
-        let mut state =
-            State { gathered: Gathered::new(identity.cases), store: None, waiting: Vec::new(), _lock: None };
-        if let Some(folder) = &folder {
-            output::check(folder).map_err(error::files)?;
-            let mut store = Store::new(folder, identity);
-            state._lock = Some(store.lock(None).map_err(failed)?);
-            state.gathered = store.gathered().map_err(failed)?;
-            state.store = Some(store);
-        }
+        let Some(directory) = &folder else {
+            let gathered = Gathered::new(identity.cases);
+            let state = State { gathered, store: None, waiting: Vec::new(), _lock: None };
+            return Ok(Self { kind, folder, state: Mutex::new(state) });
+        };
+        output::check(directory).map_err(error::files)?;
+        let mut store = Store::new(directory, identity);
+        let lock = store.lock(None).map_err(failed)?;
+        let gathered = store.gathered().map_err(failed)?;
+        let state = State { gathered, store: Some(store), waiting: Vec::new(), _lock: Some(lock) };
         Ok(Self { kind, folder, state: Mutex::new(state) })
     }
 
@@ -143,17 +144,17 @@ impl Sweep {
         let Kind::Scenario(plan, _) = &self.kind else {
             return Err(PyValueError::new_err("a function is computed in Python"));
         };
-        let done = watched(progress, py, |monitor| match threads {
-            None => Ok(self.work(plan, monitor)),
-            Some(threads) => on_threads(threads, monitor, |monitor| self.work(plan, monitor)),
-        })?;
-        match done {
-            Err(sweep::Error::Stopped(Error::Stopped)) => {
-                py.check_signals()?;
-                Err(error::core(Error::Stopped))
+        let done = watched(progress, py, |monitor| {
+            let done = match threads {
+                None => self.work(plan, monitor),
+                Some(threads) => on_threads(threads, monitor, |monitor| self.work(plan, monitor))?,
+            };
+            match done {
+                Err(sweep::Error::Stopped(error)) => Err(error),
+                other => Ok(other),
             }
-            other => other.map_err(failed),
-        }
+        })?;
+        done.map_err(failed)
     }
 
     /// Adds the cases that a worker has computed.
@@ -171,7 +172,7 @@ impl Sweep {
         failure: Option<String>,
         flush: bool,
     ) -> PyResult<()> {
-        let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<(String, Value)> {
             let value = match value.extract::<String>() {
                 Ok(word) => Value::Word(word),
                 Err(_) => Value::Number(value.extract()?),

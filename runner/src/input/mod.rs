@@ -11,9 +11,9 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use asperity::scenario::{Figure, Scenario};
-use serde::Deserialize;
+use asperity::scenario::{Figure, Scenario, Sweep, SweepAxes, SweepAxis};
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 pub use deserialise::nearest;
 pub use diagnostic::{Diagnostic, Mark, Source};
@@ -127,5 +127,22 @@ pub fn figure(text: &str) -> Figure {
 
 /// A scenario as TOML with every value written out. Reading it gives the same scenario.
 pub fn to_text(scenario: &Scenario) -> String {
-    toml::to_string(scenario).expect("every scenario can be written as TOML")
+    let Some(sweep) = &scenario.sweep else { return text_of(scenario) };
+    text_of(&Scenario { sweep: None, ..scenario.clone() }) + &sweep_text(sweep)
+}
+
+fn text_of(value: &impl Serialize) -> String {
+    toml::to_string(value).expect("every scenario can be written as TOML")
+}
+
+/// The table `[sweep]`, with each axis on one line: TOML writes tables behind other values, and the order of axes would be lost.
+fn sweep_text(sweep: &Sweep) -> String {
+    let own = Sweep { over: SweepAxes::default(), ..sweep.clone() };
+    let inline = |value: &SweepAxis| toml::Value::try_from(value).expect("an axis can be written as TOML");
+    let axis = |(key, axis): &(String, SweepAxis)| {
+        format!("{} = {}\n", toml::Value::from(key.as_str()), inline(axis))
+    };
+    let entries = toml::Table::try_from(&own).expect("a sweep can be written as TOML");
+    let entries: String = entries.iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
+    format!("\n[sweep]\n{entries}\n[sweep.over]\n{}", sweep.over.0.iter().map(axis).collect::<String>())
 }

@@ -180,7 +180,7 @@ mod tests {
             let mut found = Vec::new();
             leaves("", &summary, &mut found);
             assert!(found.len() > 5, "{task}: {found:?}");
-            for path in found {
+            for path in found.into_iter().filter(|path| !LABELS.contains(&path.as_str())) {
                 assert!(summaries.find(&path).is_some(), "{task}: {path}");
             }
             for wrong in ["nothing", "kinetic_friction.of", "title.0"] {
