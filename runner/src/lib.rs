@@ -1,5 +1,8 @@
 //! Input and output shared by the command and the Python package: scenario files, checkpoints, results.
 
+// WebAssembly reads scenarios and has no runs, which use the rest.
+#![cfg_attr(target_family = "wasm", allow(dead_code, unused_imports))]
+
 pub mod checkpoint;
 mod columns;
 pub mod duration;
