@@ -248,7 +248,7 @@ fn what_interfaces_do_not_follow_is_refused() {
         scenario
     };
     assert_eq!(error(with_rates(1, timed())).0, "interface.slip_rates");
-    assert_eq!(error(with_rates(1_000_000_000, timed())).0, "interface.slip_rates");
+    assert_eq!(error(with_rates(10_000_000_000_000, timed())).0, "interface.slip_rates");
     let mut athermal = timed();
     athermal.contacts.ageing = None;
     let drive = Some(Drive::default());

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Ensemble;
 use super::snapshots::Snapshots;
-use super::sweep::{Chunk, Sweep};
+use super::sweep::{Chunk, ContactPull};
 use super::tally::{Different, Equal, PositionGrid, TallyCell, UniformGrid, forces};
 use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
@@ -105,7 +105,7 @@ impl Ensemble {
     ) -> Result<EnsemblePull> {
         let plan = self.plan::<C>(positions, snapshots, monitor.memory())?;
         let (grid, uniform) = (PositionGrid::new(positions), UniformGrid::of(positions));
-        let sweep = Sweep { ensemble: self, grid, uniform, positions, snapshots };
+        let sweep = ContactPull { ensemble: self, grid, uniform, positions, snapshots };
         report(monitor, 0.0)?;
         let mut total = sweep.nothing::<C>();
         report(monitor, 0.0)?;
@@ -163,7 +163,7 @@ impl Ensemble {
     }
 }
 
-impl Sweep<'_> {
+impl ContactPull<'_> {
     /// Adds the remaining contacts to each chunk, part by part.
     fn fill<C: TallyCell>(
         &self,

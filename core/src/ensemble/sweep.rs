@@ -26,7 +26,7 @@ impl<C: TallyCell> Chunk<C> {
 }
 
 /// A pull, as seen by its contacts.
-pub(super) struct Sweep<'a> {
+pub(super) struct ContactPull<'a> {
     pub(super) ensemble: &'a Ensemble,
     pub(super) grid: PositionGrid<'a>,
     pub(super) uniform: Option<UniformGrid>,
@@ -34,7 +34,7 @@ pub(super) struct Sweep<'a> {
     pub(super) snapshots: &'a Snapshots,
 }
 
-impl Sweep<'_> {
+impl ContactPull<'_> {
     pub(super) fn nothing<C: TallyCell>(&self) -> Chunk<C> {
         let cells = vec![C::ZERO; self.positions.len()];
         Chunk { cells, histograms: self.snapshots.histograms(), breaks: 0 }
@@ -156,7 +156,7 @@ mod tests {
             (PositionGrid::new(&positions), UniformGrid::of(&positions).unwrap(), 200.0);
         let snapshots = &Snapshots::default();
         let sweep =
-            Sweep { ensemble: &ensemble, grid, uniform: Some(uniform), positions: &positions, snapshots };
+            ContactPull { ensemble: &ensemble, grid, uniform: Some(uniform), positions: &positions, snapshots };
         let mut thresholds = [0.0; 128];
         law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut thresholds);
         let start = Contact { origin: -0.1, threshold: 0.93 };

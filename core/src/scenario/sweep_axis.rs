@@ -199,9 +199,9 @@ fn pairs<S: Serializer, T: Serialize>(
 }
 
 /// Reads a table in its order.
-struct Pairs<T>(std::marker::PhantomData<T>);
+struct PairsVisitor<T>(std::marker::PhantomData<T>);
 
-impl<'de, T: Deserialize<'de>> Visitor<'de> for Pairs<T> {
+impl<'de, T: Deserialize<'de>> Visitor<'de> for PairsVisitor<T> {
     type Value = Vec<(String, T)>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -219,7 +219,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Pairs<T> {
 
 impl<'de> Deserialize<'de> for SweepAxes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        deserializer.deserialize_map(Pairs(std::marker::PhantomData)).map(Self)
+        deserializer.deserialize_map(PairsVisitor(std::marker::PhantomData)).map(Self)
     }
 }
 
@@ -312,7 +312,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<SweepValue, A::Error> {
-        Pairs(std::marker::PhantomData).visit_map(map).map(|pairs| SweepValue::Table(SweepTable(pairs)))
+        PairsVisitor(std::marker::PhantomData).visit_map(map).map(|pairs| SweepValue::Table(SweepTable(pairs)))
     }
 }
 
