@@ -155,8 +155,13 @@ mod tests {
         let (grid, uniform, last) =
             (PositionGrid::new(&positions), UniformGrid::of(&positions).unwrap(), 200.0);
         let snapshots = &Snapshots::default();
-        let sweep =
-            ContactPull { ensemble: &ensemble, grid, uniform: Some(uniform), positions: &positions, snapshots };
+        let sweep = ContactPull {
+            ensemble: &ensemble,
+            grid,
+            uniform: Some(uniform),
+            positions: &positions,
+            snapshots,
+        };
         let mut thresholds = [0.0; 128];
         law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut thresholds);
         let start = Contact { origin: -0.1, threshold: 0.93 };

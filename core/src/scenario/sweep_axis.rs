@@ -312,7 +312,9 @@ impl<'de> Visitor<'de> for ValueVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<SweepValue, A::Error> {
-        PairsVisitor(std::marker::PhantomData).visit_map(map).map(|pairs| SweepValue::Table(SweepTable(pairs)))
+        PairsVisitor(std::marker::PhantomData)
+            .visit_map(map)
+            .map(|pairs| SweepValue::Table(SweepTable(pairs)))
     }
 }
 
