@@ -1,9 +1,12 @@
 //! Drives of interfaces computed: what comes out is what the models say, and what does not fit is refused.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
+use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::ensemble::lattice::{Avalanche, Until};
+use asperity::monitor::Monitor;
 use asperity::scenario::Model;
 use asperity::task::summary::Catalogue;
 use asperity_runner::output::Outcome;
@@ -149,14 +152,28 @@ fn nothing_happens_on_a_short_way_and_is_written_all_the_same() {
 }
 
 #[test]
-fn maps_that_no_file_can_hold_are_refused_before_any_work() {
+fn maps_that_do_not_fit_in_memory_are_refused_before_any_work() {
+    /// Enough for the cells, which take 0.7 GB.
+    struct Gigabyte;
+    impl Monitor for Gigabyte {
+        fn progress(&mut self, _: f64) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+        fn memory(&self) -> u64 {
+            1_000_000_000
+        }
+    }
+
     let maps: Vec<_> = (1..=40).map(|i| format!("{i}.0")).collect();
     let text = LATTICE
         .replace("[9, 7]", "[2000, 2000]")
         .replace("[0.5, 3.0]", &format!("[{}]", maps.join(", ")))
         .replace("distance = 3.0", "distance = 40.0");
-    let error = asperity_runner::run(&read(&text).scenario, &mut ()).unwrap_err().to_string();
-    assert!(error.starts_with("drive.maps: ") && error.contains("40, which take 1280 MB"), "{error}");
+    let error = asperity_runner::run(&read(&text).scenario, &mut Gigabyte).unwrap_err();
+    let Error::TooLarge { key, needed, allowed, .. } = error else { panic!("{error}") };
+    // Eight bytes for each of the four million cells of 40 maps.
+    assert_eq!((key.as_str(), allowed), ("drive.maps", 1_000_000_000));
+    assert!(needed >= 1_280_000_000, "{needed}");
 }
 
 const AGED: &str = "
