@@ -3,6 +3,7 @@
 from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence, ValuesView
 from datetime import timedelta
 from os import PathLike
+from pathlib import Path
 from typing import (
     Any,
     Final,
@@ -961,6 +962,8 @@ class Estimates:
     Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
     """
 
+    def __copy__(self, /) -> Estimates: ...
+    def __deepcopy__(self, /, _memo: object) -> Estimates: ...
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     def _repr_html_(self, /) -> str: ...
@@ -3134,6 +3137,8 @@ class SteadyEstimates:
     Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
     """
 
+    def __copy__(self, /) -> SteadyEstimates: ...
+    def __deepcopy__(self, /, _memo: object) -> SteadyEstimates: ...
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
     def _repr_html_(self, /) -> str: ...
@@ -3788,11 +3793,11 @@ class Weibull(Law):
 
 @final
 class _Sweep:
-    """A sweep of `asperity.sweep`: its cases, and those that are there."""
+    """
+    A sweep of `asperity.sweep`: its cases, and those that are there.
+    """
 
-    def add(self, /, cases: bytes) -> None:
-        """Adds the cases that a worker has computed."""
-
+    def add(self, /, cases: bytes) -> None: ...
     def add_case(
         self,
         /,
@@ -3801,54 +3806,35 @@ class _Sweep:
         failure: str | None,
         *,
         flush: bool,
-    ) -> None:
-        """Adds a case of a function: the values that it has found by their names, or why it failed. It is stored with `flush`."""
-
+    ) -> None: ...
     @property
-    def cases(self, /) -> int:
-        """The number of cases."""
-
-    def compute(self, /, threads: SupportsIndex | None, *, progress: _Progress = None) -> None:
-        """Computes the missing cases of a scenario in this process."""
-
-    def finish(self, /) -> tuple[dict[str, Any], list[Any], list[Any]]:
-        """The attributes of the whole, the coordinates and the variables, each with name, dimensions, values and attributes, when
-        all cases are there; written to the folder if there is one.
-        """
-
-    def flush(self, /) -> None:
-        """Stores the cases of a function that are not stored yet."""
-
-    def missing(self, /) -> list[int]:
-        """The numbers of the cases that are not there."""
-
+    def cases(self, /) -> int: ...
+    def compute(self, /, threads: SupportsIndex | None, *, progress: _Progress = None) -> None: ...
+    def finish(self, /) -> tuple[dict[str, Any], list[Any], list[Any]]: ...
+    def flush(self, /) -> None: ...
+    def missing(self, /) -> list[int]: ...
     @staticmethod
     def of_function(
         hash: str,
         text: str,
         axes: Sequence[tuple[str, Sequence[float] | Sequence[str]]],
         folder: str | PathLike[str] | None,
-    ) -> _Sweep:
-        """The sweep of a function over arguments with these values; `hash` and `text` identify it in a folder."""
-
+    ) -> _Sweep: ...
     @staticmethod
     def of_scenario(
         scenario: str | PathLike[str] | Mapping[str, Any],
         overrides: Mapping[str, Any] | None,
         folder: str | PathLike[str] | None,
-    ) -> _Sweep:
-        """The sweep of a scenario with a table sweep. Its corners are checked."""
-
+    ) -> _Sweep: ...
     @property
-    def specification(self, /) -> Any:
-        """What a worker needs to compute cases."""
+    def specification(self, /) -> tuple[str, str, Path, list[str]] | None: ...
 
+def _command(arguments: Sequence[str]) -> int: ...
 def _measured_pieces(
     time: ArrayLike, position: ArrayLike, apart: _Number, least: SupportsIndex
 ) -> list[tuple[int, int, float, float, float]]: ...
 def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
 def _restore(version: str, description: str) -> Description: ...
-def _command(arguments: Sequence[str]) -> int: ...
 def _restore_fit(
     version: str,
     function: str,
@@ -3858,9 +3844,11 @@ def _restore_fit(
     parts: tuple[Any, ...],
 ) -> object: ...
 def _restore_result(version: str, kind: str, content: bytes, model: object = None) -> object: ...
-def _sweep_cases(specification: Any, cases: Sequence[SupportsIndex], threads: SupportsIndex) -> bytes:
-    """Computes cases of a scenario on some threads: what a worker does. Returns the bytes that `_Sweep.add` takes."""
-
+def _sweep_cases(
+    specification: tuple[str, str, str | PathLike[str], Sequence[str]],
+    cases: Sequence[SupportsIndex],
+    threads: SupportsIndex,
+) -> bytes: ...
 @overload
 def _velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float: ...
 @overload

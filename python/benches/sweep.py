@@ -5,6 +5,7 @@ Each of the POINTS x POINTS cases (40 x 40 by default) of a map of stick-slip is
 
 import sys
 import time
+from typing import Any
 
 import asperity as asp
 import psutil
@@ -31,7 +32,10 @@ def main() -> None:
         "block.stiffness": {"from": 0.2, "to": 5.0, "points": points, "scale": "log"},
     }
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
-    with LocalCluster(**options) as cluster, Client(cluster) as client:
+    # The types of dask.distributed are incomplete.
+    cluster: Any = LocalCluster(**options)  # type: ignore[no-untyped-call]
+    client: Any = Client(cluster)  # type: ignore[no-untyped-call]
+    with cluster, client:
         workers = [psutil.Process(pid) for pid in client.run(lambda: __import__("os").getpid()).values()]
         client.run(lambda: __import__("asperity") and None)
         before = sum(map(seconds, workers))

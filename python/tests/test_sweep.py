@@ -4,6 +4,7 @@ import os
 import subprocess
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -77,9 +78,9 @@ def test_a_folder_is_that_of_the_command(tmp_path: Path) -> None:
     class Counting(ThreadPoolExecutor):
         cases = 0
 
-        def submit(self, call: Any, *arguments: Any, **more: Any) -> Future[Any]:
-            self.cases += len(arguments[1])
-            return super().submit(call, *arguments, **more)
+        def submit(self, call: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+            self.cases += len(args[1])
+            return super().submit(call, *args, **kwargs)
 
     with Counting(1) as pool:
         data = asp.sweep(file, executor=pool, folder=results)
@@ -97,11 +98,11 @@ def test_an_interrupted_sweep_is_continued(tmp_path: Path) -> None:
     class Failing(ThreadPoolExecutor):
         sent = 0
 
-        def submit(self, call: Any, *arguments: Any, **more: Any) -> Future[Any]:
+        def submit(self, call: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
             self.sent += 1
             if self.sent > 1:
                 raise OSError("the machine is gone")
-            return super().submit(call, *arguments, **more)
+            return super().submit(call, *args, **kwargs)
 
     expected = swept()
     folder = tmp_path / "results"
