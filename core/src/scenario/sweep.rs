@@ -128,8 +128,9 @@ impl Sweep {
         let each: usize = self.keep.iter().map(SweepKept::least).sum();
         let needed = (cases * (each * size_of::<f64>()) as f64) as u64;
         if needed > LARGEST {
-            let what = format!("what is kept of {cases:e} cases");
-            return Err(Error::TooLarge { key: "keep".into(), what, needed, allowed: LARGEST });
+            let expected = format!("what fits in a file of {} MB", LARGEST / 1_000_000);
+            let found = format!("{} MB or more, kept of {cases:e} cases", needed / 1_000_000);
+            return Err(Error::invalid("keep", expected, found));
         }
         Ok(())
     }
