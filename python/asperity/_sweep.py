@@ -83,6 +83,18 @@ def sweep(
         For an invalid value of the scenario at a corner of the axes, before anything is computed.
     FileExistsError
         For a folder that asperity did not make, or in which another sweep runs.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> scenario = {"contacts": {"thresholds": asp.Gaussian(1.0, 0.1)}, "pull": {"distance": 5.0}}
+    >>> found = asp.sweep(
+    ...     scenario,
+    ...     {"contacts.thresholds.gaussian.std": [0.1, 0.2]},
+    ...     ["kinetic_friction"],
+    ... )
+    >>> found.kinetic_friction.values.round(3)
+    array([0.505, 0.52 ])
     """
     if callable(scenario):
         if keep is not None:
