@@ -8,10 +8,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::pickle;
 
+/// A number that a fit has found: its name, value, error and interval, and its limit if it has one.
+type PlainEstimate = (String, f64, f64, [f64; 2], Option<f64>);
+
 /// The numbers that a fit has found.
 #[derive(Serialize, Deserialize)]
 pub struct Told {
-    parameters: Vec<(String, f64, f64, [f64; 2], Option<f64>)>,
+    parameters: Vec<PlainEstimate>,
     /// Covariance of the estimates, row by row.
     pub covariance: Vec<f64>,
     /// Correlations of their errors.
@@ -86,7 +89,7 @@ impl Told {
     }
 }
 
-fn plain(parameters: &[fit::Estimate]) -> Vec<(String, f64, f64, [f64; 2], Option<f64>)> {
+fn plain(parameters: &[fit::Estimate]) -> Vec<PlainEstimate> {
     let one = |one: &fit::Estimate| (one.name.clone(), one.value, one.error, one.interval, one.limit);
     parameters.iter().map(one).collect()
 }
