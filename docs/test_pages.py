@@ -14,6 +14,7 @@ from pathlib import Path
 
 import asperity
 import ipynb
+import matplotlib.pyplot as plt
 import nbformat
 import pytest
 
@@ -98,6 +99,8 @@ def test_notebooks_for_download_have_the_cells_of_their_pages_and_run(
     names: dict[str, object] = {"__name__": "__main__"}
     for number, source in enumerate(code):
         exec(compile(source, f"{page.stem}.ipynb, cell {number}", "exec"), names)
+        # A notebook shows the figures of a cell and closes them.
+        plt.close("all")
 
 
 def test_there_are_pages_in_python() -> None:

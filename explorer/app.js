@@ -205,7 +205,8 @@ const slip = new SlipRule(slider, change);
 /** A number with the digits that are right. @param {Extended | undefined | null} value @param {number} error */
 function digits(value, error) {
   if (typeof value !== "number") return value ?? "—";
-  const right = value === 0 || !(error > 0) ? 10 : Math.floor(Math.log10(Math.abs(value) / error));
+  if (value === 0) return "0";
+  const right = !(error > 0) ? 10 : Math.floor(Math.log10(Math.abs(value) / error));
   return value.toPrecision(Math.min(Math.max(right, 2), 10)).replace("e", " e");
 }
 
@@ -231,16 +232,17 @@ function numbers(error) {
 function show(preview) {
   const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
   for (const { of, law } of editors) of.show(law(scenario));
-  for (const { of, value } of rows) of.show(value(scenario) ?? 1);
+  for (const { of, value } of rows) of.show(value(scenario));
   slip.show(scenario.block?.slip);
   if (force) charts.force.set([force.position, force.force, force.position.map(() => force.kinetic_friction)]);
   if (stretches) {
-    charts.laws.set([stretches.stretch, ...LAWS.map(([name]) => stretches[name].values)]);
+    charts.laws.set([stretches.law_stretch, ...LAWS.map(([name]) => stretches[name].values)]);
     charts.stretches.set([stretches.stretch, stretches.density.values, stretches.steady.values]);
     scrubber.value = String(Math.round((1000 * state.position) / distance()));
     byId("at").textContent = `X = ${rounded(state.position)}`;
   }
   showMotion();
+  charts.map.element.hidden = !curve;
   charts.map.set(curve ? [curve.width, curve.critical_stiffness.map(finite)] : [[], []]);
   numbers(preview ? 1e-4 : Math.max(force?.accuracy ?? 0, 1e-12));
 }

@@ -20,7 +20,7 @@ class NumberRow {
   constructor(parent, key, label, changed, { linear } = {}) {
     this.linear = linear;
     this.middle = 1;
-    const row = element("div", { class: "row" });
+    const row = (this.row = element("div", { class: "row" }));
     const name = element("label", { for: key });
     name.innerHTML = label;
     this.range = /** @type {HTMLInputElement} */ (element("input", { type: "range", min: "0", max: "1000", tabindex: "0", "aria-label": `${name.textContent}, slider` }));
@@ -38,8 +38,10 @@ class NumberRow {
   of(share) {
     return this.linear ? share * this.linear : this.middle * 10 ** (4 * share - 2);
   }
-  /** @param {number} value */
+  /** Shows a value; without one, the scenario has no such key, and the row is hidden. @param {number | undefined} value */
   show(value) {
+    this.row.hidden = value === undefined;
+    if (value === undefined) return;
     if (document.activeElement === this.range) return;
     if (this.linear) this.linear = Math.max(this.linear, 2 * value);
     else if (value > 0 && Math.abs(Math.log10(value / this.middle)) > 1.5) this.middle = 10 ** Math.round(Math.log10(value));
@@ -110,7 +112,7 @@ class LawEditor {
 class SlipRule {
   /** @param {HTMLElement} parent @param {Changed} changed */
   constructor(parent, changed) {
-    const row = element("div", { class: "row wide" });
+    const row = (this.row = element("div", { class: "row wide" }));
     const rules = ["reset", "overdamped", "arrest"];
     this.select = /** @type {HTMLSelectElement} */ (element("select", { id: "block.slip" }));
     this.select.append(...rules.map((rule) => Object.assign(element("option"), { value: rule, textContent: rule })));
@@ -121,6 +123,7 @@ class SlipRule {
   }
   /** @param {unknown} slip */
   show(slip) {
+    this.row.hidden = slip === undefined;
     this.select.value = typeof slip === "string" ? slip : "";
   }
 }

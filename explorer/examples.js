@@ -28,7 +28,7 @@ points = 1001
 
 ${CONTACTS}
 [contacts.temperature]
-energy = 0.05                                        # T, an energy
+energy = 2.5e-5                                      # T, a tenth of the barrier
 attempt_rate = 1.0
 barrier = "elastic"
 

@@ -73,6 +73,14 @@ class Pen {
   }
 }
 
+/** The numbers at the ticks of an axis; those between the labels of a logarithmic one are null. @param {(number | null)[]} places */
+const ticks = (places) =>
+  places.map((place) => {
+    if (place === null) return "";
+    const size = Math.abs(place);
+    return size > 0 && (size < 1e-3 || size >= 1e5) ? place.toExponential() : String(Number(place.toPrecision(6)));
+  });
+
 class Chart {
   /** @param {string} id @param {Shape} shape */
   constructor(id, shape) {
@@ -99,7 +107,7 @@ class Chart {
   make() {
     const { x, y, lines, logarithmic, marks } = this.shape;
     const axis = (/** @type {string} */ label) => ({
-      label, labelSize: 18, labelFont: "12px system-ui, sans-serif", font: "11px system-ui, sans-serif", size: 34,
+      label, values: (/** @type {uPlot} */ _, /** @type {(number | null)[]} */ places) => ticks(places), labelSize: 18, labelFont: "12px system-ui, sans-serif", font: "11px system-ui, sans-serif", size: 34,
       stroke: () => color("ink"), grid: { stroke: () => color("faint"), width: 0.5 }, ticks: { stroke: () => color("faint"), width: 0.5 },
     });
     const scale = (/** @type {boolean | undefined} */ log) => ({ time: false, ...(log ? { distr: /** @type {3} */ (3) } : {}) });

@@ -18,7 +18,7 @@ type ForceCurve = {
   relaxation_length: Extended; critical_stiffness: Extended; accuracy: number;
 };
 type StretchDistributions = {
-  stretch: number[]; position: number;
+  stretch: number[]; law_stretch: number[]; position: number;
   density: Density; steady: Density; thresholds: Density; reforming: Density; initial: Density;
 };
 type Answer = {

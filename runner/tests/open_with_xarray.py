@@ -99,7 +99,7 @@ def check_sweep(folder: Path, engine: str) -> None:
         for name in rows[0]:
             _, values = xr.broadcast(data[kept_name(summary)], data[name])
             values = values.transpose(*axes).values.ravel()
-            if values.dtype == object:
+            if values.dtype.kind in "OUT":
                 assert list(values) == [row[name] for row in rows], name
             else:
                 column = np.array([float(row[name]) for row in rows])

@@ -99,7 +99,7 @@ impl From<Extremum> for Place {
     }
 }
 
-/// Densities of stretches and thresholds, per length, on common stretches, and the point masses beside them.
+/// Densities of stretches and thresholds, per length, and the point masses beside them.
 #[derive(Debug, Serialize)]
 pub struct StretchDistributions {
     /// Stretches x, a length.
@@ -110,6 +110,8 @@ pub struct StretchDistributions {
     pub density: Density,
     /// Q_s(x), in steady sliding.
     pub steady: Density,
+    /// Stretches of the distributions that describe the contacts.
+    pub law_stretch: Vec<f64>,
     /// P_c(x), of the thresholds.
     pub thresholds: Density,
     /// R(x), of the stretches at which contacts re-form.

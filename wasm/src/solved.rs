@@ -124,13 +124,19 @@ impl Solved {
         let position = position.clamp(0.0, self.pull.distance());
         let stretch = Grid::new(&self.equation, &self.initial, &[position]).stretches;
         let contacts = self.equation.contacts();
+        let laws = [&contacts.thresholds, &contacts.reforming, &self.initial.law].map(|law| law.as_ref());
+        // Contacts that break at a rate may never reach the thresholds.
+        let timed = contacts.rules.are_time_dependent();
+        let law_stretch = if timed { even(laws) } else { stretch.clone() };
+        let [thresholds, reforming, initial] = laws.map(|law| density(law, &law_stretch));
         Ok(StretchDistributions {
             position,
             density: self.pull.stretch_density(position, &stretch)?.into(),
             steady: self.equation.steady_state().stretch_density(&stretch)?.into(),
-            thresholds: density(contacts.thresholds.as_ref(), &stretch),
-            reforming: density(contacts.reforming.as_ref(), &stretch),
-            initial: density(self.initial.law.as_ref(), &stretch),
+            thresholds,
+            reforming,
+            initial,
+            law_stretch,
             stretch,
         })
     }
@@ -142,6 +148,12 @@ pub fn equation(contacts: Contacts, initial: &Initial, velocity: Option<f64>) ->
         Some(velocity) => MasterEquation::at(contacts, initial, velocity),
         None => MasterEquation::new(contacts, initial),
     }
+}
+
+/// Stretches at equal distances up to where one contact in 10⁶ is beyond.
+fn even(laws: [&dyn Law; 3]) -> Vec<f64> {
+    let top = 1.05 * laws.map(|law| law.upper_quantile(1e-6)).into_iter().fold(0.0, f64::max);
+    (0..POINTS).map(|i| top * i as f64 / (POINTS - 1) as f64).collect()
 }
 
 fn density(law: &dyn Law, stretches: &[f64]) -> Density {

@@ -89,14 +89,27 @@ fn solutions_are_kept_and_give_what_new_ones_give() {
 #[test]
 fn stretches_are_densities() {
     let found = answer(&request(&[Part::Stretches])).stretches.unwrap();
-    for density in [&found.density, &found.steady, &found.thresholds, &found.reforming, &found.initial] {
-        let panels = found.stretch.windows(2).zip(density.values.windows(2));
+    let of_laws = [&found.thresholds, &found.reforming, &found.initial].map(|law| (law, &found.law_stretch));
+    let of_contacts = [&found.density, &found.steady].map(|density| (density, &found.stretch));
+    for (density, stretch) in of_laws.into_iter().chain(of_contacts) {
+        let panels = stretch.windows(2).zip(density.values.windows(2));
         let area: f64 = panels.map(|(x, q)| 0.5 * (x[1] - x[0]) * (q[0] + q[1])).sum();
         let total = area + density.weights.iter().sum::<f64>();
         // The trapezoidal rule over steps of 1/400 of the range; what is beyond it is 1e-6.
         assert!((total - 1.0).abs() < 1e-4, "{total}");
     }
     assert_eq!((found.reforming.at[0], found.reforming.weights[0]), (0.0, 1.0));
+}
+
+#[test]
+fn thresholds_that_warm_contacts_do_not_reach_are_shown() {
+    let warm = "[contacts]\nthresholds.gaussian = { mean = 1.0, std = 0.15 }\n\
+                temperature = { energy = 50.0, attempt_rate = 1.0, barrier = \"elastic\" }\n[pull]\nvelocity = 3e-3\ndistance = 1.0\n";
+    let found = answer(&Request { text: warm.into(), ..request(&[Part::Stretches]) }).stretches.unwrap();
+    let last = |stretches: &[f64]| stretches[stretches.len() - 1];
+    assert!(last(&found.stretch) < 0.5, "{}", last(&found.stretch));
+    // One contact in a million is 4.8 standard deviations above the mean.
+    assert!((last(&found.law_stretch) - 1.05 * (1.0 + 4.75 * 0.15)).abs() < 0.01);
 }
 
 #[test]
