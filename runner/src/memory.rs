@@ -54,7 +54,11 @@ pub fn in_environment() -> Result<Option<u64>, String> {
 /// A number of bytes, as text.
 pub fn words(bytes: u64) -> String {
     let mebibytes = bytes as f64 / f64::from(1 << 20);
-    if mebibytes < 1024.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
+    match mebibytes {
+        ..1.0 => format!("{bytes} bytes"),
+        ..1024.0 => format!("{mebibytes:.0} MiB"),
+        _ => format!("{:.1} GiB", mebibytes / 1024.0),
+    }
 }
 
 /// Bytes available to this process: the free memory of the system, within the limits of the process and of its control
