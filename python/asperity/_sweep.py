@@ -7,6 +7,7 @@ import pickle
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -281,9 +282,37 @@ def _labels(values: list[Any]) -> list[float] | list[str]:
 
 
 def _identity(function: Callable[..., Any], axes: Mapping[str, list[Any]]) -> str:
-    """What identifies a sweep of a function: its name, its code and its values, and the version."""
+    """What identifies a sweep of a function: its name, its code and values, and the version."""
     name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', repr(function))}"
     code = getattr(function, "__code__", None)
-    parts = [__version__, name, "" if code is None else f"{code.co_code.hex()} {code.co_consts!r}"]
-    parts += [f"{key}={hashlib.sha256(pickle.dumps(values)).hexdigest()}" for key, values in axes.items()]
+    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    bound = [getattr(function, part, None) for part in ("__defaults__", "__kwdefaults__", "__self__")]
+    parts = [__version__, name, "" if code is None else repr(_described(code))]
+    parts += [_digest(value) for value in (*bound, *cells)]
+    parts += [f"{key}={_digest(values)}" for key, values in axes.items()]
     return "\n".join(parts)
+
+
+def _described(code: CodeType) -> list[Any]:
+    """A code without its place in files and in memory.
+
+    Instructions refer to names by numbers, so the names belong to it.
+    """
+
+    def constant(value: object) -> object:
+        if isinstance(value, CodeType):
+            return _described(value)
+        # The order of a set is another one in each process.
+        return sorted(map(repr, value)) if isinstance(value, frozenset) else repr(value)
+
+    names = [code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars]
+    return [code.co_code.hex(), names, [constant(value) for value in code.co_consts]]
+
+
+def _digest(value: object) -> str:
+    """The hash of a value. One that cannot be pickled is known by its place in memory."""
+    try:
+        content = pickle.dumps(value)
+    except Exception:
+        content = repr(value).encode()
+    return hashlib.sha256(content).hexdigest()

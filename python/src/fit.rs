@@ -19,7 +19,7 @@ use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Seed, Whole};
 use crate::description::{Interface, Plain, Solved};
 use crate::equation::MasterEquation;
-use crate::found::{Arguments, Search, Told};
+use crate::found::{Arguments, FittedNumbers, Search};
 use crate::law::{AnyLaw, set_parameter};
 use crate::measured::{self, Compliance};
 use crate::model::{built, interface};
@@ -285,7 +285,7 @@ fn of_argument(mut error: Error) -> Error {
 /// Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
 #[pyclass(frozen, module = "asperity")]
 pub struct Estimates {
-    told: Told,
+    told: FittedNumbers,
     search: Search<Self, asperity::fit::Estimates>,
     arguments: Arguments,
     model: Py<MasterEquation>,
@@ -310,7 +310,7 @@ impl Estimates {
         let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        let (told, laws) = (Told::of(&found), laws.unbind());
+        let (told, laws) = (FittedNumbers::of(&found), laws.unbind());
         Ok(Self {
             told,
             search: Search::Own(Box::new(found)),
@@ -336,7 +336,7 @@ impl Estimates {
         (model, pull): (Py<MasterEquation>, Py<Pull>),
         (readings, laws): (Py<Record>, Py<PyDict>),
     ) -> PyResult<Self> {
-        let (told, search) = (Told::read(content)?, Search::Again(PyOnceLock::new()));
+        let (told, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
         Ok(Self { told, search, arguments, model, pull, readings, laws })
     }
 }

@@ -15,7 +15,7 @@ use crate::convert;
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fit::fitted_model;
-use crate::found::{Arguments, Search, Told};
+use crate::found::{Arguments, FittedNumbers, Search};
 use crate::law::AnyLaw;
 use crate::model::interface;
 use crate::pickle::{self, Reduced};
@@ -138,7 +138,7 @@ pub fn fit_steady(
 /// Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyEstimates {
-    told: Told,
+    told: FittedNumbers,
     search: Search<Self, asperity::fit::SteadyEstimates>,
     arguments: Arguments,
     model: Py<MasterEquation>,
@@ -155,7 +155,7 @@ impl SteadyEstimates {
     ) -> PyResult<Self> {
         let model = fitted_model(py, found.equation(), first, free)?;
         let spectrum = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        let (told, search) = (Told::of_steady(&found), Search::Own(Box::new(found)));
+        let (told, search) = (FittedNumbers::of_steady(&found), Search::Own(Box::new(found)));
         Ok(Self { told, search, arguments, model: model.unbind(), spectrum })
     }
 
@@ -170,7 +170,7 @@ impl SteadyEstimates {
         content: &[u8],
         (model, spectrum): (Py<MasterEquation>, Py<Record>),
     ) -> PyResult<Self> {
-        let (told, search) = (Told::read(content)?, Search::Again(PyOnceLock::new()));
+        let (told, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
         Ok(Self { told, search, arguments, model, spectrum })
     }
 }

@@ -13,7 +13,7 @@ type PlainEstimate = (String, f64, f64, [f64; 2], Option<f64>);
 
 /// The numbers that a fit has found.
 #[derive(Serialize, Deserialize)]
-pub struct Told {
+pub struct FittedNumbers {
     parameters: Vec<PlainEstimate>,
     /// Covariance of the estimates, row by row.
     pub covariance: Vec<f64>,
@@ -33,7 +33,7 @@ pub struct Told {
     pub readings: usize,
 }
 
-impl Told {
+impl FittedNumbers {
     /// The numbers of a fit to a curve.
     pub fn of(found: &fit::Estimates) -> Self {
         Self {
@@ -66,14 +66,12 @@ impl Told {
 
     /// The estimates.
     pub fn parameters(&self) -> Vec<fit::Estimate> {
-        let estimate = |(name, value, error, interval, limit): &(String, f64, f64, [f64; 2], Option<f64>)| {
-            fit::Estimate {
-                name: name.clone(),
-                value: *value,
-                error: *error,
-                interval: *interval,
-                limit: *limit,
-            }
+        let estimate = |(name, value, error, interval, limit): &PlainEstimate| fit::Estimate {
+            name: name.clone(),
+            value: *value,
+            error: *error,
+            interval: *interval,
+            limit: *limit,
         };
         self.parameters.iter().map(estimate).collect()
     }

@@ -1,7 +1,9 @@
 """Parameter sweeps: the values of single runs along axes, on any executor, and nothing computed twice."""
 
+import math
 import os
 import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -117,12 +119,16 @@ def test_an_interrupted_sweep_is_continued(tmp_path: Path) -> None:
     assert swept(folder=folder).identical(expected)
 
 
+# How often a function was called; what a function encloses would be part of what identifies it.
+CALLS: list[float] = []
+
+
 def test_functions_are_swept(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
-    calls = []
+    CALLS.clear()
 
     def found(contacts: asp.Contacts, distance: float) -> dict[str, float | str]:
-        calls.append(distance)
+        CALLS.append(distance)
         if distance < 0.0:
             raise ValueError("backwards")
         force = asp.MasterEquation(contacts).pull(distance).force[-1]
@@ -136,9 +142,9 @@ def test_functions_are_swept(tmp_path: Path) -> None:
     assert data.kind.values.tolist() == [["near", "far", ""]] * 2
     assert np.isnan(data.force.values[:, 2]).all()
     assert data.failure.values[0].tolist() == ["", "", "ValueError: backwards"]
-    assert len(calls) == 6
+    assert len(CALLS) == 6
     again = asp.sweep(found, over, folder=tmp_path / "mine")
-    assert len(calls) == 6
+    assert len(CALLS) == 6
     assert again.identical(data)
     assert asp.sweep(lambda x: 2.0 * x, {"x": np.array([1.0, 2.0])})["value"].values.tolist() == [2.0, 4.0]
 
@@ -224,3 +230,57 @@ def test_a_dask_cluster_finds_the_same_though_a_worker_is_killed(tmp_path: Path)
         )
         killer.join()
     assert data.identical(expected)
+
+
+def test_functions_that_differ_in_anything_are_not_taken_for_each_other(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+
+    def scaled(factor: float) -> Callable[..., float]:
+        return lambda x: factor * x
+
+    class Scale:
+        def __init__(self, factor: float) -> None:
+            self.factor = factor
+
+        def apply(self, x: float) -> float:
+            return self.factor * x
+
+    # The instructions of each pair are the same, and so are the names.
+    pairs: list[tuple[Callable[..., float], Callable[..., float]]] = [
+        (lambda x: math.sin(x), lambda x: math.cos(x)),
+        (scaled(2.0), scaled(3.0)),
+        (lambda x, factor=2.0: factor * x, lambda x, factor=3.0: factor * x),
+        (Scale(2.0).apply, Scale(3.0).apply),
+    ]
+    for pair in pairs:
+        for function in pair:
+            found = asp.sweep(function, {"x": [0.5, 1.0]}, folder=tmp_path / "results")
+            assert found["value"].values.tolist() == [function(0.5), function(1.0)]
+
+
+def test_the_same_function_is_the_same_in_another_process(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    text = (
+        "import asperity as asp, sys\n"
+        "called = 0\n"
+        "def f(x):\n"
+        "    global called\n"
+        "    called += 1\n"
+        "    return max([x], key=lambda value: value if 'a' in {'a', 'b', 'c'} else 0.0)\n"
+        "asp.sweep(f, {'x': [1.0, 2.0]}, folder='results')\n"
+        "print(called)\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(text, encoding="utf-8")
+    calls = [
+        subprocess.run(
+            [sys.executable, "-P", str(script)],
+            check=True,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            stdout=subprocess.PIPE,
+            text=True,
+        ).stdout.strip()
+        for seed in ("1", "2")
+    ]
+    assert calls == ["2", "0"]
