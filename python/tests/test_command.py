@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import asperity as asp
+import pytest
 
 SCENARIO = """
 [contacts]
@@ -45,13 +46,26 @@ def test_version_help_and_errors_are_those_of_the_program(tmp_path: Path) -> Non
     assert "unrecognized subcommand" in unknown.stderr
 
 
-def test_an_interrupt_ends_the_command_with_its_exit_code(tmp_path: Path) -> None:
+def threads(process: subprocess.Popen[str]) -> set[str]:
+    """Names of the threads of a process."""
+    return {path.read_text().strip() for path in Path(f"/proc/{process.pid}/task").glob("*/comm")}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of threads are read from /proc")
+@pytest.mark.parametrize("before", [signal.SIG_DFL, signal.SIG_IGN])
+def test_an_interrupt_ends_the_command_with_its_exit_code(tmp_path: Path, before: signal.Handlers) -> None:
     # A lattice of many cells takes minutes.
     example = run("example", "half-space-512", folder=tmp_path).stdout
     (tmp_path / "long.toml").write_text(example, encoding="utf-8")
-    line = [sys.executable, "-P", "-m", "asperity", "run", "long.toml", "--quiet"]
+    # Python handles interrupts if they have their default action, and does not if they are ignored, as in
+    # background jobs.
+    start = f"import signal, os, sys; signal.signal(2, {int(before)}); os.execv(sys.executable, sys.argv[1:])"
+    command = [sys.executable, "-P", "-m", "asperity", "run", "long.toml", "--quiet"]
+    line = [sys.executable, "-c", start, *command]
     process = subprocess.Popen(line, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    time.sleep(2.0)
+    # The command names the thread that looks for signals.
+    while process.poll() is None and "interrupts" not in threads(process):
+        time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30)
     assert (process.returncode, errors) == (130, "interrupted: nothing was written\n")
