@@ -129,7 +129,8 @@ $(venv)-docs/ready: docs/requirements.txt
 figures: $(venv)/installed
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	draw() { \
-	  cargo run --release --locked --quiet -- run "scenarios/$$1.toml" --quiet -o "$$folder/$$2"; \
+	  command=$$(grep -q '^\[sweep' "scenarios/$$1.toml" && echo sweep || echo run); \
+	  cargo run --release --locked --quiet -- $$command "scenarios/$$1.toml" --quiet -o "$$folder/$$2"; \
 	  for name in "$${@:3}"; do cp "$$folder/$$2/$$name.svg" "docs/figures/$$2-$$name.svg"; done; \
 	}; \
 	draw fig2 fig2 force evolution; \
@@ -140,6 +141,8 @@ figures: $(venv)/installed
 	draw stick-slip-ageing aged stick_slip; \
 	draw spectrum noise spectrum; \
 	draw stability map stability; \
+	draw sweep-stability regimes regime; \
+	draw sweep-critical-stiffness critical critical_stiffness_sliding; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents")
 

@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 43] = shipped![
+const SHIPPED: [Shipped; 44] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -46,6 +46,7 @@ const SHIPPED: [Shipped; 43] = shipped![
     "stick-slip-ageing.toml",
     "stability.toml",
     "sweep-stability.toml",
+    "sweep-critical-stiffness.toml",
     "ofc.toml",
     "front-chain.toml",
     "precursors-edge.toml",

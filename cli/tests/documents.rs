@@ -286,8 +286,11 @@ fn pictures_are_those_that_the_program_draws() {
         ("stick-slip-ageing", "aged", &["stick_slip"]),
         ("spectrum", "noise", &["spectrum"]),
         ("stability", "map", &["stability"]),
+        ("sweep-stability", "regimes", &["regime"]),
+        ("sweep-critical-stiffness", "critical", &["critical_stiffness_sliding"]),
     ] {
-        folder.succeed(&["run", &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
+        let command = if scenario.starts_with("sweep") { "sweep" } else { "run" };
+        folder.succeed(&[command, &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
         for name in names {
             let kept = document(&format!("docs/figures/{short}-{name}.svg"));
             let drawn = std::fs::read_to_string(folder.path().join(format!("{short}/{name}.svg"))).unwrap();

@@ -70,6 +70,7 @@ from asperity._core import (
     read_healing,
     read_velocity_step,
     run,
+    scenario,
 )
 from asperity._events import Event, Events
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
@@ -233,6 +234,7 @@ __all__ = [
     "read_velocity_step",
     "renormalisation",
     "run",
+    "scenario",
     "spots",
     "stability",
     "sweep",

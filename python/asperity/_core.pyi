@@ -4318,6 +4318,40 @@ def run(
     (501,)
     """
 
+def scenario(model: Contacts | Model | Block | Deformable, **task: Any) -> dict[str, Any]:
+    """The scenario of a model and a task.
+
+    Parameters
+    ----------
+    model
+        Contacts, a MasterEquation, a Transport, an Ensemble, a Block, an Interface or a Lattice.
+    **task
+        The table of the task by its name, such as pull={"distance": 5.0}, and further tables. A pull and a drive
+        have the velocity of the model unless the table has its own; these and a protocol have its start.
+
+    Returns
+    -------
+    dict
+        What `run` and `sweep` take, and can be changed before.
+
+    Raises
+    ------
+    ValueError
+        For a model that starts in a state with which the task does not start.
+    TypeError
+        For what is no model.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> model = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)), asp.Gaussian(0.1, 0.025))
+    >>> scenario = asp.scenario(model, pull={"distance": 5.0})
+    >>> sorted(scenario)
+    ['contacts', 'initial', 'pull']
+    >>> round(asp.run(scenario).kinetic_friction, 6)
+    0.505
+    """
+
 def steady_variance(thresholds: _AnyLaw) -> float:
     """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0.
 

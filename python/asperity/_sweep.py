@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity._core import __version__, _Sweep, _sweep_cases
+from asperity._core import Description, __version__, _Sweep, _sweep_cases, scenario as scenario_of
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -38,28 +38,33 @@ MOST = 10_000_000
 
 
 def sweep(
-    scenario: "_Scenario | Callable[..., Any]",
+    scenario: "_Scenario | Description | Callable[..., Any]",
     over: Mapping[str, Any] | None = None,
     keep: Sequence[Any] | None = None,
     *,
+    task: Mapping[str, Any] | None = None,
     executor: Executor | None = None,
     folder: "str | PathLike[str] | None" = None,
     threads: int | None = None,
     progress: "_Progress" = None,
 ) -> "Dataset":
-    """Computes a scenario, or a function, for all combinations of values.
+    """Computes a scenario, a model or a function for all combinations of values.
 
     Parameters
     ----------
-    scenario : str or PathLike or Mapping or Callable
-        A scenario as `run` takes it, with or without a table sweep; or a function, which is called with the
-        names of `over` as keywords and returns a number, or numbers and texts by name.
+    scenario : str or PathLike or Mapping or Description or Callable
+        A scenario as `run` takes it, with or without a table sweep; a model, of which `task` is computed; or
+        a function, which is called with the names of `over` as keywords and returns a number, or numbers and
+        texts by name.
     over : Mapping, optional
         Values by dotted key of the scenario, or by argument of the function: a list or an array, or for a
         scenario {"from": 0.1, "to": 10, "points": 21, "scale": "log"}. The last one runs fastest.
     keep : Sequence, optional
         What is kept of each case of a scenario: paths of the summary such as "static_friction.force", and
         variables on a common grid such as {"variable": "force", "at": [0.0, 0.5, 1.0]}.
+    task : Mapping, optional
+        Beside a model, the table of its task by name, such as {"pull": {"distance": 5.0}}; computed is the
+        `asperity.scenario` of both.
     executor : concurrent.futures.Executor, optional
         What computes the cases: the executor of a Dask client (`client.get_executor()`), of mpi4py.futures,
         of loky or of the standard library. None for the threads of this process.
@@ -97,10 +102,17 @@ def sweep(
     >>> found.kinetic_friction.values.round(3)
     array([0.505, 0.52 ])
     """
+    if isinstance(scenario, Description):
+        scenario = scenario_of(scenario, **(task or {}))  # type: ignore[arg-type]
+    elif task is not None:
+        raise TypeError(f"task: expected a model beside it, got {type(scenario).__name__}")
     if callable(scenario):
         if keep is not None:
             raise TypeError("keep: expected None beside a function, which returns what is kept")
         return _of_function(scenario, over or {}, executor, folder, threads, progress)
+    if over is None and isinstance(scenario, Mapping):
+        # The order of axes is that of the dictionary.
+        over = scenario.get("sweep", {}).get("over")
     plan = _Sweep.of_scenario(scenario, _table(over, keep), folder)
     if executor is None:
         plan.compute(threads, progress=progress)

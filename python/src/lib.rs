@@ -26,6 +26,7 @@ mod rate_state;
 mod record;
 mod result;
 mod rules;
+mod scenario;
 mod simulated;
 mod simulation;
 mod stick_slip;
@@ -91,6 +92,8 @@ mod _core {
     use crate::result::{Result, open_result, run};
     #[pymodule_export]
     use crate::rules::{Ageing, FrozenRank, Logarithmic, MeanField, Smoluchowski, Temperature};
+    #[pymodule_export]
+    use crate::scenario::scenario_of;
     #[pymodule_export]
     use crate::simulation::Simulation;
     #[pymodule_export]

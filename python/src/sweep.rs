@@ -350,7 +350,7 @@ fn argument(name: String, values: &Bound<'_, PyAny>) -> PyResult<Axis> {
         dimensions: vec![name.clone()],
         values,
     }];
-    Ok(Axis { name, length, coordinates, logarithmic: false })
+    Ok(Axis { name, length, coordinates })
 }
 
 /// A variable for xarray.

@@ -9,7 +9,7 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
-use super::field::{Field, bar};
+use super::field::{self, Field, bar};
 use super::style::{self, Page, Plots};
 use super::ticks;
 
@@ -52,7 +52,7 @@ fn colours() -> ColorMap {
 }
 
 fn panel(range: (f64, f64)) -> Layout {
-    style::layout(range, range).with_tick_size(11).with_label_size(13)
+    field::axes(range, range).with_tick_size(11).with_label_size(13)
 }
 
 /// The positions at which the force is not certain, and the correlation coefficients of the force there, row by row.

@@ -42,17 +42,20 @@ impl Field<'_> {
     }
 }
 
+/// Axes of a field, whose ticks are outside: it covers those inside.
+pub fn axes(x: (f64, f64), y: (f64, f64)) -> Layout {
+    style::layout(x, y).with_tick_align("out")
+}
+
 /// The colour scale as a panel of its own, and its axes.
 pub fn bar(scale: (f64, f64), colours: &ColorMap, label: &str) -> (Vec<Plot>, Layout) {
     const STEPS: usize = 128;
     let value = |i: usize| scale.0 + (scale.1 - scale.0) * i as f64 / (STEPS - 1) as f64;
     let data = (0..STEPS).map(|i| vec![value(i)]).collect();
     let plot = Plot::Heatmap(heatmap(data, scale, colours, ((0.0, 1.0), scale)));
-    let layout = style::layout((0.0, 1.0), scale).with_y_label(label).with_tick_size(11).with_label_size(13);
-    (
-        vec![plot],
-        layout.with_x_tick_format(kuva::render::layout::TickFormat::Custom(Arc::new(|_| String::new()))),
-    )
+    // No tick below it.
+    let layout = axes((0.1, 0.9), scale).with_x_tick_step(1.0);
+    (vec![plot], layout.with_y_label(label).with_tick_size(11).with_label_size(13))
 }
 
 /// The range of all values, a little wider if they are equal.

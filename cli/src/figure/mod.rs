@@ -29,6 +29,7 @@ mod stick_slip;
 mod stress_map;
 mod style;
 mod sweep;
+mod sweep_label;
 mod thresholds;
 mod ticks;
 mod typography;

@@ -10,7 +10,7 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::render::Scene;
 
-use super::field::{Field, bar};
+use super::field::{self, Field, bar};
 use super::style::{self, Page, Plots};
 use super::ticks;
 
@@ -83,7 +83,7 @@ fn panel(
     let rows: Vec<f64> = (0..steps).flat_map(row).copied().collect();
     let last = if last > first { last } else { first + 1.0 };
     let field = Field { values: &rows, sides: [steps, cells], x: (0.0, cells as f64), y: (first, last) };
-    let layout = style::layout(field.x, field.y)
+    let layout = field::axes(field.x, field.y)
         .with_tick_size(11)
         .with_label_size(13)
         .with_force_margins(style::SIDES.0, style::SIDES.1)

@@ -11,7 +11,7 @@ use kuva::render::render::Scene;
 
 use super::advance::Advance;
 use super::curve::{Point, line};
-use super::field::{Field, bar, scale};
+use super::field::{self, Field, bar, scale};
 use super::style::{self, BLACK, ORANGE, Page, Plots, RED};
 use super::ticks;
 
@@ -160,5 +160,5 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
 }
 
 fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
-    style::layout(x, y).with_tick_size(11).with_label_size(13)
+    field::axes(x, y).with_tick_size(11).with_label_size(13)
 }

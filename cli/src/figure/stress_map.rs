@@ -6,7 +6,7 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
-use super::field::{Field, bar, scale};
+use super::field::{self, Field, bar, scale};
 use super::style::{self, Page, Plots};
 use super::ticks;
 
@@ -37,7 +37,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
             x: (0.0, sides[1] as f64),
             y: (0.0, sides[0] as f64),
         };
-        let layout = style::layout(field.x, field.y)
+        let layout = field::axes(field.x, field.y)
             .with_title(format!("X_T = {}", style::digits(drives[map])))
             .with_title_size(12)
             .with_ticks(4)

@@ -99,9 +99,12 @@ pub fn reach(x: &[f64], curves: &[&[f64]]) -> f64 {
     x[index.min(x.len()) - 1]
 }
 
-/// A legend below the axes, where it covers nothing.
+/// A legend below the axes. Its box would cover the lower parts of letters of the label above.
 pub fn legend_below(layout: Layout, entries: Vec<LegendEntry>) -> Layout {
-    layout.with_legend_entries(entries).with_legend_position(LegendPosition::OutsideBottomColumns)
+    layout
+        .with_legend_box(false)
+        .with_legend_entries(entries)
+        .with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
 /// A legend entry for a line. Its dashes are half as long as those of the line, so that two of them are visible.

@@ -10,8 +10,9 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, errors, line};
-use super::field::{Field, bar, scale};
+use super::field::{self, Field, bar, scale};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
+use super::sweep_label::label;
 use super::ticks;
 
 /// Colours of words that are known, as in the picture of `[stability]`.
@@ -76,11 +77,7 @@ fn replicas(axes: &[&Axis], numbers: &[f64]) -> Vec<(f64, f64)> {
 fn places(axis: &Axis) -> Option<(&[f64], String)> {
     let coordinate = &axis.coordinates[0];
     let Values::Numbers(numbers) = &coordinate.values else { return None };
-    Some((numbers, labelled(&coordinate.key, &coordinate.units)))
-}
-
-fn labelled(words: &str, units: &str) -> String {
-    if units.is_empty() || units == "1" { words.to_owned() } else { format!("{words} ({units})") }
+    Some((numbers, label(coordinate)))
 }
 
 fn lines(
@@ -89,7 +86,7 @@ fn lines(
     axis: &Axis,
     found: &[(f64, f64)],
 ) -> Option<Scene> {
-    let (x, label) = places(axis)?;
+    let (x, words) = places(axis)?;
     let mut order: Vec<usize> = (0..x.len()).collect();
     order.sort_by(|&a, &b| x[a].total_cmp(&x[b]));
     let column = |of: &dyn Fn(usize) -> f64| order.iter().map(|&i| of(i)).collect::<Vec<f64>>();
@@ -104,16 +101,13 @@ fn lines(
     // Replicas that are equal differ by rounding at most.
     let scattered = error.iter().any(|&error| error > 1e-9 * high.abs().max(low.abs()));
     plots.extend(errors(&x, &y, if scattered { &error } else { &[] }, BLUE));
-    let ends = if axis.logarithmic { style::decades(&x) } else { (x[0], x[x.len() - 1]) };
+    let ends = if axis.is_logarithmic() { style::decades(&x) } else { (x[0], x[x.len() - 1]) };
     let (low, high) = if high > low { style::heights(low, high) } else { scale(&y) };
     let mut layout = style::layout(ends, (low, high));
-    if axis.logarithmic {
+    if axis.is_logarithmic() {
         layout = layout.with_log_x().with_x_tick_format(style::powers(ends));
     }
-    let layout = page
-        .titled(layout, &dataset.title)
-        .with_x_label(label)
-        .with_y_label(labelled(&variable.key, &variable.units));
+    let layout = page.titled(layout, &dataset.title).with_x_label(words).with_y_label(label(variable));
     Some(ticks::panel(plots, layout))
 }
 
@@ -122,6 +116,8 @@ struct Side {
     /// The indices of the values in rising order.
     order: Vec<usize>,
     range: (f64, f64),
+    /// Whether the coordinate is the decimal logarithm.
+    exponents: bool,
     ticks: TickFormat,
     label: String,
 }
@@ -141,16 +137,17 @@ impl Side {
         if sorted.len() < 2 {
             return None;
         }
-        if axis.logarithmic {
+        if axis.is_logarithmic() {
+            let range = edges(first.log10(), last.log10());
             let ticks = TickFormat::Custom(Arc::new(|place: f64| short(10f64.powf(place))));
-            return Some(Self { order, range: edges(first.log10(), last.log10()), ticks, label });
+            return Some(Self { order, range, exponents: true, ticks, label });
         }
         let step = (last - first) / (sorted.len() - 1) as f64;
         // Rounding of values that are evenly spaced.
         let even = sorted.windows(2).all(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() < 1e-6);
         if even {
             let ticks = TickFormat::Custom(Arc::new(style::digits));
-            return Some(Self { order, range: edges(first, last), ticks, label });
+            return Some(Self { order, range: edges(first, last), exponents: false, ticks, label });
         }
         let count = sorted.len();
         let named = move |place: f64| {
@@ -159,7 +156,12 @@ impl Side {
             if whole { short(sorted[index as usize]) } else { String::new() }
         };
         let range = (-0.5, count as f64 - 0.5);
-        Some(Self { order, range, ticks: TickFormat::Custom(Arc::new(named)), label })
+        Some(Self { order, range, exponents: false, ticks: TickFormat::Custom(Arc::new(named)), label })
+    }
+
+    /// Whether ticks are at powers of ten: where there are two of them or more.
+    fn decades(&self) -> bool {
+        self.exponents && self.range.1.floor() > self.range.0.ceil()
     }
 }
 
@@ -177,7 +179,14 @@ fn sorted(values: &[f64], [x, y]: [&Side; 2]) -> Vec<f64> {
 }
 
 fn layout([x, y]: [&Side; 2]) -> Layout {
-    style::layout(x.range, y.range)
+    let mut layout = field::axes(x.range, y.range);
+    if x.decades() {
+        layout = layout.with_x_tick_step(1.0);
+    }
+    if y.decades() {
+        layout = layout.with_y_tick_step(1.0);
+    }
+    layout
         .with_x_tick_format(x.ticks.clone())
         .with_y_tick_format(y.ticks.clone())
         .with_x_label(x.label.clone())
@@ -204,8 +213,7 @@ fn map(
     let field = Field { values: &values, sides: [y.order.len(), x.order.len()], x: x.range, y: y.range };
     let layout = layout([&x, &y]).with_force_margins(style::SIDES.0, style::SIDES.1);
     let layout = layout.with_force_margins_y(MARGINS.0, MARGINS.1);
-    let label = labelled(&variable.key, &variable.units);
-    let (scale_plots, scale_axes) = bar(ends, &ColorMap::Viridis, &label);
+    let (scale_plots, scale_axes) = bar(ends, &ColorMap::Viridis, &label(variable));
     let (title, size) = page.heading(&dataset.title);
     let figure = Figure::new(1, 2)
         .with_structure(vec![vec![0], vec![1]])
@@ -216,7 +224,8 @@ fn map(
         .with_spacing(6.0);
     let axes = scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1);
     let plots: Plots = vec![field.plot(ends, &colours, 1)];
-    Some(ticks::panels(figure, vec![plots, scale_plots], vec![layout, axes]))
+    let exponents = [[x.exponents, y.exponents], [false; 2]];
+    Some(ticks::panels_of_exponents(figure, vec![plots, scale_plots], vec![layout, axes], &exponents))
 }
 
 /// Words over two axes, each with its colour.
@@ -246,7 +255,8 @@ fn kinds((dataset, page): (&Dataset, Page), axes: [&Axis; 2], words: &[String]) 
     }
     let plots: Vec<Plot> = vec![field.plot((0.0, last), &colours, 1)];
     let layout = page.titled(layout([&x, &y]), &dataset.title);
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    let exponents = [x.exponents, y.exponents];
+    Some(ticks::panel_of_exponents(plots, style::legend_below(layout, legend), exponents))
 }
 
 /// The colour of a word.

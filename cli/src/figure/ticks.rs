@@ -24,7 +24,12 @@ const NEAR: f64 = 0.05;
 
 /// A picture of one panel.
 pub fn panel(plots: Plots, layout: Layout) -> Scene {
-    let axes = [Axes::of(&layout)];
+    panel_of_exponents(plots, layout, [false; 2])
+}
+
+/// The same where the coordinates along x or y may be decimal logarithms.
+pub fn panel_of_exponents(plots: Plots, layout: Layout, exponents: [bool; 2]) -> Scene {
+    let axes = [Axes::of(&layout).raised(exponents)];
     divided(render_multiple(plots, layout), &axes)
 }
 
@@ -36,8 +41,19 @@ pub fn twin(left: Plots, right: Plots, layout: Layout) -> Scene {
 
 /// A picture of several panels. One without plots is empty.
 pub fn panels(figure: Figure, plots: Vec<Plots>, layouts: Vec<Layout>) -> Scene {
-    let drawn = plots.iter().zip(&layouts).filter(|(plots, _)| !plots.is_empty());
-    let axes: Vec<Axes> = drawn.map(|(_, layout)| Axes::of(layout)).collect();
+    let exponents = vec![[false; 2]; layouts.len()];
+    panels_of_exponents(figure, plots, layouts, &exponents)
+}
+
+/// The same where the coordinates along x or y may be decimal logarithms.
+pub fn panels_of_exponents(
+    figure: Figure,
+    plots: Vec<Plots>,
+    layouts: Vec<Layout>,
+    exponents: &[[bool; 2]],
+) -> Scene {
+    let drawn = plots.iter().zip(layouts.iter().zip(exponents)).filter(|(plots, _)| !plots.is_empty());
+    let axes: Vec<Axes> = drawn.map(|(_, (layout, exponents))| Axes::of(layout).raised(*exponents)).collect();
     divided(figure.with_plots(plots).with_layouts(layouts).render(), &axes)
 }
 
@@ -62,6 +78,23 @@ impl Axes {
             axis((layout.y2_axis_min, layout.y2_axis_max), layout.log_y2)
                 .filter(|_| layout.y2_range.is_some()),
         ])
+    }
+
+    /// The axes where the coordinates along x or y may be decimal logarithms.
+    fn raised(self, [x, y]: [bool; 2]) -> Self {
+        let [below, left, right] = self.0;
+        let raised = |axis: Option<Axis>, exponents: bool| match exponents {
+            true => axis.map(Axis::raised),
+            false => axis,
+        };
+        Self([raised(below, x), raised(left, y), right])
+    }
+}
+
+impl Axis {
+    /// The axis of the powers of ten whose exponents are drawn.
+    fn raised(self) -> Self {
+        Self { ends: (10f64.powf(self.ends.0), 10f64.powf(self.ends.1)), logarithmic: true }
     }
 }
 

@@ -40,8 +40,6 @@ pub struct SweepDimension {
     pub keys: Vec<(String, Vec<SweepValue>)>,
     /// Number of values.
     pub length: usize,
-    /// Whether the values are evenly spaced in their logarithm.
-    pub logarithmic: bool,
 }
 
 /// Tables whose keys change no number.
@@ -160,17 +158,10 @@ impl Sweep {
                 continue;
             }
             let values = |key: &String| self.over.get(key).map(|axis| (key.clone(), axis.values()));
-            dimensions.push(SweepDimension {
-                keys: keys.iter().filter_map(values).collect(),
-                length: axis.len(),
-                logarithmic: axis.is_logarithmic(),
-            });
+            dimensions
+                .push(SweepDimension { keys: keys.iter().filter_map(values).collect(), length: axis.len() });
         }
-        dimensions.extend(self.repeat.map(|length| SweepDimension {
-            keys: Vec::new(),
-            length,
-            logarithmic: false,
-        }));
+        dimensions.extend(self.repeat.map(|length| SweepDimension { keys: Vec::new(), length }));
         dimensions
     }
 }

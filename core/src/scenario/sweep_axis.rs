@@ -92,11 +92,6 @@ impl SweepAxis {
         self.len() == 0
     }
 
-    /// Whether the values are a range on a logarithmic scale.
-    pub fn is_logarithmic(&self) -> bool {
-        matches!(self, Self::Range(SweepRange { scale: SweepScale::Log, .. }))
-    }
-
     /// All values.
     pub fn values(&self) -> Vec<SweepValue> {
         match self {
@@ -333,6 +328,21 @@ impl JsonSchema for SweepAxes {
         "SweepAxes".into()
     }
 
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let axis = generator.subschema_for::<SweepAxis>();
+        json_schema!({ "type": "object", "additionalProperties": axis })
+    }
+}
+
+impl JsonSchema for SweepAxis {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "SweepAxis".into()
+    }
+
     fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
         let range = json_schema!({
             "type": "object",
@@ -345,6 +355,6 @@ impl JsonSchema for SweepAxes {
             "required": ["from", "to", "points"],
             "additionalProperties": false,
         });
-        json_schema!({ "type": "object", "additionalProperties": { "anyOf": [{ "type": "array", "minItems": 1 }, range] } })
+        json_schema!({ "anyOf": [{ "type": "array", "minItems": 1 }, range] })
     }
 }

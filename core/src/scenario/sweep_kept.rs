@@ -95,12 +95,13 @@ impl JsonSchema for SweepKept {
         "SweepKept".into()
     }
 
-    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let at = generator.subschema_for::<SweepAxis>();
         json_schema!({ "anyOf": [
             { "type": "string" },
             {
                 "type": "object",
-                "properties": { "variable": { "type": "string" }, "at": { "type": ["array", "object"] } },
+                "properties": { "variable": { "type": "string" }, "at": at },
                 "required": ["variable", "at"],
                 "additionalProperties": false,
             },

@@ -44,8 +44,20 @@ pub struct Axis {
     pub length: usize,
     /// Its coordinates.
     pub coordinates: Vec<Labelled>,
-    /// Whether its values are evenly spaced in their logarithm.
-    pub logarithmic: bool,
+}
+
+/// Largest difference of steps that are equal, relative to them: the rounding of values that are written with six digits.
+const EQUAL: f64 = 1e-4;
+
+impl Axis {
+    /// Whether its values are evenly spaced in their logarithm: three or more, above 0.
+    pub fn is_logarithmic(&self) -> bool {
+        let Values::Numbers(values) = &self.coordinates[0].values else { return false };
+        let [first, .., last] = values[..] else { return false };
+        let step = (last / first).ln() / (values.len() - 1) as f64;
+        let even = |pair: &[f64]| ((pair[1] / pair[0]).ln() / step - 1.0).abs() < EQUAL;
+        values.len() > 2 && values.iter().all(|&value| value > 0.0) && values.windows(2).all(even)
+    }
 }
 
 /// All variables of a sweep.
@@ -198,7 +210,7 @@ impl Dataset {
             values,
         };
         let (length, coordinates) = (places.len(), vec![labelled]);
-        self.grids.push(Axis { name: name.clone(), length, coordinates, logarithmic: false });
+        self.grids.push(Axis { name: name.clone(), length, coordinates });
         name
     }
 
@@ -235,8 +247,8 @@ fn values(gathered: &Gathered, path: &str, count: usize) -> Values {
 
 /// An axis with the coordinates of its keys.
 fn axis(dimension: &SweepDimension, scenario: &serde_json::Value, units: &Units) -> Axis {
-    let SweepDimension { keys, length, logarithmic } = dimension;
-    let (length, logarithmic) = (*length, *logarithmic);
+    let SweepDimension { keys, length } = dimension;
+    let length = *length;
     let Some((first, _)) = keys.first() else {
         let name = "repeat".to_owned();
         let coordinates = vec![Labelled {
@@ -247,7 +259,7 @@ fn axis(dimension: &SweepDimension, scenario: &serde_json::Value, units: &Units)
             dimensions: vec![name.clone()],
             values: Values::Numbers((0..length).map(|i| i as f64).collect()),
         }];
-        return Axis { name, length, coordinates, logarithmic };
+        return Axis { name, length, coordinates };
     };
     let name = named(first);
     let coordinates = keys.iter().map(|(key, values)| {
@@ -264,7 +276,7 @@ fn axis(dimension: &SweepDimension, scenario: &serde_json::Value, units: &Units)
         }
     });
     let coordinates = coordinates.collect();
-    Axis { name, length, coordinates, logarithmic }
+    Axis { name, length, coordinates }
 }
 
 /// A value as it is written in a scenario; a text without its quotes.

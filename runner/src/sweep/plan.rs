@@ -23,12 +23,12 @@ pub struct Plan {
     pub keep: Vec<Keep>,
     /// The summaries of the task.
     pub summaries: Summaries,
-    /// What the corners are, resolved.
-    corners: Vec<String>,
+    /// The digest of what the corners are, resolved.
+    corners: Sha256,
 }
 
-/// Largest number of corners that are built.
-const CORNERS: usize = 1 << 10;
+/// Largest number of corners that are built, which takes some 40 µs for each.
+const CORNERS: usize = 1 << 17;
 
 impl Plan {
     /// The plan of a scenario with `[sweep]`.
@@ -39,7 +39,7 @@ impl Plan {
         let mut plan = Self::unchecked(input)?;
         for corner in plan.corners() {
             let scenario = plan.build(&corner, true)?;
-            plan.corners.push(input::to_text(&scenario));
+            update(&mut plan.corners, &input::to_text(&scenario));
         }
         Ok(plan)
     }
@@ -58,7 +58,7 @@ impl Plan {
         let keep = keep::keep(&scenario, &sweep.keep, &summaries).map_err(told)?;
         let seeds = if sweep.repeat.is_some() { scenario.seeds() } else { Vec::new() };
         let (cases, dimensions) = (Cases::new(input), sweep.dimensions());
-        Ok(Self { cases, scenario, dimensions, seeds, keep, summaries, corners: Vec::new() })
+        Ok(Self { cases, scenario, dimensions, seeds, keep, summaries, corners: Sha256::new() })
     }
 
     /// Number of cases.
@@ -86,13 +86,9 @@ impl Plan {
     /// and its corners, which have the content of files that axes name.
     pub fn identity(&self) -> Identity {
         let text = input::to_text(&self.scenario);
-        let parts =
-            [env!("CARGO_PKG_VERSION"), &text].into_iter().chain(self.corners.iter().map(String::as_str));
-        let mut digest = Sha256::new();
-        for part in parts {
-            digest.update((part.len() as u64).to_le_bytes());
-            digest.update(part);
-        }
+        let mut digest = self.corners.clone();
+        update(&mut digest, env!("CARGO_PKG_VERSION"));
+        update(&mut digest, &text);
         let hash = digest.finalize().iter().take(8).fold(String::new(), |mut hash, byte| {
             let _ = write!(hash, "{byte:02x}");
             hash
@@ -153,6 +149,12 @@ impl Plan {
             .map(|(d, end)| at(d, end))
             .collect()
     }
+}
+
+/// Adds a text and its length.
+fn update(digest: &mut Sha256, text: &str) {
+    digest.update((text.len() as u64).to_le_bytes());
+    digest.update(text);
 }
 
 /// The indices of the ends of a dimension: of the smallest and the largest number of each key, and of all values that are no
