@@ -3,6 +3,7 @@
 mod common;
 
 use asperity::block::{Regime, Slip, StickSlip, critical_stiffness};
+use asperity::exact::{ClosedForm as _, Rectangular};
 use asperity::master::MasterPopulation;
 use common::pulled::{UNDAMPED, near, pull};
 use common::{gaussian, master, point, rectangular};
@@ -36,6 +37,25 @@ fn first_slips_are_those_of_the_table() {
     }
     // Digits printed.
     near(pull(&mut relaxed(0.1, 1e-11), 1.0, Slip::Overdamped, &[2.0]).events[0].energy.slip, 0.07085, 5e-6);
+}
+
+#[test]
+fn resets_over_rectangular_thresholds_have_the_period_of_the_closed_form() {
+    let relaxed = point(0.0);
+    for (min, max, stiffness) in [(0.7, 1.3, 0.5), (0.7, 1.3, 1.1), (0.7, 1.3, 0.1), (0.9, 1.1, 2.0)] {
+        let thresholds = rectangular(min, max);
+        let mut population = master(&thresholds, &relaxed, &relaxed).population_with(1e-11, &mut ()).unwrap();
+        let run = pull(&mut population, stiffness, Slip::Reset, &[40.0 / stiffness.min(1.0)]);
+        let Regime::Persistent { period, .. } = run.regime else { panic!("{}", run.regime) };
+        let expected = Rectangular { min, max }.stick_slip_period(stiffness).unwrap();
+        // The error of the force over the stiffness.
+        near(period, expected, 1e-10 / stiffness.min(1.0));
+    }
+    let form = Rectangular { min: 0.7, max: 1.3 };
+    // Below min/(max − min) it slips, above it slides.
+    assert!(form.stick_slip_period(0.99 * form.critical_stiffness()).is_some());
+    assert_eq!(form.stick_slip_period(1.01 * form.critical_stiffness()), None);
+    assert_eq!(Rectangular { min: 0.4, max: 1.6 }.stick_slip_period(0.1), None);
 }
 
 #[test]

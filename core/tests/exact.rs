@@ -7,7 +7,7 @@ use std::f64::consts::{E, LN_2, PI};
 use std::sync::Arc;
 
 use asperity::exact::{
-    ClosedForm, Erlang, Gaussian, Identical, Quenched, Rectangular, kinetic_friction,
+    ClosedForm, Erlang, Gamma, Gaussian, Identical, Quenched, Rectangular, kinetic_friction,
     kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
 };
 use asperity::numerics::roots::brent_root;
@@ -219,6 +219,30 @@ fn erlang() {
     close(Erlang::with_mean(100, 1.0).relaxation_length(), 5.0677261778, 6e-11);
 }
 
+/// Sums of incomplete gamma functions against sums of exponentials, with which they share nothing.
+#[test]
+fn gamma_of_whole_shapes_is_erlang() {
+    for shape in [1_u32, 2, 7, 40] {
+        let (erlang, gamma) =
+            (Erlang::with_mean(shape, 1.5), Gamma { mean: 1.5, std: 1.5 / f64::from(shape).sqrt() });
+        for k in 0..60 {
+            let position = 0.37 * f64::from(k);
+            // Rounding of sums up to 22, by terms that are right to 1e-14.
+            close(gamma.force(position), erlang.force(position), 1e-12);
+            close(gamma.slope(position), erlang.slope(position), 1e-12);
+        }
+        close(gamma.kinetic_friction(), erlang.kinetic_friction(), 1e-15);
+        let [top, expected] = [&gamma as &dyn ClosedForm, &erlang].map(ClosedForm::static_friction);
+        assert_eq!(top.is_some(), expected.is_some());
+        for (top, expected) in top.into_iter().zip(expected) {
+            // A place where the slope is 0 to rounding.
+            close(top.0, expected.0, 1e-11);
+            close(top.1, expected.1, 1e-12);
+        }
+        close(gamma.critical_stiffness(), erlang.critical_stiffness(), 1e-11);
+    }
+}
+
 #[test]
 fn exponential_is_the_first_erlang() {
     let form = Erlang::with_mean(1, 2.5);
@@ -310,8 +334,11 @@ fn forms_of_no_law_are_refused() {
     assert_eq!(refused(&Gaussian::new(1.0, 0.1).starting_from(-0.1, 0.1)), "initial_mean");
     assert_eq!(refused(&Rectangular { min: 1.0, max: 1.0 }), "max");
     assert_eq!(refused(&Erlang { shape: 0, rate: 1.0 }), "shape");
+    assert_eq!(refused(&Gamma { mean: 1.0, std: 0.0 }), "std");
+    assert_eq!(refused(&Gamma { mean: f64::NAN, std: 1.0 }), "mean");
     assert_eq!(refused(&Identical { threshold: f64::INFINITY }), "threshold");
-    let forms: [&dyn ClosedForm; 4] = [
+    let forms: [&dyn ClosedForm; 5] = [
+        &Gamma { mean: 1.0, std: 0.3 },
         &Gaussian::new(1.0, 0.1),
         &Rectangular { min: 0.0, max: 1.0 },
         &Erlang { shape: 1, rate: 1.0 },

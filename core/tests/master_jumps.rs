@@ -182,6 +182,11 @@ fn sums_of_exponentials() {
             PROMISED,
         );
     }
+    for std in [0.15, 0.3, 0.7, 1.2] {
+        let closed = exact::Gamma { mean: 1.0, std };
+        let pull = pulled(&gamma(1.0, std), &rest(), &rest(), 20.0);
+        agree(&format!("gamma of std {std}"), &pull, |x| closed.force(x), PROMISED);
+    }
     let closed = |x: f64| 1.0 - (-x).exp();
     agree("exponential", &pulled(&exponential(1.0), &rest(), &rest(), 50.0), closed, PROMISED);
     agree("Weibull of shape 1", &pulled(&weibull(1.0, 1.0), &rest(), &rest(), 50.0), closed, PROMISED);

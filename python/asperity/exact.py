@@ -6,6 +6,7 @@ Forces are per total stiffness, F/(N_c⟨k⟩): the mean stretch of the contacts
 from asperity._core import (
     ClosedForm,
     ExactErlang as Erlang,
+    ExactGamma as Gamma,
     ExactGaussian as Gaussian,
     ExactIdentical as Identical,
     ExactQuenched as Quenched,
@@ -19,6 +20,7 @@ from asperity._core import (
 __all__ = [
     "ClosedForm",
     "Erlang",
+    "Gamma",
     "Gaussian",
     "Identical",
     "Quenched",

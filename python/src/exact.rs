@@ -158,8 +158,62 @@ impl Rectangular {
         Ok(checked(form)?.add_subclass(Self(form)))
     }
 
+    /// The period of stick-slip behind a spring, with slip="reset": X_u + F(X_u)/K, where the slope of F falls to -K at
+    /// X_u = (max - min)(1 + K), or below it at once, at X_u = min.
+    ///
+    /// Parameters
+    /// ----------
+    /// stiffness
+    ///     K, per total stiffness of the contacts, above 0.
+    ///
+    /// Returns
+    /// -------
+    /// float or None
+    ///     The load-point displacement from slip to slip, a length; None where sliding is stable, for
+    ///     K >= min/(max - min), and for max > 2 min.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a stiffness that is not above 0.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import asperity as asp
+    /// >>> round(asp.exact.Rectangular(0.7, 1.3).stick_slip_period(0.5), 6)
+    /// 2.166667
+    fn stick_slip_period(&self, stiffness: f64) -> PyResult<Option<f64>> {
+        if !(stiffness.is_finite() && stiffness > 0.0) {
+            return Err(error::invalid("stiffness", "a number above 0", stiffness));
+        }
+        Ok(self.0.stick_slip_period(stiffness))
+    }
+
     fn __repr__(&self) -> String {
         format!("Rectangular(min={:?}, max={:?})", self.0.min, self.0.max)
+    }
+}
+
+/// Thresholds of a gamma distribution of any shape: F = X - mean Σ P(n k + 1, X/θ), n = 1, 2, …, with the shape
+/// k = (mean/std)², the scale θ = std²/mean and the regularised incomplete gamma function P.
+///
+/// Parameters
+/// ----------
+/// mean, std
+///     Mean and standard deviation, above 0.
+#[pyclass(frozen, extends = ClosedForm, name = "ExactGamma", module = "asperity.exact")]
+pub struct Gamma(exact::Gamma);
+
+#[pymethods]
+impl Gamma {
+    #[new]
+    fn new(mean: f64, std: f64) -> PyResult<PyClassInitializer<Self>> {
+        let form = exact::Gamma { mean, std };
+        Ok(checked(form)?.add_subclass(Self(form)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Gamma(mean={:?}, std={:?})", self.0.mean, self.0.std)
     }
 }
 
@@ -363,7 +417,8 @@ pub fn steady_variance_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
 /// have these names.
 pub fn name_classes(py: Python<'_>) -> PyResult<()> {
     let families = [py.get_type::<Gaussian>(), py.get_type::<Rectangular>(), py.get_type::<Erlang>()];
-    for class in families.iter().chain(&[py.get_type::<Identical>(), py.get_type::<Quenched>()]) {
+    let others = [py.get_type::<Gamma>(), py.get_type::<Identical>(), py.get_type::<Quenched>()];
+    for class in families.iter().chain(&others) {
         let name = class.name()?.to_string();
         let name = name.trim_start_matches("Exact");
         class.setattr("__name__", name)?;

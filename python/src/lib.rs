@@ -57,9 +57,9 @@ mod _core {
     use crate::equation::{MasterEquation, Relaxation, SteadyState};
     #[pymodule_export]
     use crate::exact::{
-        ClosedForm, Erlang as ExactErlang, Gaussian as ExactGaussian, Identical, Quenched,
-        Rectangular as ExactRectangular, kinetic_friction, kinetic_friction_per_threshold, steady_variance,
-        steady_variance_per_threshold,
+        ClosedForm, Erlang as ExactErlang, Gamma as ExactGamma, Gaussian as ExactGaussian, Identical,
+        Quenched, Rectangular as ExactRectangular, kinetic_friction, kinetic_friction_per_threshold,
+        steady_variance, steady_variance_per_threshold,
     };
     #[pymodule_export]
     use crate::fit::{Estimates, fit};

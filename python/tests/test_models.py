@@ -76,6 +76,7 @@ def test_closed_forms() -> None:
         (asp.Gaussian(1.0, 0.05), asp.exact.Gaussian(1.0, 0.05)),
         (asp.Rectangular(0.5, 1.5), asp.exact.Rectangular(0.5, 1.5)),
         (asp.Gamma(1.0, 0.25), asp.exact.Erlang(16, 16.0)),
+        (asp.Gamma(1.0, 0.23), asp.exact.Gamma(1.0, 0.23)),
     ):
         pull = asp.MasterEquation(asp.Contacts(thresholds)).pull(10.0)
         np.testing.assert_allclose(pull(x), form.force(x), atol=1e-9)
@@ -87,6 +88,14 @@ def test_closed_forms() -> None:
     assert asp.exact.Erlang(4, 4.0).static_friction is None
     assert asp.exact.Identical(1.0).force([0.5, 1.0, 2.25]) == pytest.approx([0.5, 0.0, 0.25])
     assert asp.exact.Identical(1.0).critical_stiffness == np.inf
+
+
+def test_the_period_of_stick_slip_over_rectangular_thresholds() -> None:
+    model = asp.MasterEquation(asp.Contacts(asp.Rectangular(0.7, 1.3)))
+    run = asp.Block(model, stiffness=0.5, slip="reset").drive(20.0)
+    form = asp.exact.Rectangular(0.7, 1.3)
+    assert np.diff(run["event_drive"]) == pytest.approx(form.stick_slip_period(0.5), abs=1e-9)
+    assert form.stick_slip_period(1.2) is None
 
 
 def test_steady_sliding() -> None:

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::exact::{ClosedForm, Erlang, Gaussian, Identical, Rectangular};
+use asperity::exact::{self, ClosedForm, Erlang, Gaussian, Identical, Rectangular};
 use asperity::law::{Exponential, Gamma, Mixture, SharedLaw};
 
 use crate::page::{Page, below, small};
@@ -47,6 +47,12 @@ thresholds keeps their mass below 0, the solver truncates it: for σ/x̄ ≥ 0.1
         row(&mut page, &format!("Erlang, shape {shape}"), "–", &(Arc::new(gamma) as SharedLaw), |x| {
             form.force(x)
         });
+    }
+    for std in [0.3, 0.7, 1.2] {
+        let gamma = Gamma::new(1.0, std).expect("a mean and a std above 0");
+        let form = exact::Gamma { mean: 1.0, std };
+        let name = format!("gamma, σ = {std}");
+        row(&mut page, &name, "–", &(Arc::new(gamma) as SharedLaw), |x| form.force(x));
     }
     row(&mut page, "identical, 1", "–", &point(1.0), |x| Identical { threshold: 1.0 }.force(x));
     let two = Mixture::new(vec![(0.5, point(1.0)), (0.5, point(2.0))]).expect("weights whose sum is 1");

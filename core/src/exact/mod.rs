@@ -10,6 +10,7 @@
 
 mod erlang;
 mod extrema;
+mod gamma;
 mod gaussian;
 mod identical;
 mod quenched;
@@ -17,6 +18,7 @@ mod rectangular;
 mod steady;
 
 pub use erlang::Erlang;
+pub use gamma::Gamma;
 pub use gaussian::Gaussian;
 pub use identical::Identical;
 pub use quenched::Quenched;

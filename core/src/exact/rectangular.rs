@@ -31,6 +31,24 @@ impl Rectangular {
         self.max - self.min
     }
 
+    /// The period of stick-slip behind a spring of stiffness K, per N_c⟨k⟩, for a slider whose contacts all re-form relaxed in a slip:
+    /// the load-point displacement from slip to slip, X_u + F(X_u)/K.
+    ///
+    /// For b ≤ 2a no contact breaks twice before the slider becomes unstable, and F = [X(b − X) + (X − a)²/2]/w for X in `[a, b]`
+    /// falls with the slope (w − X)/w. This is −K at X_u = w(1 + K), or falls below it at once, at X_u = a. `None` for b > 2a, and
+    /// for K ≥ K_c = a/w, where sliding is stable.
+    #[must_use]
+    pub fn stick_slip_period(&self, stiffness: f64) -> Option<f64> {
+        let Self { min, max } = *self;
+        let width = self.width();
+        if max > 2.0 * min || stiffness >= min / width {
+            return None;
+        }
+        let unstable = (width * (1.0 + stiffness)).max(min);
+        let force = (unstable * (max - unstable) + 0.5 * (unstable - min).powi(2)) / width;
+        Some(unstable + force / stiffness)
+    }
+
     /// n and (X − na)/w of the breaks n = 1, 2, … that can have happened at X.
     fn breaks(&self, position: f64) -> impl Iterator<Item = (usize, f64)> {
         let Self { min, .. } = *self;
