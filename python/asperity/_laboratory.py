@@ -330,7 +330,7 @@ def read_laboratory(
     >>> len(record), float(record.force[1]), record.units["Displ"]
     (3, 0.6, 'µm')
     """
-    with open(path, encoding="utf-8-sig", newline="") as file:
+    with open(fspath(path), encoding="utf-8-sig", newline="") as file:
         lines = [
             (number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] not in "#%"
         ]

@@ -217,7 +217,10 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     """
     from scipy import ndimage
 
-    values = np.asarray(pressure, dtype=float)
+    try:
+        values = np.asarray(pressure, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"pressure: expected an array of numbers, got {type(pressure).__name__}") from None
     if np.ma.is_masked(pressure):
         raise ValueError("pressure: expected numbers none of which is masked (filled(0) makes them 0)")
     if values.ndim != 2 or values.size == 0:
