@@ -2,9 +2,9 @@
 
 `Cargo.toml` has the version, the repository and the homepage; the date is that of the version's section in
 `CHANGELOG.md`, and there is none before the release. `metadata.py check` compares the other files, and
-`metadata.py write` writes them. `metadata.py release 2026-12-24` names the section of unreleased changes after
-the version and writes the date. `metadata.py notes v0.1.0` prints that section for a release of this tag, and
-fails where tag, version, section or address are not those of a release.
+`metadata.py write` writes them. `metadata.py release 2026-12-24` names the section of unreleased changes
+after the version and writes the date. `metadata.py notes v0.1.0` prints that section for a release of
+this tag, and fails where tag, version, section or address are not those of a release.
 """
 
 import re
@@ -59,9 +59,9 @@ def places(facts: dict[str, str]) -> dict[str, list[tuple[str, str]]]:
             (r'(?<="identifier": )"https[^"]*"', f'"{repository}"'),
         ],
         "packaging/conda/recipe.yaml": [
-            (r"(?<=^  version: ).*$", f'"{version}"'),
-            (r"(?<=^  repository: ).*$", repository),
-            (r"(?<=^  homepage: ).*$", facts["homepage"]),
+            (r'(?<=^  version: )".*"$', f'"{version}"'),
+            (r"(?<=^  repository: )http.*$", repository),
+            (r"(?<=^  homepage: )http.*$", facts["homepage"]),
         ],
         ".github/workflows/test.yml": [(r"(?<=^  MSRV: ).*$", f'"{facts["rust-version"]}"')],
     }
@@ -113,7 +113,9 @@ def notes(root: Path, tag: str) -> str:
     if tag != f"v{facts['version']}":
         sys.exit(f"metadata: the tag is {tag}, the version in Cargo.toml is {facts['version']}")
     if "date" not in facts:
-        sys.exit(f"metadata: CHANGELOG.md has no section {facts['version']} with a date; run make release DATE=…")
+        sys.exit(
+            f"metadata: CHANGELOG.md has no section {facts['version']} with a date; run make release DATE=…"
+        )
     if PLACEHOLDER in facts["repository"] + facts["homepage"]:
         sys.exit(f"metadata: {PLACEHOLDER} in Cargo.toml must be the owner of the repository")
     text = (root / "CHANGELOG.md").read_text(encoding="utf-8")

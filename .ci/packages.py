@@ -1,7 +1,8 @@
 """What is published has all that it needs: the crates in a folder of `cargo package`.
 
-They are not compiled. Each must have its readme, licences and metadata, every file that its code includes, and
-fit the limits of the registry; the command has every scenario that it lists, none of those that must fail.
+They are not compiled. Each must have its readme, licences and metadata, every file that its code includes,
+and fit the limits of the registry; the command has every scenario that it lists,
+and no other.
 """
 
 import re
@@ -10,8 +11,18 @@ import tarfile
 import tomllib
 from pathlib import Path, PurePosixPath
 
+ROOT = Path(__file__).resolve().parent.parent
 NEEDED = ["README.md", "LICENSE-MIT", "LICENSE-APACHE", "Cargo.toml", "Cargo.lock"]
-METADATA = ["description", "license", "repository", "homepage", "documentation", "keywords", "categories", "readme"]
+METADATA = [
+    "description",
+    "license",
+    "repository",
+    "homepage",
+    "documentation",
+    "keywords",
+    "categories",
+    "readme",
+]
 # The largest package and the most keywords that crates.io takes.
 LARGEST, KEYWORDS = 10 * 1024 * 1024, 5
 # Documents whose code is run as tests in the repository are not included where the crate is used.
@@ -22,7 +33,9 @@ SHIPPED = re.compile(r'^    "([^"]*)",$', re.MULTILINE)
 def contents(package: Path) -> dict[str, bytes]:
     """The files of a package by their paths in it."""
     with tarfile.open(package) as files:
-        read = {member.name.partition("/")[2]: files.extractfile(member) for member in files if member.isfile()}
+        read = {
+            member.name.partition("/")[2]: files.extractfile(member) for member in files if member.isfile()
+        }
         return {name: file.read() for name, file in read.items() if file}
 
 
@@ -60,8 +73,12 @@ def faults(package: Path) -> list[str]:
     return [f"{package.name}: {fault}" for fault in found]
 
 
-def main(folder: Path, version: str) -> None:
-    packages = [folder / f"{name}-{version}.crate" for name in ("asperity", "asperity-runner", "asperity-cli")]
+def main(folder: Path) -> None:
+    package = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
+    version = package["version"]
+    packages = [
+        folder / f"{name}-{version}.crate" for name in ("asperity", "asperity-runner", "asperity-cli")
+    ]
     found = [fault for package in packages for fault in faults(package)]
     if found:
         sys.exit("\n".join(found))
@@ -70,4 +87,4 @@ def main(folder: Path, version: str) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2])
+    main(Path(sys.argv[1]))
