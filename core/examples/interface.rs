@@ -33,6 +33,11 @@ fn main() -> asperity::Result<()> {
             );
         }
     }
-    println!("at X_T = {:.1} cell 0 is at {:.4}, cell 15 at {:.4}", chain.drive(), chain.positions()[0], chain.positions()[15]);
+    println!(
+        "at X_T = {:.1} cell 0 is at {:.4}, cell 15 at {:.4}",
+        chain.drive(),
+        chain.positions()[0],
+        chain.positions()[15]
+    );
     Ok(())
 }

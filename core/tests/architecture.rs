@@ -232,6 +232,48 @@ fn a_type_has_a_name_of_its_own() {
     assert_eq!(twice, allowed, "{places:#?}");
 }
 
+/// Types with which users begin, each with the file whose documentation shows its use.
+const ENTRIES: [(&str, &str); 22] = [
+    ("MasterEquation", "master/mod.rs"),
+    ("Pull", "master/pull.rs"),
+    ("SteadyState", "master/steady.rs"),
+    ("Relaxation", "master/relaxation.rs"),
+    ("Transport", "master/transport/mod.rs"),
+    ("Ensemble", "ensemble/mod.rs"),
+    ("Lattice", "ensemble/lattice/mod.rs"),
+    ("Block", "block/mod.rs"),
+    ("BlockSimulation", "block/simulation.rs"),
+    ("Interface", "elastic/mod.rs"),
+    ("RateDependentInterface", "elastic/rate_dependent/mod.rs"),
+    ("Fit", "fit/mod.rs"),
+    ("SteadyFit", "fit/steady/mod.rs"),
+    ("Scenario", "scenario/mod.rs"),
+    ("Life", "life/mod.rs"),
+    ("Gaussian", "exact/gaussian.rs"),
+    ("FirstBreaks", "first_breaks.rs"),
+    ("History", "history/mod.rs"),
+    ("VelocityStep", "rate_state/velocity_step.rs"),
+    ("Healing", "rate_state/healing.rs"),
+    ("Record", "record.rs"),
+    ("Stream", "random.rs"),
+];
+
+#[test]
+fn types_with_which_users_begin_show_their_use() {
+    for (name, file) in ENTRIES {
+        let path = root().join("src").join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(types(&code(&path)).iter().any(|found| found == name), "{file} has no {name}");
+        // A block of code opens and closes; the name is used in it.
+        let documentation = text.lines().map(str::trim_start);
+        let documentation: Vec<&str> =
+            documentation.filter_map(|line| line.strip_prefix("///").or(line.strip_prefix("//!"))).collect();
+        let shown = documentation.join("\n");
+        let used = shown.split("```").skip(1).step_by(2).any(|block| block.contains(name));
+        assert!(used, "the documentation in {file} does not show how {name} is used");
+    }
+}
+
 #[test]
 fn types_are_found() {
     let code = "pub struct One<T>(T);\nenum Two {}\npub(super) trait Three {\n    type Four;\n}\ntype Five = u8;\n#[cfg(test)]\nstruct Six;";

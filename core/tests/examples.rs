@@ -23,7 +23,8 @@ fn printed(name: &str) -> String {
     let built = test.parent().and_then(Path::parent).unwrap().join("examples");
     let program = built.join(name).with_extension(std::env::consts::EXE_EXTENSION);
     let output = Command::new(&program).output();
-    let output = output.unwrap_or_else(|error| panic!("{}: {error}; cargo build --examples", program.display()));
+    let output =
+        output.unwrap_or_else(|error| panic!("{}: {error}; cargo build --examples", program.display()));
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
