@@ -106,6 +106,21 @@ def test_what_is_no_release_has_no_notes(
         metadata.notes(copy, tag)
 
 
+def test_the_paper_cites_what_is_in_the_bibliography() -> None:
+    paper = (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")
+    keys = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "docs" / "references.bib").read_text(), re.MULTILINE))
+    cited = set(re.findall(r"@([a-z]+\d{4})", paper))
+    assert len(cited) >= 8
+    assert cited <= keys
+
+
+def test_hooks_before_commits_use_the_ruff_of_the_tests() -> None:
+    pinned = re.search(r"^ruff==(.*)$", (ROOT / "python" / "requirements.txt").read_text(), re.MULTILINE)
+    assert pinned
+    used = re.findall(r"ruff==([\d.]+)", (ROOT / ".pre-commit-config.yaml").read_text())
+    assert set(used) == {pinned[1]}
+
+
 def test_the_definition_of_the_container_is_that_of_the_page() -> None:
     definition = (ROOT / "packaging" / "asperity.def").read_text(encoding="utf-8")
     assert f"```text\n{definition}```" in (ROOT / "docs" / "how-to" / "cluster.md").read_text(

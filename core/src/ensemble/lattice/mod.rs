@@ -76,7 +76,8 @@ pub enum Until {
 /// # use asperity::contacts::{Contacts, Initial};
 /// # use asperity::law::{Gaussian, Point};
 /// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
-/// use asperity::ensemble::{Disorder, Lattice, LatticeCoupling, Until};
+/// use asperity::ensemble::Disorder;
+/// use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 /// use asperity::shape::Shape;
 ///
 /// let coupling = LatticeCoupling::new(Shape::Square([32, 32]), 1.0, 1.0);
