@@ -258,19 +258,29 @@ const ENTRIES: [(&str, &str); 22] = [
     ("Stream", "random.rs"),
 ];
 
+/// The documentation of a type that `text` defines, and that of its module.
+fn documentation<'a>(text: &'a str, wanted: &str) -> impl Iterator<Item = &'a str> {
+    let lines: Vec<&str> = text.lines().collect();
+    let kinds = ["pub struct ", "pub enum ", "pub trait "];
+    let named = |line: &&str| {
+        kinds.iter().filter_map(|kind| line.strip_prefix(kind)).any(|rest| name(rest) == wanted)
+    };
+    let at = lines.iter().position(named).unwrap_or_else(|| panic!("no {wanted}"));
+    let own = lines[..at]
+        .iter()
+        .rev()
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("///"));
+    let own: Vec<&str> = own.collect();
+    own.into_iter().chain(text.lines().filter_map(|line| line.strip_prefix("//!")))
+}
+
 #[test]
 fn types_with_which_users_begin_show_their_use() {
     for (name, file) in ENTRIES {
-        let path = root().join("src").join(file);
-        let text = std::fs::read_to_string(&path).unwrap();
-        assert!(types(&code(&path)).iter().any(|found| found == name), "{file} has no {name}");
-        // A block of code opens and closes; the name is used in it.
-        let documentation = text.lines().map(str::trim_start);
-        let documentation: Vec<&str> =
-            documentation.filter_map(|line| line.strip_prefix("///").or(line.strip_prefix("//!"))).collect();
-        let shown = documentation.join("\n");
-        let used = shown.split("```").skip(1).step_by(2).any(|block| block.contains(name));
-        assert!(used, "the documentation in {file} does not show how {name} is used");
+        let text = std::fs::read_to_string(root().join("src").join(file)).unwrap();
+        let blocks = documentation(&text, name).filter(|line| line.trim() == "```").count();
+        assert!(blocks >= 2, "the documentation of {name} in {file} has no example");
     }
 }
 
