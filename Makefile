@@ -291,6 +291,6 @@ minimal-versions:
 	cd target/minimal && cargo +nightly update --quiet -Z direct-minimal-versions
 	cd target/minimal && env -u CARGO_TARGET_DIR cargo check --locked --workspace
 
-# Changes of the code that no test notices, by cargo-mutants; FILE=core/src/elastic/stepper.rs those of a file, PART=0/8 an eighth of all.
+# Changes of the code that no test notices, by cargo-mutants; FILE=core/src/elastic/stepper.rs those of a file, PART=0/512 some of all.
 mutants:
-	cargo mutants --output target/mutants $(if $(FILE),--file $(FILE)) $(if $(PART),--shard $(PART))
+	cargo mutants --profile release --output target/mutants $(if $(FILE),--file $(FILE)) $(if $(PART),--shard $(PART))
