@@ -65,7 +65,7 @@ python: $(venv)/installed $(venv)-oldest/installed $(stubs)
 
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
-sources := $(shell git ls-files 'core/src' 'runner/src' 'cli/src' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
+sources := $(shell git ls-files 'core/src' 'runner/src' 'cli/src' 'cli/build.rs' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
 	rm -rf $(package)/source $(package)/*.tar.gz target/wheels

@@ -31,9 +31,11 @@ fn printed(name: &str) -> String {
 
 #[test]
 fn examples_print_what_is_kept() {
-    for name in names("rs") {
+    let update = std::env::var_os("ASPERITY_UPDATE").is_some();
+    // One that somebody tries has no output that is kept.
+    for name in names(if update { "rs" } else { "txt" }) {
         let (kept, found) = (folder().join(&name).with_extension("txt"), printed(&name));
-        if std::env::var_os("ASPERITY_UPDATE").is_some() {
+        if update {
             std::fs::write(&kept, &found).unwrap();
         }
         let expected = std::fs::read_to_string(&kept).unwrap_or_default();
@@ -42,11 +44,10 @@ fn examples_print_what_is_kept() {
 }
 
 #[test]
-fn every_example_has_its_output_and_its_counterpart_in_python() {
+fn every_example_has_its_counterpart_in_python() {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/examples");
-    assert_eq!(names("rs").len(), 8);
-    assert_eq!(names("rs"), names("txt"));
-    for name in names("rs") {
+    assert_eq!(names("txt").len(), 8);
+    for name in names("txt") {
         assert!(scripts.join(&name).with_extension("py").is_file(), "python/examples/{name}.py is missing");
     }
 }
