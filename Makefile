@@ -5,6 +5,7 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: workflows metadata release-check packages packages-compile publish release release-notes binary compiles minimal-versions mutants
 
 export PYTHON ?= python3
 venv := .venv
@@ -12,7 +13,7 @@ target := $(or $(CARGO_TARGET_DIR),target)
 site := $(target)/docs
 
 # Everything that must hold.
-test: setup rust results python lint advisories docs
+test: setup rust results python lint advisories docs release-check
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -64,7 +65,7 @@ python: $(venv)/installed $(venv)-oldest/installed $(stubs)
 
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
-sources := $(shell git ls-files 'core/src' 'runner/src' 'cli/src' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
+sources := $(shell git ls-files 'core/src' 'runner/src' 'cli/src' 'cli/build.rs' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
 	rm -rf $(package)/source $(package)/*.tar.gz target/wheels
@@ -99,6 +100,16 @@ lint:
 	cargo fmt --all --check
 	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 	$(PYTHON) .ci/third_party.py check
+	$(PYTHON) .ci/metadata.py check
+	$(MAKE) workflows
+
+# The workflows of hosted CI: their syntax, the inputs of actions, their permissions, and the shell in them.
+workflows: $(venv)-release/ready
+	if [ -x $(venv)-release/bin/actionlint ]; then $(venv)-release/bin/actionlint; fi
+	$(venv)-release/bin/zizmor --offline --no-progress --quiet .github
+
+$(venv)-release/ready: python/requirements-release.txt
+	$(environment)
 
 # Security advisories about what it is made of, where cargo-deny is installed and their database can be reached.
 advisories:
@@ -235,3 +246,54 @@ fuzz:
 grid:
 	$(if $(CASE),ASPERITY_CASE=$(CASE)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact all_combinations
+
+# What is published, without compiling it again: the crates with all that they include, the wheel and the source distribution.
+release-check: packages $(package)/wheel $(venv)-release/ready
+	$(PYTHON) .ci/packages.py $(target)/package
+	$(venv)-release/bin/twine check --strict target/wheels/*.whl $(package)/*.tar.gz
+
+published := --workspace --exclude asperity-python --exclude asperity-wasm
+
+packages:
+	cargo package $(published) --no-verify --locked --quiet --allow-dirty
+
+# The same, each crate compiled from its package as the registry would have it.
+packages-compile:
+	cargo publish $(published) --dry-run --locked
+
+publish:
+	cargo publish $(published) --locked
+
+# Version, date and address of the project into all files that have them, from Cargo.toml and CHANGELOG.md.
+metadata:
+	$(PYTHON) .ci/metadata.py write
+
+# A release of the version in Cargo.toml: DATE=2026-12-24 goes into the changelog and all other files. docs/releasing.md has the rest.
+release:
+	$(PYTHON) .ci/metadata.py release $(DATE)
+
+# The section of the changelog for a tag, TAG=v0.1.0.
+release-notes:
+	mkdir -p target
+	$(PYTHON) .ci/metadata.py notes $(TAG) > target/release-notes.md
+
+# The command for TARGET=x86_64-unknown-linux-musl, with licences and manual pages, as an archive in target/binaries.
+binary:
+	cargo build --release --locked --package asperity-cli --target $(TARGET)
+	$(PYTHON) .ci/binary.py $(target)/$(TARGET)/release $(TARGET) target/binaries
+
+# Whether all compiles, tests and examples too; with the oldest compiler in a workflow.
+compiles:
+	cargo check --locked --workspace --all-targets
+
+# Whether the oldest dependencies that Cargo.toml allows suffice, on a copy of what is published and of the package.
+minimal-versions:
+	rm -rf target/minimal; mkdir -p target/minimal
+	git archive HEAD | tar --extract --directory target/minimal
+	sed --in-place 's/, "wasm"//' target/minimal/Cargo.toml
+	cd target/minimal && cargo +nightly update --quiet -Z direct-minimal-versions
+	cd target/minimal && env -u CARGO_TARGET_DIR cargo check --locked --workspace
+
+# Changes of the code that no test notices, by cargo-mutants; FILE=core/src/elastic/stepper.rs those of a file, PART=0/512 some of all.
+mutants:
+	cargo mutants --profile release --output target/mutants $(if $(FILE),--file $(FILE)) $(if $(PART),--shard $(PART))

@@ -9,7 +9,7 @@ type Shipped = (&'static str, &'static str);
 
 macro_rules! shipped {
     ($($name:literal),* $(,)?) => {
-        [$(($name, include_str!(concat!("../../scenarios/", $name)))),*]
+        [$(($name, include_str!(concat!(env!("ASPERITY_SHIPPED"), "/scenarios/", $name)))),*]
     };
 }
 

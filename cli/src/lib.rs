@@ -94,7 +94,7 @@ fn execute(command: Command) -> Result<(), Failure> {
                 None => format!("error: there is no example {name}; the examples are\n{}", examples::list()),
             })),
         },
-        Command::Notices => print(include_str!("../../THIRD-PARTY.txt")),
+        Command::Notices => print(include_str!(concat!(env!("ASPERITY_SHIPPED"), "/THIRD-PARTY.txt"))),
         Command::Man { command } => manual(command.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();

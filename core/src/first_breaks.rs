@@ -8,6 +8,13 @@ use crate::law::Law;
 /// renormalised thresholds.
 ///
 /// Piecewise linear between points (drive, fraction), vertical where contacts break at one drive.
+///
+/// ```
+/// use asperity::first_breaks::FirstBreaks;
+///
+/// let breaks = FirstBreaks::of_contacts(&[0.9, 1.1, 1.0, 1.2]);
+/// assert_eq!((breaks.fraction(0.5), breaks.fraction(1.05), breaks.fraction(2.0)), (0.0, 0.5, 1.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstBreaks {
     points: Vec<(f64, f64)>,

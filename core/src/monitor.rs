@@ -15,6 +15,30 @@ pub const MEMORY: u64 = 16 << 30;
 ///
 /// Progress bars, Ctrl-C, limits of time and memory and checkpoints are monitors; `()` monitors nothing. Computations that are
 /// started by hand have two forms: `pull(20.0)` has the default tolerance and no monitor, `pull_with` takes both.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use asperity::monitor::Monitor;
+///
+/// /// Stops at once.
+/// struct Impatient;
+///
+/// impl Monitor for Impatient {
+///     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+///         ControlFlow::Break(())
+///     }
+/// }
+///
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// # use asperity::master::MasterEquation;
+/// let equation = MasterEquation::new(contacts, &Initial::default())?;
+/// let stopped = equation.pull_with(1000.0, 1e-10, &mut Impatient);
+/// assert!(matches!(stopped, Err(asperity::Error::Stopped)));
+/// # Ok::<(), asperity::Error>(())
+/// ```
 pub trait Monitor: Send {
     /// Called now and then with the fraction of the work done, in `[0, 1]`, never decreasing.
     fn progress(&mut self, fraction: f64) -> ControlFlow<()>;

@@ -47,6 +47,16 @@ pub enum Purpose {
 ///
 /// Streams that differ in any of the three are independent. A stream has 2⁶⁴ blocks of four words.
 /// It is a [`rand_core::Rng`], so every distribution of `rand_distr` can draw from it.
+///
+/// ```
+/// use asperity::random::{Purpose, Stream};
+///
+/// let mut first = Stream::new(1, Purpose::Thresholds, 17);
+/// let mut again = Stream::new(1, Purpose::Thresholds, 17);
+/// let mut other = Stream::new(1, Purpose::Thresholds, 18);
+/// let number = first.uniform();
+/// assert!(number == again.uniform() && number != other.uniform());
+/// ```
 #[derive(Debug, Clone)]
 pub struct Stream {
     key: u64,

@@ -139,6 +139,17 @@ pub struct Variable {
 }
 
 /// The variables of a result; every dimension has one length, that of the variables along it alone.
+///
+/// ```
+/// use asperity::scenario::Scenario;
+///
+/// let text = r#"{ "contacts": { "thresholds": { "point": { "at": 1.0 } } }, "pull": { "distance": 0.5, "points": 3 } }"#;
+/// let scenario: Scenario = serde_json::from_str(text).expect("keys of a scenario");
+/// let (_, record) = asperity::task::run(&scenario, &mut ())?;
+/// assert_eq!(record.values("position"), Some([0.0, 0.25, 0.5].as_slice()));
+/// assert_eq!(record.length("position"), Some(3));
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// In the order in which they were added.

@@ -6,6 +6,13 @@ use serde::{Deserialize, Serialize};
 use crate::{Error, Result};
 
 /// Arrangement of cells; adjacent ones are nearest neighbours.
+///
+/// ```
+/// use asperity::shape::Shape;
+///
+/// assert_eq!(Shape::Square([3, 4]).size(), 12);
+/// assert_eq!(Shape::Chain(5).neighbours(), 2);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// A chain with this number of cells, each with two neighbours.

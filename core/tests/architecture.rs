@@ -232,6 +232,58 @@ fn a_type_has_a_name_of_its_own() {
     assert_eq!(twice, allowed, "{places:#?}");
 }
 
+/// Types with which users begin, each with the file whose documentation shows its use.
+const ENTRIES: [(&str, &str); 22] = [
+    ("MasterEquation", "master/mod.rs"),
+    ("Pull", "master/pull.rs"),
+    ("SteadyState", "master/steady.rs"),
+    ("Relaxation", "master/relaxation.rs"),
+    ("Transport", "master/transport/mod.rs"),
+    ("Ensemble", "ensemble/mod.rs"),
+    ("Lattice", "ensemble/lattice/mod.rs"),
+    ("Block", "block/mod.rs"),
+    ("BlockSimulation", "block/simulation.rs"),
+    ("Interface", "elastic/mod.rs"),
+    ("RateDependentInterface", "elastic/rate_dependent/mod.rs"),
+    ("Fit", "fit/mod.rs"),
+    ("SteadyFit", "fit/steady/mod.rs"),
+    ("Scenario", "scenario/mod.rs"),
+    ("Life", "life/mod.rs"),
+    ("Gaussian", "exact/gaussian.rs"),
+    ("FirstBreaks", "first_breaks.rs"),
+    ("History", "history/mod.rs"),
+    ("VelocityStep", "rate_state/velocity_step.rs"),
+    ("Healing", "rate_state/healing.rs"),
+    ("Record", "record.rs"),
+    ("Stream", "random.rs"),
+];
+
+/// The documentation of a type that `text` defines, and that of its module.
+fn documentation<'a>(text: &'a str, wanted: &str) -> impl Iterator<Item = &'a str> {
+    let lines: Vec<&str> = text.lines().collect();
+    let kinds = ["pub struct ", "pub enum ", "pub trait "];
+    let named = |line: &&str| {
+        kinds.iter().filter_map(|kind| line.strip_prefix(kind)).any(|rest| name(rest) == wanted)
+    };
+    let at = lines.iter().position(named).unwrap_or_else(|| panic!("no {wanted}"));
+    let own = lines[..at]
+        .iter()
+        .rev()
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("///"));
+    let own: Vec<&str> = own.collect();
+    own.into_iter().chain(text.lines().filter_map(|line| line.strip_prefix("//!")))
+}
+
+#[test]
+fn types_with_which_users_begin_show_their_use() {
+    for (name, file) in ENTRIES {
+        let text = std::fs::read_to_string(root().join("src").join(file)).unwrap();
+        let blocks = documentation(&text, name).filter(|line| line.trim() == "```").count();
+        assert!(blocks >= 2, "the documentation of {name} in {file} has no example");
+    }
+}
+
 #[test]
 fn types_are_found() {
     let code = "pub struct One<T>(T);\nenum Two {}\npub(super) trait Three {\n    type Four;\n}\ntype Five = u8;\n#[cfg(test)]\nstruct Six;";

@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::PI;
 
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{CellSlip, Coupling, Interface, InterfaceParameters, Slipped};
+use asperity::elastic::{CellSlip, Coupling, Event, Interface, InterfaceParameters};
 use asperity::exact::{ClosedForm, Gaussian};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
@@ -196,12 +196,43 @@ fn speed(stiffness: f64, above: f64) -> f64 {
     let (mut chain, ahead) = split(stiffness, maxwell + above);
     let drive = chain.drive();
     let mut starts = vec![f64::NAN; chain.len()];
-    let mut log = |slipped: &[Slipped]| slipped.iter().for_each(|s| starts[s.cell] = s.start);
-    chain.run(drive, &mut |_, slipped| log(slipped)).unwrap();
+    let mut largest: Option<Event> = None;
+    chain
+        .run(drive, &mut |event, slipped| {
+            slipped.iter().for_each(|s| starts[s.cell] = s.start);
+            largest = largest.filter(|before| before.cells > event.cells).or(Some(*event));
+        })
+        .unwrap();
     if starts[ahead + 20].is_nan() {
         return 0.0;
     }
-    40.0 / (starts[ahead + 60] - starts[ahead + 20])
+    let found = 40.0 / (starts[ahead + 60] - starts[ahead + 20]);
+    // The catalogue fits the middle half of all cells: the speed is uniform there to 1 %.
+    let told = largest.map_or(f64::NAN, |event| event.front_speed_right);
+    assert!((told / found - 1.0).abs() < 0.01, "the catalogue has {told}, cells slipped at {found}");
+    found
+}
+
+/// A slide is over where the residual has fallen to a hundredth of its largest. It falls like e^{−λt}, λ = (F' + K_0)/η, on a
+/// straight piece of the curve, so that slopes F' behind the same fall change the duration by ln 100 · Δ(1/λ).
+#[test]
+fn slides_are_over_where_a_hundredth_of_the_force_is_left() {
+    let connection = 0.5;
+    let duration = |slope: f64| {
+        let curve = Polyline::new(1.0, &[(0.3, -2.0), (f64::INFINITY, slope)]);
+        let coupling = neighbours(Shape::Chain(2), Edges::Open, 1.0).unwrap();
+        let timed =
+            InterfaceParameters { viscosity: Some(1.0), ..setting(connection, CellSlip::Overdamped, 1e-6) };
+        let mut pair = interface(&curve, None, coupling, timed);
+        let end = pair.drive() + 0.01;
+        let mut durations = Vec::new();
+        pair.run(end, &mut |event, _| durations.push(event.duration)).unwrap();
+        durations[0]
+    };
+    let expected = 100.0_f64.ln() * (1.0 / (1.0 + connection) - 1.0 / (3.0 + connection));
+    let found = duration(1.0) - duration(3.0);
+    // The end is that of a time step; steps are some percent of 1/λ.
+    assert!((found / expected - 1.0).abs() < 0.05, "{found} instead of {expected}");
 }
 
 #[test]

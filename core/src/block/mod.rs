@@ -76,6 +76,23 @@ pub enum Slip {
 }
 
 /// A slider block.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// use asperity::block::{Block, Drive, Loading, Slip};
+/// use asperity::master::MasterEquation;
+///
+/// let mut population = MasterEquation::new(contacts, &Initial::default())?.population()?;
+/// let block = Block::new(Loading::Spring(0.5), Slip::Reset, None)?;
+/// let run = block.pull(&mut population, &Drive::to(10.0))?;
+/// // In a slip by reset the spring relaxes: the force drops to 0.
+/// assert!(!run.events.is_empty());
+/// assert!(run.events.iter().all(|slip| slip.after.force.abs() < 1e-9));
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
     loading: Loading,

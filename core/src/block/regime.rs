@@ -222,3 +222,51 @@ impl std::fmt::Display for Regime {
 fn counted(slips: usize) -> String {
     format!("{slips} slip{}", if slips == 1 { "" } else { "s" })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slips of these force drops, one for each unit of the drive.
+    fn slips(drops: &[f64]) -> Vec<Jump> {
+        let at = |drive: f64, force: f64| Point { drive, position: drive, force, spring_force: force };
+        let jump = |(i, drop): (usize, &f64)| Jump {
+            before: at(i as f64 + 0.5, 1.0),
+            after: at(i as f64 + 0.9, 1.0 - drop),
+        };
+        drops.iter().enumerate().map(jump).collect()
+    }
+
+    fn regime(drops: &[f64]) -> Regime {
+        let at = |drive: f64| Point { drive, position: drive, force: 0.0, spring_force: 0.0 };
+        classify(&slips(drops), at(0.0), at(drops.len() as f64), 0.5, End::Reached)
+    }
+
+    #[test]
+    fn slips_that_still_change_in_size_are_undecided() {
+        // Eight of twelve slips are compared; each is 10 % larger than the one before, or smaller.
+        for factor in [1.1_f64, 0.9] {
+            let drops: Vec<f64> = (0..16).map(|i| 0.1 * factor.powi(i)).collect();
+            let expected = Regime::Undecided { slips: 16, missing: Missing::Constancy };
+            assert_eq!(regime(&drops), expected, "factor {factor}");
+        }
+        assert!(regime(&[0.1, 0.2, 0.3, 0.2, 0.3, 0.4, 0.5]).to_string().contains("still change in size"));
+    }
+
+    #[test]
+    fn equal_slips_and_slips_that_scatter_without_a_trend_are_persistent() {
+        let scattered: Vec<f64> = (0..17).map(|i| if i % 2 == 0 { 0.2 } else { 0.3 }).collect();
+        for drops in [vec![0.25; 8], scattered] {
+            let found = regime(&drops);
+            let Regime::Persistent { slips, period, drop, .. } = found else { panic!("{found:?}") };
+            assert_eq!((slips, period), (drops.len(), 1.0));
+            // The mean of eight or nine of them.
+            assert!((drop - 0.25).abs() < 0.01, "{drop}");
+        }
+    }
+
+    #[test]
+    fn few_slips_are_too_few() {
+        assert_eq!(regime(&[0.2; 4]), Regime::Undecided { slips: 4, missing: Missing::Slips });
+    }
+}

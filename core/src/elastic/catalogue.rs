@@ -183,3 +183,76 @@ fn speed(times: &[f64]) -> f64 {
     }
     variance / covariance
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cells of a chain that begin to slip at these times.
+    fn chain(starts: &[(usize, f64)]) -> Vec<Slipped> {
+        let mut slipped: Vec<_> =
+            starts.iter().map(|&(cell, start)| Slipped { cell, start, slip: 1.0 }).collect();
+        slipped.sort_by(|one, other| one.start.total_cmp(&other.start));
+        slipped
+    }
+
+    /// A front over `cells` cells from the cell 20, towards larger numbers or smaller ones, `speed` cells per time.
+    fn front(cells: usize, up: bool, speed: f64) -> Vec<(usize, f64)> {
+        let place = |i: usize| if up { 20 + i } else { 20 - i };
+        (0..cells).map(|i| (place(i), i as f64 / speed)).collect()
+    }
+
+    #[test]
+    fn front_speeds_are_cells_per_time_to_either_side() {
+        let mut starts = front(12, true, 2.0);
+        starts.extend(&front(9, false, 0.5)[1..]);
+        let [left, right] = fronts(&chain(&starts), Shape::Chain(64));
+        // Rounding of the regression.
+        assert!((left - 0.5).abs() < 1e-12 && (right - 2.0).abs() < 1e-12, "{left}, {right}");
+    }
+
+    #[test]
+    fn fronts_have_five_cells_or_more() {
+        for (cells, found) in [(4, false), (5, true)] {
+            let [left, right] = fronts(&chain(&front(cells, true, 3.0)), Shape::Chain(64));
+            assert!(left.is_nan());
+            assert_eq!(!right.is_nan(), found, "{cells} cells: {right}");
+        }
+    }
+
+    #[test]
+    fn only_the_middle_half_of_a_front_counts() {
+        // Ten times as slow over the first and the last quarter of sixteen cells.
+        let mut time = 0.0;
+        let starts: Vec<_> = (0..16)
+            .map(|i| {
+                let start = (20 + i, time);
+                time += if (4..11).contains(&i) { 0.5 } else { 5.0 };
+                start
+            })
+            .collect();
+        let [_, right] = fronts(&chain(&starts), Shape::Chain(64));
+        assert!((right - 2.0).abs() < 1e-12, "{right}");
+    }
+
+    #[test]
+    fn a_front_ends_where_a_cell_slips_before_the_one_behind_it_or_one_is_passed_over() {
+        let mut early = front(12, true, 1.0);
+        early[4].1 = 0.5;
+        let mut passed = front(12, true, 1.0);
+        passed.remove(3);
+        for starts in [early, passed] {
+            let [_, right] = fronts(&chain(&starts), Shape::Chain(64));
+            assert!(right.is_nan(), "{right}");
+        }
+    }
+
+    #[test]
+    fn fronts_of_a_lattice_go_along_the_row_of_the_first_cell() {
+        // Rows of 16 cells; the cells of the row below begin at other times.
+        let mut starts: Vec<_> = (0..8).map(|i| (16 + 4 + i, i as f64)).collect();
+        starts.extend((0..8).map(|i| (32 + 4 + i, 0.1 + 0.1 * i as f64)));
+        let [left, right] = fronts(&chain(&starts), Shape::Square([4, 16]));
+        assert!(left.is_nan() && (right - 1.0).abs() < 1e-12, "{left}, {right}");
+    }
+}

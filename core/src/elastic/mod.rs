@@ -63,6 +63,26 @@ use crate::{Error, Result};
 /// Forces and energies are totals over the cells, in the units of the populations of which the cells are made. Cells that
 /// share a curve take up to 120 bytes each during a slide, 24 more on a stiff slider, with the coupling: 2 GB for 4096² under
 /// a periodic half-space.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// use asperity::elastic::coupling::neighbours;
+/// use asperity::elastic::{Curves, Interface, InterfaceParameters};
+/// use asperity::master::MasterEquation;
+/// use asperity::shape::{Edges, Shape};
+///
+/// let population = MasterEquation::new(contacts, &Initial::default())?.population()?;
+/// let cells = Curves::new(&population, 8)?.scaled((0..8).map(|j| 1.0 + 0.02 * f64::from(j)).collect())?;
+/// let coupling = neighbours(Shape::Chain(8), Edges::Open, 1.0)?;
+/// let mut chain = Interface::new(Box::new(cells), coupling, InterfaceParameters::new(0.5, 1e-6))?;
+/// let mut slipped_cells = 0;
+/// chain.run(3.0, &mut |_, slipped| slipped_cells += slipped.len())?;
+/// assert!(slipped_cells >= 8 && chain.drive() == 3.0);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Interface {
     model: InterfaceModel,

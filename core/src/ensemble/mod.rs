@@ -54,6 +54,21 @@ pub enum Disorder {
 /// A contact of stretch x breaks at x ≥ x_s and re-forms at r ~ R with x_s conditional on x_s > r
 /// (annealed), or at r ~ R conditional on r < x_s (quenched). Contacts are simulated one after another,
 /// each on random streams of its own: results depend on the description and the seed, not on threads.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// use asperity::ensemble::{Disorder, Ensemble};
+/// use asperity::master::MasterEquation;
+///
+/// let ensemble = Ensemble::new(contacts.clone(), Initial::default(), 1000, 1, Disorder::Annealed)?;
+/// let sample = ensemble.pull(&[2.0])?;
+/// let expected = MasterEquation::new(contacts, &Initial::default())?.pull(2.0)?.force(2.0);
+/// assert!((sample.force[0] - expected).abs() < 4.0 * sample.error[0]);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Ensemble {
     contacts: Contacts,

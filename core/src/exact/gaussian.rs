@@ -15,6 +15,15 @@ use crate::Result;
 ///
 /// Limits: the truncated law of the solvers differs by its mass below 0 (2.9e-7 at σ = x̄/5), and
 /// by the mass of Q_ini below 0 or above the thresholds.
+///
+/// ```
+/// use asperity::exact::{ClosedForm, Gaussian};
+///
+/// let exact = Gaussian::new(1.0, 0.1);
+/// // Contacts that start relaxed are stretched together at first.
+/// assert!((exact.force(0.2) - 0.2).abs() < 1e-9);
+/// assert!((exact.force(200.0) - 0.505).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gaussian {
     /// x̄, mean threshold.

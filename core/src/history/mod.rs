@@ -16,6 +16,17 @@ pub struct Piece {
 }
 
 /// Motion from X = 0 at t = 0: X is continuous, its velocity constant on each piece.
+///
+/// ```
+/// use asperity::history::{History, Piece};
+///
+/// let motion = History::new(vec![
+///     Piece { velocity: 2.0, duration: 3.0 },
+///     Piece { velocity: 0.0, duration: 5.0 },
+/// ])?;
+/// assert_eq!((motion.duration(), motion.position(1.0), motion.position(8.0)), (8.0, 2.0, 6.0));
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     pieces: Vec<Piece>,

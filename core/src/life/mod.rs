@@ -64,6 +64,19 @@ use crate::monitor::Watch;
 /// exceed x. For contacts at a velocity, S(x) is the surviving fraction of those formed at r, M₁ and M₂ are
 /// its sums of present thresholds, and the breaking energy is that at the stretches at which they will break.
 /// Contacts that are free before they form count as surviving but carry no force.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// # use asperity::master::MasterEquation;
+/// let equation = MasterEquation::new(contacts, &Initial::default())?;
+/// let life = equation.life();
+/// // The mean advance from forming to breaking is the mean threshold of contacts that form relaxed.
+/// assert!((life.mean() - 1.0).abs() < 1e-9);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Life {
     survival: Kernel,

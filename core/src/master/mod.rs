@@ -54,6 +54,19 @@ use crate::{Error, Result};
 use renewal::RenewalSolution;
 
 /// The master equation of an interface and its start.
+///
+/// ```
+/// use std::sync::Arc;
+/// use asperity::contacts::{Contacts, Initial};
+/// use asperity::law::{Gaussian, Point};
+/// use asperity::master::MasterEquation;
+///
+/// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// let equation = MasterEquation::new(contacts, &Initial::default())?;
+/// // ⟨x_s²⟩/2⟨x_s⟩
+/// assert!((equation.steady_state().kinetic_friction() - 0.505).abs() < 1e-9);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct MasterEquation {
     contacts: Contacts,

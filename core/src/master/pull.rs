@@ -19,6 +19,20 @@ const SLACK: f64 = 10.0;
 /// Γ solves the renewal equation Γ(X) = φ₀(X) + ∫₀^X Γ(Y) φ(X − Y) dY; then F(X) = F₀(X) + ∫₀^X Γ(Y) m(X − Y)
 /// dY. φ and m are the breaking density and carried force of re-formed contacts, φ₀ and F₀ those of the
 /// initial ones. Forces are totals, N_c⟨k⟩ included.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// # use asperity::master::MasterEquation;
+/// let pull = MasterEquation::new(contacts, &Initial::default())?.pull(20.0)?;
+/// // Contacts that start relaxed are stretched together at first.
+/// assert!((pull.force(0.3) - 0.3).abs() < 1e-9);
+/// let peak = pull.static_friction().expect("the force has a maximum");
+/// assert!(peak.value > pull.force(20.0) && pull.critical_stiffness() > 0.0);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Pull {
     pub(super) equation: MasterEquation,

@@ -20,6 +20,18 @@ use crate::monitor::{Monitor, Watch};
 /// distribution is not analytic for Re s < 0: its continued pole describes relaxation until, far out, the
 /// tail takes over. For contacts at a velocity, roots are known as far left as their life determines φ̂, −Re
 /// s = 8/(the end of the life).
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// # use asperity::master::MasterEquation;
+/// let relaxation = MasterEquation::new(contacts, &Initial::default())?.relaxation()?;
+/// let closed = asperity::exact::Gaussian::new(1.0, 0.1).relaxation_length();
+/// assert!((relaxation.length() / closed - 1.0).abs() < 1e-6);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Relaxation {
     roots: Vec<Complex64>,

@@ -13,6 +13,19 @@ use crate::{Error, Result};
 /// Steady sliding: Q_s(x) = Γ_s S(x) ∫₀ˣ R/S, 1/Γ_s = ∫dr (R/S) ∫_r^∞ S, F_k = N_c⟨k⟩ ∫x Q_s dx.
 ///
 /// For R = δ(x) this is the paper's Q_s = S/x̄ and F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩) (Eqs. 11a, 11d).
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// # use asperity::master::MasterEquation;
+/// let steady = MasterEquation::new(contacts, &Initial::default())?.steady_state();
+/// // A contact that re-forms relaxed lives for its threshold on average.
+/// assert!((steady.mean_life() - 1.0).abs() < 1e-9);
+/// assert!((steady.breaking_rate() - 1.0).abs() < 1e-9);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct SteadyState {
     pub(super) equation: MasterEquation,

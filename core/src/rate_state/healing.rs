@@ -5,6 +5,16 @@ use std::f64::consts::LN_10;
 use super::separable::{GROWTH, StepFit, gradient, linear};
 
 /// Healing: static friction grows with the logarithm of the hold time, from a cutoff time on.
+///
+/// ```
+/// use asperity::rate_state::Healing;
+///
+/// // 0.01 more for every factor of ten, far beyond a cutoff time of 1.
+/// let hold = [1.0_f64, 10.0, 100.0, 1e3, 1e4];
+/// let force: Vec<f64> = hold.iter().map(|t| 0.6 + 0.01 * (1.0 + t).log10()).collect();
+/// let found = Healing::read(&hold, &force).expect("five holds");
+/// assert!((found.per_decade - 0.01).abs() < 1e-6);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Healing {
     /// Healing rate β ln 10, per factor of ten in hold time in the logarithmic regime, a force.

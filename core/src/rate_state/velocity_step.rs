@@ -3,6 +3,19 @@
 use super::separable::{DECAY, StepFit};
 
 /// Rate-and-state parameters of a computed velocity step; forces in the unit of the curve.
+///
+/// ```
+/// use asperity::rate_state::VelocityStep;
+///
+/// // A step by a factor of ten: a = 0.01, b = 0.015, D_c = 5.
+/// let ratio = 10.0_f64;
+/// let position: Vec<f64> = (0..200).map(|i| 0.2 * f64::from(i)).collect();
+/// let curve = |x: f64| 0.6 + ratio.ln() * (0.01 + 0.015 * (-x / 5.0).exp_m1());
+/// let force: Vec<f64> = position.iter().map(|&x| curve(x)).collect();
+/// let found = VelocityStep::read(&position, &force, 0.6, ratio).expect("enough points");
+/// assert!((found.direct - 0.01).abs() < 1e-6 && (found.evolution - 0.015).abs() < 1e-6);
+/// assert!((found.distance - 5.0).abs() < 1e-3);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityStep {
     /// Direct effect a: the force at the peak above F₀, per ln(v/v₀).

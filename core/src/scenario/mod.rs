@@ -3,6 +3,19 @@
 //! One file per table. A description holds values, never paths: whoever reads files replaces
 //! `file` keys by the values read before building ([`Scenario::tables`], [`Compare`]).
 //! Errors carry the full path of the key (`contacts.thresholds.gaussian.std`).
+//!
+//! ```
+//! use asperity::scenario::Scenario;
+//!
+//! let text = r#"{
+//!     "contacts": { "thresholds": { "gaussian": { "mean": 1.0, "std": 0.1 } } },
+//!     "pull": { "distance": 5.0, "points": 11 }
+//! }"#;
+//! let scenario: Scenario = serde_json::from_str(text).expect("keys of a scenario");
+//! let (_, record) = asperity::task::run(&scenario, &mut ())?;
+//! assert_eq!(record.values("force").map(<[f64]>::len), Some(11));
+//! # Ok::<(), asperity::Error>(())
+//! ```
 
 mod block;
 mod compare;

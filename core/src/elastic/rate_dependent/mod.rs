@@ -99,6 +99,29 @@ impl LoadPointSegment {
 ///
 /// A cell *slips* while it is more than ten times as fast as the drive, as for a block in time. Forces and energies are
 /// totals over the cells, in the units of the contacts of the cells.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// use asperity::elastic::coupling::neighbours;
+/// use asperity::elastic::{RateDependentInterface, RateDependentInterfaceParameters};
+/// use asperity::master::Transport;
+/// use asperity::rate_dependent::RateDependentContacts;
+/// use asperity::shape::{Edges, Shape};
+///
+/// let cell = Transport::new(contacts, &Initial::default())?;
+/// let cells = (0..4).map(|_| Box::new(cell.clone()) as Box<dyn RateDependentContacts>).collect();
+/// let coupling = neighbours(Shape::Chain(4), Edges::Open, 1.0)?;
+/// let parameters = RateDependentInterfaceParameters::new(2.0, 0.1, 1e-4);
+/// let mut chain = RateDependentInterface::new(cells, coupling, parameters)?;
+/// // Equal cells move together.
+/// chain.run(0.5, 0.1, &mut |_, _| ())?;
+/// let positions = chain.positions();
+/// assert!(positions.iter().all(|x| (x - positions[0]).abs() < 1e-9) && positions[0] > 0.0);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct RateDependentInterface {
     motion: SliderMotion,

@@ -70,6 +70,23 @@ pub enum Until {
 /// The time of an avalanche is proportional to its breaks, for any number of contacts. A contact takes 10
 /// bytes, 34 if distributions are not points, and up to 20 more in an avalanche of all contacts. Stretches
 /// are right to 1e-15 for any drive.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// use asperity::ensemble::Disorder;
+/// use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
+/// use asperity::shape::Shape;
+///
+/// let coupling = LatticeCoupling::new(Shape::Square([32, 32]), 1.0, 1.0);
+/// let mut lattice = Lattice::new(contacts, Initial::default(), &coupling, 1, Disorder::Annealed)?;
+/// let mut breaks = 0;
+/// lattice.run(Until::Events(100), &mut |avalanche| breaks += avalanche.size)?;
+/// assert!(breaks >= 100 && lattice.drive() > 0.0);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Lattice {
     grid: ContactGrid,

@@ -63,6 +63,27 @@ use trial::StepAttempt;
 /// Formation of contacts is accurate to fourth order in the time step for smooth distributions; to second
 /// order where densities jump or where contacts spread in stretch reach a point mass of the thresholds.
 /// Diffusing thresholds are of fourth order in the width of their cells after extrapolation.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use asperity::contacts::{Contacts, Initial};
+/// # use asperity::law::{Gaussian, Point};
+/// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// use asperity::history::{History, Piece};
+/// use asperity::master::{MasterEquation, Transport};
+///
+/// // Moved by 2 at the velocity 0.5, and then held.
+/// let motion = History::new(vec![
+///     Piece { velocity: 0.5, duration: 4.0 },
+///     Piece { velocity: 0.0, duration: 10.0 },
+/// ])?;
+/// let trace = Transport::new(contacts.clone(), &Initial::default())?.follow(&motion, &[4.0, 14.0])?;
+/// // Contacts without temperature and ageing do not know time.
+/// let pull = MasterEquation::new(contacts, &Initial::default())?.pull(2.0)?;
+/// assert!((trace.force[0] - pull.force(2.0)).abs() < 1e-5);
+/// assert_eq!(trace.force[0], trace.force[1]);
+/// # Ok::<(), asperity::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Transport {
     model: Arc<CohortModel>,
