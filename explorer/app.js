@@ -302,26 +302,26 @@ document.body.ondrop = (event) => {
   measured(event.dataTransfer?.files[0]);
 };
 
+/** @type {{engine: "browser" | "command" | "notebook", scenario?: string | null}} */
+const settings = JSON.parse(byId("settings").textContent ?? "");
+const FIRST = settings.scenario ?? EXAMPLES["Stick-slip"];
+// A link to a page of a command or a notebook ends with it.
+byId("link").hidden = settings.engine !== "browser";
+
 /** The text of the link, if it has one. */
 function linked() {
   try {
-    return decodeURIComponent(location.hash.slice(1)) || EXAMPLES["Stick-slip"];
+    return decodeURIComponent(location.hash.slice(1)) || FIRST;
   } catch {
     state.note = "The link is damaged: it holds no scenario.";
-    return EXAMPLES["Stick-slip"];
+    return FIRST;
   }
 }
 
-/** The bytes of the engine, which the page holds compressed. */
-async function unpacked() {
-  const packed = Uint8Array.from(atob((byId("engine").textContent ?? "").trim()), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
-
-/** @type {Engine} */
+/** @type {Requests} */
 let engine;
-unpacked().then((module) => {
-  engine = new Engine(byId("worker").textContent ?? "", module, receive, fail);
+Promise.resolve({ browser: browserEngine, command: commandEngine, notebook: notebookEngine }[settings.engine]()).then((found) => {
+  engine = new Requests(found, receive, fail);
   state.text = area.value = linked();
   update();
 }, (error) => fail(`The engine did not start: ${error}`));

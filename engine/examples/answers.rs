@@ -5,12 +5,12 @@
 
 use std::io::BufRead as _;
 
-use asperity_wasm::engine::Engine;
+use asperity_engine::Engine;
 
 fn main() -> std::io::Result<()> {
     let mut engine = Engine::default();
     for request in std::io::stdin().lock().lines() {
-        println!("{}", String::from_utf8_lossy(&engine.answer_json(request?.as_bytes())));
+        println!("{}", String::from_utf8_lossy(&engine.answer_json(request?.as_bytes(), &mut ())));
     }
     Ok(())
 }

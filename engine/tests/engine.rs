@@ -5,9 +5,9 @@ use std::sync::Arc;
 use asperity::contacts::{Contacts, Initial};
 use asperity::law::{Gaussian, Point};
 use asperity::master::MasterEquation;
-use asperity_wasm::answer::Answer;
-use asperity_wasm::engine::Engine;
-use asperity_wasm::request::{Change, Part, Request};
+use asperity_engine::Engine;
+use asperity_engine::answer::Answer;
+use asperity_engine::request::{Change, Part, Request};
 
 const TEXT: &str = "\
 [contacts]
@@ -29,7 +29,7 @@ fn request(parts: &[Part]) -> Request {
 }
 
 fn answer(request: &Request) -> Answer {
-    let answer = Engine::default().answer(request);
+    let answer = Engine::default().answer(request, &mut ());
     assert!(answer.invalid.is_none() && answer.failures.is_empty(), "{answer:?}");
     answer
 }
