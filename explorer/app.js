@@ -27,8 +27,8 @@ function fail(message) {
 
 /** Asks for a preview; the answer to it asks for the full accuracy. */
 function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretches"]) {
-  const changes = [...state.changes].map(([key, value]) => ({ key, value }));
-  engine.ask({ text: state.text, changes, parts, position: state.position, preview });
+  const changes = () => [...state.changes].map(([key, value]) => ({ key, value }));
+  engine.ask(() => ({ text: state.text, changes: changes(), parts, position: state.position, preview }));
 }
 
 /** @type {Changed} */

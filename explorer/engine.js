@@ -21,8 +21,9 @@ async function browserEngine() {
 function commandEngine() {
   const [, token] = location.pathname.split("/");
   const headers = { "content-type": "application/octet-stream", "asperity-token": token, "asperity-session": crypto.randomUUID() };
-  const compute = async (/** @type {EngineRequest} */ request) => {
-    const sent = fetch("/compute", { method: "POST", headers, body: JSON.stringify(request) });
+  let number = 0;
+  const compute = async (/** @type {EngineRequest} */ request, /** @type {AbortSignal} */ signal) => {
+    const sent = fetch("/compute", { method: "POST", headers: { ...headers, "asperity-number": String(++number) }, body: JSON.stringify(request), signal });
     const response = await sent.catch(() => Promise.reject(new Error("asperity explore does not answer: it has ended")));
     if (!response.ok) throw new Error(await response.text());
     return response.json();
@@ -59,27 +60,32 @@ class Requests {
     this.engine = engine;
     /** @type {EngineRequest | null} */
     this.working = null;
-    /** @type {EngineRequest | null} */
+    /** @type {(() => EngineRequest) | null} */
     this.waiting = null;
+    this.giveUp = new AbortController();
     this.received = received;
     this.failed = failed;
   }
 
-  /** @param {EngineRequest} request */
+  /** @param {() => EngineRequest} request made once it is sent, from what is known by then */
   ask(request) {
     this.waiting = request;
     // What takes long is given up by an engine that can; a preview is worth its while.
-    if (this.engine.givesUp && !this.working?.preview) this.working = null;
+    if (this.engine.givesUp && this.working && !this.working.preview) {
+      this.working = null;
+      this.giveUp.abort();
+    }
     this.next();
   }
 
   async next() {
     if (this.working || !this.waiting) return;
-    const request = (this.working = this.waiting);
+    const request = (this.working = this.waiting());
     this.waiting = null;
+    this.giveUp = new AbortController();
     const begun = performance.now();
     try {
-      const answer = await this.engine.compute(request);
+      const answer = await this.engine.compute(request, this.giveUp.signal);
       if (this.working === request) this.received(answer, request, performance.now() - begun);
     } catch (error) {
       if (this.working === request) this.failed(error instanceof Error ? error.message : String(error));

@@ -29,7 +29,7 @@ type Answer = {
 };
 
 type Engine = {
-  compute: (request: EngineRequest) => Promise<Answer>;
+  compute: (request: EngineRequest, giveUp: AbortSignal) => Promise<Answer>;
   /** Whether it gives up what it computes once another request comes. */
   givesUp: boolean;
 };

@@ -140,12 +140,14 @@ impl Server {
         let octets = value(&CONTENT_TYPE) == Some("application/octet-stream");
         require(octets, StatusCode::UNSUPPORTED_MEDIA_TYPE, "expected a body of application/octet-stream")?;
         let name = value(&HeaderName::from_static("asperity-session")).filter(|name| name.len() <= 64);
-        let name = name.map(str::to_owned);
-        let name =
-            name.ok_or_else(|| Refusal::new(StatusCode::BAD_REQUEST, "expected a header asperity-session"))?;
+        let number =
+            value(&HeaderName::from_static("asperity-number")).and_then(|number| number.parse().ok());
+        let words = "expected headers asperity-session, a name, and asperity-number, that of the request";
+        let known = name.map(str::to_owned).zip(number);
+        let (name, number) = known.ok_or_else(|| Refusal::new(StatusCode::BAD_REQUEST, words))?;
         let request: request::Request = serde_json::from_slice(&body(request).await?)
             .map_err(|why| Refusal::new(StatusCode::BAD_REQUEST, format!("the request is invalid: {why}")))?;
-        let answer = self.sessions.answer(&name, request).await?;
+        let answer = self.sessions.answer(&name, number, request).await?;
         Ok(response(StatusCode::OK, "application/json", "default-src 'none'", answer.into()))
     }
 }

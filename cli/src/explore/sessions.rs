@@ -39,13 +39,13 @@ impl Sessions {
         Self { kept: Mutex::default(), longest }
     }
 
-    /// Answers a request of the page `name`; its older ones are given up.
+    /// Answers the request of the page `name` with this number; those with lower ones are given up, in whatever order they come.
     ///
     /// # Errors
     /// A newer request of the same page; too many pages.
-    pub async fn answer(&self, name: &str, request: Request) -> Result<Vec<u8>, Refusal> {
+    pub async fn answer(&self, name: &str, number: u64, request: Request) -> Result<Vec<u8>, Refusal> {
         let session = self.session(name)?;
-        let number = session.newest.fetch_add(1, Ordering::SeqCst) + 1;
+        session.newest.fetch_max(number, Ordering::SeqCst);
         // This is dropped, too, once the sender closes the connection.
         let abandoned = Abandoned(Arc::default());
         let mut engine = session.engine.clone().lock_owned().await;
@@ -133,7 +133,7 @@ struct Patience {
 
 impl Patience {
     fn is_given_up(&self) -> bool {
-        self.session.newest.load(Ordering::SeqCst) != self.number || self.abandoned.load(Ordering::SeqCst)
+        self.session.newest.load(Ordering::SeqCst) > self.number || self.abandoned.load(Ordering::SeqCst)
     }
 }
 
