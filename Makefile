@@ -10,9 +10,11 @@ export PYTHON ?= python3
 venv := .venv
 target := $(or $(CARGO_TARGET_DIR),target)
 site := $(target)/docs
+engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
+page := target/explorer/asperity-explorer.html
 
 # Everything that must hold.
-test: setup rust results python lint advisories docs
+test: setup rust results explorer python lint advisories docs
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -38,7 +40,7 @@ export ASPERITY_LAB_DATA ?= $(abspath $(wildcard ../shared/data))
 # The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
 	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
-	cargo test --release --locked --package asperity-wasm --package asperity --package asperity-runner --package asperity-cli
+	cargo test --release --locked --package asperity --package asperity-runner --package asperity-engine --package asperity-cli
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready
@@ -64,7 +66,7 @@ python: $(venv)/installed $(venv)-oldest/installed $(stubs)
 
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
-sources := $(shell git ls-files 'core/src' 'runner/src' 'cli/src' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
+sources := $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'explorer' 'cli/src' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
 	rm -rf $(package)/source $(package)/*.tar.gz target/wheels
@@ -114,8 +116,10 @@ advisories:
 notices:
 	$(PYTHON) .ci/third_party.py write
 
-# The site into target/docs, documentation of the crates included; then what its pages show in Python is run.
-docs: $(venv)-docs/installed
+# The site into target/docs, the explorer and the documentation of the crates included; then what its pages show in Python is run.
+docs: $(venv)-docs/installed $(page)
+	mkdir -p $(site)/explorer
+	cp $(page) $(site)/explorer/index.html
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
 	$(venv)-docs/bin/sphinx-build -E -W --keep-going -n -q docs $(site)
 	rm -rf $(site)/rust
@@ -168,24 +172,24 @@ validation:
 
 # Whether the core and the runner compile where addresses have 32 bits and there are no threads and no clock.
 wasm:
-	rustup target add wasm32-unknown-unknown
 	cargo check --locked --target wasm32-unknown-unknown --package asperity --package asperity-runner
 
-engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
-page := target/explorer/asperity-explorer.html
-
-# The explorer, one page with its engine as WebAssembly; then the engine is compared with native code, and the page is tested in
+# The explorer, one page with its engine as WebAssembly; then the engine is compared with the command, and the page is tested in
 # Chromium.
-explorer: explorer/node_modules/ready
-	rustup target add wasm32-unknown-unknown
-	cargo build --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm
-	cargo build --release --locked --package asperity-wasm --example answers
+explorer: $(page)
+	cargo build --release --locked --quiet
 	explorer/node_modules/.bin/tsc --project explorer
+	node explorer/test.mjs $(engine) $(page) $(target)/release/asperity
+
+$(engine): $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'wasm' '*Cargo.toml' Cargo.lock)
+	.ci/tools
+	cargo build --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm
+	touch $@
+
+$(page): $(engine) explorer/node_modules/ready $(shell git ls-files 'explorer')
 	node explorer/build.mjs $(engine) $(page)
-	node explorer/test.mjs $(engine) $(page) $(target)/release/examples/answers
 
 explorer/node_modules/ready: explorer/package-lock.json
-	@command -v npm > /dev/null || { echo "missing: npm (Debian: npm)" >&2; exit 1; }
 	cd explorer && npm ci --silent
 	touch $@
 

@@ -72,6 +72,7 @@ from asperity._core import (
     run,
 )
 from asperity._events import Event, Events
+from asperity._explorer import Explorer
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
 from asperity._spots import Dropped, Spots, spots
 from asperity._sweep import sweep
@@ -149,6 +150,7 @@ __all__ = [
     "Estimates",
     "Event",
     "Events",
+    "Explorer",
     "Exponential",
     "FirstBreaks",
     "FreeForm",

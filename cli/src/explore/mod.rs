@@ -58,10 +58,11 @@ async fn listener(port: u16) -> Result<TcpListener, Failure> {
 
 /// The text of a scenario, with the tables of the files that it names.
 fn complete_text(path: &Path) -> Result<String, Failure> {
-    let input = input::read(path, &[])?;
+    // Reading says what is wrong with the file.
+    input::read(path, &[])?;
     let text = std::fs::read_to_string(path).map_err(Failure::run)?;
-    let text =
-        if input::parse_complete(&text, "scenario").is_ok() { text } else { input::to_text(&input.scenario) };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let text = input::complete(&text, &path.display().to_string(), folder)?;
     if text.len() >= LARGEST {
         let words =
             format!("error: {}: the explorer takes up to {LARGEST} bytes with all tables", path.display());

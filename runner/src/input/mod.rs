@@ -68,6 +68,16 @@ pub fn parse_complete(text: &str, name: &str) -> Result<Input, Box<Diagnostic>> 
     checked(Document::parse(name, text)?, None)
 }
 
+/// A text that holds all of a scenario: the given one, or where that names files, one with their tables and every value.
+///
+/// # Errors
+/// As [`parse`].
+pub fn complete(text: &str, name: &str, directory: &Path) -> Result<String, Box<Diagnostic>> {
+    let input = parse(text, name, directory, &[])?;
+    let names_files = parse_complete(text, name).is_err();
+    Ok(if names_files { to_text(&input.scenario) } else { text.to_owned() })
+}
+
 /// The scenario that a document describes, if its values are valid.
 fn checked(document: Document, directory: Option<&Path>) -> Result<Input, Box<Diagnostic>> {
     let input = read_document(document, directory)?;
