@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
 
 export PYTHON ?= python3
 venv := .venv
@@ -14,7 +14,7 @@ engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
 page := target/explorer/asperity-explorer.html
 
 # Everything that must hold.
-test: setup rust results explorer python lint advisories docs
+test: setup rust results explorer python notebook lint advisories docs
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -76,7 +76,7 @@ $(package)/wheel: $(venv)/ready $(sources)
 	CARGO_TARGET_DIR=$(CURDIR)/$(package)/build $(venv)/bin/pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir target/wheels $(package)/source
 	touch $@
 
-$(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-peers): %/installed: %/ready $(package)/wheel
+$(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-notebook $(venv)-peers): %/installed: %/ready $(package)/wheel
 	$*/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
 	touch $@
 
@@ -188,6 +188,13 @@ $(engine): $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'wasm' '*Ca
 
 $(page): $(engine) explorer/node_modules/ready $(shell git ls-files 'explorer')
 	node explorer/build.mjs $(engine) $(page)
+
+# The explorer in a notebook: JupyterLab in Chromium.
+notebook: $(venv)-notebook/installed explorer/node_modules/ready
+	node explorer/notebook.mjs $(venv)-notebook/bin/python
+
+$(venv)-notebook/ready: python/requirements-notebook.txt
+	$(environment)
 
 explorer/node_modules/ready: explorer/package-lock.json
 	cd explorer && npm ci --silent

@@ -87,7 +87,8 @@ const TASKS = [
 /** Draws the motion of the block, or the task where it is another one. */
 function showMotion() {
   const kind = TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
-  if (!kind) return charts.block.set([[], []]);
+  charts.block.element.hidden = !kind;
+  if (!kind) return;
   const [x, y, across, up, ...logarithmic] = kind;
   charts.block.reshape({ x: across, y: up, logarithmic: /** @type {[boolean, boolean]} */ (logarithmic), lines: [{ label: up, color: "blue" }] });
   charts.block.set([traced(x), traced(y)]);

@@ -17,7 +17,7 @@ const cell = (source) => ({ cell_type: "code", id: source.slice(0, 8).replace(/\
 const notebook = {
   cells: [
     cell(`import asperity as asp\nexplorer = asp.Explorer("${TEXT}")\nexplorer`),
-    cell(`assert "std = 0.3" in explorer.scenario\nprint("found", explorer.result.kinetic_friction.hex())`),
+    cell(`assert "std = 0.3" in explorer.scenario\nprint("found", explorer.result.kinetic_friction)`),
   ],
   metadata: { kernelspec: { name: "python3", display_name: "Python", language: "python" } },
   nbformat: 4,
@@ -62,9 +62,10 @@ test("what is changed in the page is read by the next cell", async () => {
     await tab.keyboard.press("Shift+Enter");
     const output = tab.locator('.jp-OutputArea-output pre:has-text("found")');
     await output.waitFor();
-    // F_k = (mean² + std²)/(2 mean) of contacts that re-form at stretch 0: 0.545, but for the tail below 0.
-    assert.match(told, /^0\.545/);
-    assert.match(await output.textContent(), /^found 0x1\.1[67]/);
+    // The last digit shown may be the next one. F_k = (mean² + std²)/(2 mean) but for one contact in 2000, whose threshold would be below 0.
+    const found = Number((await output.textContent()).replace("found ", ""));
+    assert.ok(Math.abs(found - Number(told)) < 1e-9, `${found} ${told}`);
+    assert.ok(Math.abs(found - 0.545) < 1e-4, `${found}`);
   } finally {
     await browser.close();
     lab.kill("SIGTERM");
