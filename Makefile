@@ -4,16 +4,19 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
 .PHONY: workflows metadata release-check packages packages-compile publish release release-notes binary compiles minimal-versions mutants
 
 export PYTHON ?= python3
 venv := .venv
 target := $(or $(CARGO_TARGET_DIR),target)
 site := $(target)/docs
+engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
+page := target/explorer/asperity-explorer.html
+wasm_library := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown/lib/libstd-*.rlib)
 
 # Everything that must hold.
-test: setup rust results python lint advisories docs release-check
+test: setup rust results explorer python notebook lint advisories docs release-check
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -39,7 +42,7 @@ export ASPERITY_LAB_DATA ?= $(abspath $(wildcard ../shared/data))
 # The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
 	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
-	cargo test --release --locked --package asperity-wasm --package asperity --package asperity-runner --package asperity-cli
+	cargo test --release --locked --package asperity --package asperity-runner --package asperity-engine --package asperity-cli
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready
@@ -65,7 +68,7 @@ python: $(venv)/installed $(venv)-oldest/installed $(stubs)
 
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
-sources := $(shell git ls-files 'core/src' 'runner/src' 'cli/src' 'cli/build.rs' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
+sources := $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'engine/build.rs' 'explorer' 'cli/src' 'cli/build.rs' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
 	rm -rf $(package)/source $(package)/*.tar.gz target/wheels
@@ -75,7 +78,7 @@ $(package)/wheel: $(venv)/ready $(sources)
 	CARGO_TARGET_DIR=$(CURDIR)/$(package)/build $(venv)/bin/pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir target/wheels $(package)/source
 	touch $@
 
-$(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-peers): %/installed: %/ready $(package)/wheel
+$(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-notebook $(venv)-peers): %/installed: %/ready $(package)/wheel
 	$*/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
 	touch $@
 
@@ -125,8 +128,11 @@ advisories:
 notices:
 	$(PYTHON) .ci/third_party.py write
 
-# The site into target/docs, documentation of the crates included; then what its pages show in Python is run.
-docs: $(venv)-docs/installed
+# The site into target/docs, the explorer and the documentation of the crates included; then what its pages show in Python is run.
+docs: $(venv)-docs/installed $(if $(wasm_library),$(page))
+	rm -rf $(site)/explorer
+	mkdir -p $(site)/explorer
+	$(if $(wasm_library),cp $(page) $(site)/explorer/index.html,rmdir $(site)/explorer)
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
 	$(venv)-docs/bin/sphinx-build -E -W --keep-going -n -q docs $(site)
 	rm -rf $(site)/rust
@@ -182,24 +188,36 @@ validation:
 
 # Whether the core and the runner compile where addresses have 32 bits and there are no threads and no clock.
 wasm:
-	rustup target add wasm32-unknown-unknown
 	cargo check --locked --target wasm32-unknown-unknown --package asperity --package asperity-runner
 
-engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
-page := target/explorer/asperity-explorer.html
-
-# The explorer, one page with its engine as WebAssembly; then the engine is compared with native code, and the page is tested in
+# The explorer, one page with its engine as WebAssembly; then the engine is compared with the command, and the page is tested in
 # Chromium.
-explorer: explorer/node_modules/ready
-	rustup target add wasm32-unknown-unknown
-	cargo build --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm
-	cargo build --release --locked --package asperity-wasm --example answers
+ifneq ($(wasm_library),)
+explorer: $(page)
+	cargo build --release --locked --quiet
 	explorer/node_modules/.bin/tsc --project explorer
+	node explorer/test.mjs $(engine) $(page) $(target)/release/asperity
+else
+explorer:
+	@echo "explorer: not checked, Rust's standard library for WebAssembly is missing: rustup target add wasm32-unknown-unknown"
+endif
+
+$(engine): $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'engine/build.rs' 'explorer' 'wasm' '*Cargo.toml' Cargo.lock)
+	.ci/tools
+	cargo build --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm
+	touch $@
+
+$(page): $(engine) explorer/node_modules/ready $(shell git ls-files 'explorer')
 	node explorer/build.mjs $(engine) $(page)
-	node explorer/test.mjs $(engine) $(page) $(target)/release/examples/answers
+
+# The explorer in a notebook: JupyterLab in Chromium.
+notebook: $(venv)-notebook/installed explorer/node_modules/ready
+	node explorer/notebook.mjs $(venv)-notebook/bin/python
+
+$(venv)-notebook/ready: python/requirements-notebook.txt
+	$(environment)
 
 explorer/node_modules/ready: explorer/package-lock.json
-	@command -v npm > /dev/null || { echo "missing: npm (Debian: npm)" >&2; exit 1; }
 	cd explorer && npm ci --silent
 	touch $@
 

@@ -76,9 +76,8 @@ def faults(package: Path) -> list[str]:
 def main(folder: Path) -> None:
     package = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
     version = package["version"]
-    packages = [
-        folder / f"{name}-{version}.crate" for name in ("asperity", "asperity-runner", "asperity-cli")
-    ]
+    names = ("asperity", "asperity-runner", "asperity-engine", "asperity-cli")
+    packages = [folder / f"{name}-{version}.crate" for name in names]
     found = [fault for package in packages for fault in faults(package)]
     if found:
         sys.exit("\n".join(found))

@@ -110,6 +110,15 @@ def downloadable(name: str, text: str) -> str:
     return re.sub(r"^(# .*)$", rf"\1\n\n{link}", text, count=1, flags=re.M)
 
 
+def with_explorer(name: str, text: str, site: Path) -> str:
+    """Adds the link to the explorer below the titles of its page and the first one, if the site has it."""
+    if name not in ("index", "how-to/explorer") or not (site / "explorer" / "index.html").is_file():
+        return text
+    above = "../" * name.count("/")
+    link = f'<a href="{above}explorer/index.html">Open the explorer</a>'
+    return re.sub(r"^(# .*)$", rf"\1\n\n{link}", text, count=1, flags=re.M)
+
+
 def write_notebooks(app, failure):
     if failure is None and app.builder.format == "html":
         ipynb.written(Path(app.srcdir) / "notebooks", Path(app.outdir) / "notebooks")
@@ -126,6 +135,7 @@ def setup(app):
 
     def read(_, name, source):
         text = downloadable(name, as_site(source[0], keys))
+        text = with_explorer(name, text, Path(app.outdir))
         source[0] = re.sub(r"^\.\. subclasses:: asperity\.(\w+)$", subclasses, text, flags=re.M)
 
     app.connect("source-read", read)

@@ -27,8 +27,8 @@ function fail(message) {
 
 /** Asks for a preview; the answer to it asks for the full accuracy. */
 function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretches"]) {
-  const changes = [...state.changes].map(([key, value]) => ({ key, value }));
-  engine.ask({ text: state.text, changes, parts, position: state.position, preview });
+  const changes = () => [...state.changes].map(([key, value]) => ({ key, value }));
+  engine.ask(() => ({ text: state.text, changes: changes(), parts, position: state.position, preview }));
 }
 
 /** @type {Changed} */
@@ -87,7 +87,8 @@ const TASKS = [
 /** Draws the motion of the block, or the task where it is another one. */
 function showMotion() {
   const kind = TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
-  if (!kind) return charts.block.set([[], []]);
+  charts.block.element.hidden = !kind;
+  if (!kind) return;
   const [x, y, across, up, ...logarithmic] = kind;
   charts.block.reshape({ x: across, y: up, logarithmic: /** @type {[boolean, boolean]} */ (logarithmic), lines: [{ label: up, color: "blue" }] });
   charts.block.set([traced(x), traced(y)]);
@@ -302,26 +303,26 @@ document.body.ondrop = (event) => {
   measured(event.dataTransfer?.files[0]);
 };
 
+/** @type {{engine: "browser" | "command" | "notebook", scenario?: string | null}} */
+const settings = JSON.parse(byId("settings").textContent ?? "");
+const FIRST = settings.scenario ?? EXAMPLES["Stick-slip"];
+// A link to a page of a command or a notebook ends with it.
+byId("link").hidden = settings.engine !== "browser";
+
 /** The text of the link, if it has one. */
 function linked() {
   try {
-    return decodeURIComponent(location.hash.slice(1)) || EXAMPLES["Stick-slip"];
+    return decodeURIComponent(location.hash.slice(1)) || FIRST;
   } catch {
     state.note = "The link is damaged: it holds no scenario.";
-    return EXAMPLES["Stick-slip"];
+    return FIRST;
   }
 }
 
-/** The bytes of the engine, which the page holds compressed. */
-async function unpacked() {
-  const packed = Uint8Array.from(atob((byId("engine").textContent ?? "").trim()), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
-
-/** @type {Engine} */
+/** @type {Requests} */
 let engine;
-unpacked().then((module) => {
-  engine = new Engine(byId("worker").textContent ?? "", module, receive, fail);
+Promise.resolve({ browser: browserEngine, command: commandEngine, notebook: notebookEngine }[settings.engine]()).then((found) => {
+  engine = new Requests(found, receive, fail);
   state.text = area.value = linked();
   update();
 }, (error) => fail(`The engine did not start: ${error}`));

@@ -1,23 +1,48 @@
 // Tests the engine against native code, and the page in a real browser.
-// usage: node test.mjs ENGINE.wasm PAGE.html ANSWERS, where ANSWERS is the native program of wasm/examples/answers.rs
+// usage: node test.mjs ENGINE.wasm PAGE.html ASPERITY, where ASPERITY is the command, whose server is the native engine
 
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { mkdtempSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
-import { test } from "node:test";
+import { after, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { browserAt, quiet } from "./browser.mjs";
 
-const [module, page, answers] = process.argv.slice(2).map((path) => resolve(path));
-const browserAt = process.env.CHROMIUM ?? "/usr/bin/chromium";
-if (!existsSync(browserAt)) throw new Error(`missing: ${browserAt} (Debian: chromium; or its path in CHROMIUM)`);
+const [module, page, asperity] = process.argv.slice(2).map((path) => resolve(path));
+/** Starts the command; its process and the address of its page. */
+async function started(...scenario) {
+  const command = spawn(asperity, ["explore", "--no-open", ...scenario]);
+  const [line] = await Promise.race([once(command.stdout, "data"), once(command, "error").then(([error]) => Promise.reject(error))]);
+  return { command, address: /http:\S+/.exec(line)[0] };
+}
 
-/** What the native engine answers; null where it takes longer than `timeout` milliseconds. */
-function native(request, timeout) {
-  const { stdout, error } = spawnSync(answers, { input: `${JSON.stringify(request)}\n`, timeout, maxBuffer: 1 << 30 });
-  return error ? null : JSON.parse(stdout.toString());
+/** Ends the command by Ctrl-C. */
+async function ended({ command }) {
+  const exit = once(command, "exit");
+  command.kill("SIGINT");
+  assert.deepEqual(await exit, [130, null]);
+}
+
+const server = await started();
+after(() => ended(server));
+
+/** What native code answers; null where it takes longer than `timeout` milliseconds. */
+async function native(request, timeout) {
+  const { origin, pathname } = new URL(server.address);
+  const headers = {
+    origin, "asperity-token": pathname.split("/")[1], "asperity-session": "native", "asperity-number": "1", "content-type": "application/octet-stream",
+  };
+  const sent = fetch(`${origin}/compute`, { method: "POST", headers, body: JSON.stringify(request), signal: AbortSignal.timeout(timeout) });
+  const response = await sent.then((found) => found.json().then((answer) => ({ found, answer })), (error) => {
+    if (error.name === "TimeoutError") return null;
+    throw error;
+  });
+  assert.ok(!response || response.found.ok);
+  return response?.answer ?? null;
 }
 
 function webAssembly() {
@@ -45,14 +70,21 @@ function difference(a, b) {
  */
 const allowed = (name) => (name === "force_std" ? 1e-7 : 1e-10);
 
-test("WebAssembly and native code agree on the shipped scenarios", () => {
+test("uPlot in the repository is that of npm", () => {
+  const [own, published] = ["uplot/", "node_modules/uplot/dist/"].map((folder) => new URL(folder, import.meta.url));
+  for (const name of ["uPlot.iife.min.js", "uPlot.min.css"]) {
+    assert.equal(readFileSync(new URL(name, own), "utf8"), readFileSync(new URL(name, published), "utf8"));
+  }
+});
+
+test("WebAssembly and native code agree on the shipped scenarios", async () => {
   const folder = fileURLToPath(new URL("../scenarios", import.meta.url));
   const compared = [];
   for (const name of readdirSync(folder).filter((name) => name.endsWith(".toml"))) {
     // Cells at equal distances from the edge begin to slip together, and rounding decides which is first.
     if (name === "precursors-edge.toml") continue;
     const request = { text: readFileSync(join(folder, name), "utf8"), parts: ["task"] };
-    const expected = native(request, 2000)?.task?.record.variables;
+    const expected = (await native(request, 2000))?.task?.record.variables;
     if (!expected) continue;
     const found = new Map(webAssembly()(request).task.record.variables.map((variable) => [variable.name, variable.values]));
     for (const { name: variable, values } of expected) {
@@ -65,18 +97,17 @@ test("WebAssembly and native code agree on the shipped scenarios", () => {
   assert.ok(compared.length >= 10);
 });
 
-const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-
-/** Runs `use` on the page, and fails where the page reports an error or asks for anything. */
-async function inBrowser(use, hash = "") {
+/** Runs `use` on the page at an address, and fails where the page reports an error or asks others for anything. */
+async function inBrowser(use, hash = "", address = pathToFileURL(page).href) {
   const browser = await chromium.launch({ executablePath: browserAt, args: quiet });
   try {
     const tab = await browser.newPage({ viewport: { width: 1250, height: 900 } });
     const told = [];
     tab.on("console", (message) => told.push(message.text()));
     tab.on("pageerror", (error) => told.push(String(error)));
-    tab.on("request", (request) => /^(file|blob|data):/.test(request.url()) || told.push(request.url()));
-    await tab.goto(pathToFileURL(page).href + hash);
+    const own = /^http:/.test(address) ? new URL(address).origin : "file:";
+    tab.on("request", (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(own) || told.push(request.url()));
+    await tab.goto(address + hash);
     await settled(tab);
     await use(tab);
     assert.deepEqual(told, []);
@@ -97,7 +128,7 @@ const shown = (tab) => tab.evaluate(() => state.shown);
 /** The numbers of the page are those of native code for the text that it shows. */
 async function agrees(tab) {
   const request = { text: await text(tab), parts: ["force", "block"] };
-  const [expected, found] = [native(request, 60000), await shown(tab)];
+  const [expected, found] = [await native(request, 60000), await shown(tab)];
   const value = ({ force }) => [force.static_friction?.value ?? 0, force.kinetic_friction, force.critical_stiffness];
   assert.ok(difference(value(expected), value(found)) < 1e-12, `${value(expected)} ${value(found)}`);
   assert.ok(difference(expected.force.force, found.force.force) < 1e-12);
@@ -147,8 +178,8 @@ test("points are dragged in the plots", () =>
       await tab.mouse.down();
       await tab.mouse.move(x + right, y + down, { steps: 5 });
       await tab.mouse.up();
+      await tab.waitForFunction((text) => document.getElementById("text").value !== text, before, { timeout: 60000 });
       await settled(tab);
-      assert.notEqual(await text(tab), before, name);
       await agrees(tab);
     }
     const box = await tab.locator("#force .u-over").boundingBox();
@@ -171,18 +202,61 @@ test("the text is the state: mistakes are located, and nothing is lost", () =>
     await agrees(tab);
   }));
 
-test("the last of many moves wins", () =>
-  inBrowser(async (tab) => {
-    const last = await tab.evaluate(async () => {
-      for (let move = 1; move <= 200; move++) {
-        change("contacts.thresholds.gaussian.mean", toml(1 + move / 1000));
-        await new Promise((resolve) => setTimeout(resolve, 10));
-      }
-      return 1.2;
-    });
-    await settled(tab);
-    assert.ok((await text(tab)).includes(`mean = ${last}`));
+/** Two hundred moves in two seconds end at the last state. */
+async function moves(tab) {
+  const last = await tab.evaluate(async () => {
+    for (let move = 1; move <= 200; move++) {
+      change("contacts.thresholds.gaussian.mean", toml(1 + move / 1000));
+      await new Promise((resolve) => setTimeout(resolve, 10));
+    }
+    return 1.2;
+  });
+  await settled(tab);
+  assert.ok((await text(tab)).includes(`mean = ${last}`));
+  await agrees(tab);
+}
+
+test("the last of many moves wins", () => inBrowser(moves));
+
+/** Runs `use` on a page that the command serves. */
+async function served(use, ...scenario) {
+  const own = await started(...scenario);
+  try {
+    await inBrowser(use, "", own.address);
+  } finally {
+    await ended(own);
+  }
+}
+
+test("the command serves the page and computes for it", () => {
+  const scenario = fileURLToPath(new URL("../scenarios/stick-slip-reset.toml", import.meta.url));
+  return served(async (tab) => {
+    assert.equal(await text(tab), readFileSync(scenario, "utf8"));
+    assert.equal(await tab.isHidden("#link"), true);
     await agrees(tab);
+    await moves(tab);
+    const good = await text(tab);
+    await tab.fill("#text", `${good}\nprotocol_file = "steps.csv"\n`);
+    await tab.waitForSelector("#errors:not([hidden])");
+    await tab.fill("#text", good);
+    await settled(tab);
+  }, scenario);
+});
+
+test("a newer request ends what takes long, and the end of the command is told", () =>
+  served(async (tab) => {
+    const quick = await text(tab);
+    const long = readFileSync(new URL("../scenarios/half-space-512.toml", import.meta.url), "utf8");
+    await tab.fill("#text", long);
+    await status(tab, "preview");
+    await tab.fill("#text", quick);
+    await settled(tab);
+    await agrees(tab);
+    await tab.evaluate(() => {
+      window.fetch = () => Promise.reject(new TypeError("Failed to fetch"));
+      update();
+    });
+    await tab.waitForFunction(() => document.getElementById("errors").textContent === "asperity explore does not answer: it has ended");
   }));
 
 test("measurements are shown, and others are refused with a reason", () =>
@@ -232,10 +306,14 @@ test("a preview is quick", () =>
         state.changes.set("contacts.thresholds.gaussian.std", toml(0.1 + i / 500));
         times.push(await ask());
       }
-      const begun = performance.now();
       let sum = 0;
-      for (let i = 0; i < 2e6; i++) sum += Math.sin(i);
-      return [times.sort((a, b) => a - b)[10], performance.now() - begun + 0 * sum];
+      const loops = times.map(() => {
+        const begun = performance.now();
+        for (let i = 0; i < 2e6; i++) sum += Math.sin(i);
+        return performance.now() - begun;
+      });
+      // The shortest of many is what it takes where nothing else is at work.
+      return [Math.min(...times), Math.min(...loops) + 0 * sum];
     });
     console.log(`a preview takes ${preview.toFixed(1)} ms, two million sines ${loop.toFixed(1)} ms`);
     // 16 ms where two million sines take 40 ms, both on one core.

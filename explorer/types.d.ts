@@ -1,4 +1,4 @@
-// What the engine is asked and what it answers, as in `wasm/src/request.rs` and `answer.rs`; and the shapes of plots.
+// What the engine is asked and what it answers, as in `engine/src/request.rs` and `answer.rs`; and the shapes of plots.
 
 type Change = { key: string; value: string | null };
 type Part = "force" | "stretches" | "critical_stiffness" | "block" | "task";
@@ -26,6 +26,12 @@ type Answer = {
   invalid?: { key: string; message: string; help: string | null; line: number | null };
   force?: ForceCurve; stretches?: StretchDistributions; block?: Computed; task?: Computed;
   critical_stiffness?: { width: number[]; critical_stiffness: Extended[] };
+};
+
+type Engine = {
+  compute: (request: EngineRequest, giveUp: AbortSignal) => Promise<Answer>;
+  /** Whether it gives up what it computes once another request comes. */
+  givesUp: boolean;
 };
 
 /** Called with the key of a scenario and its new value as TOML. */

@@ -29,6 +29,9 @@ pub enum Command {
     /// Compute all cases of a scenario with [sweep], and gather what is kept of them in one file
     #[command(after_help = SWEEPS)]
     Sweep(Sweep),
+    /// Change a scenario by hand in a browser, computed by this command at full speed; Ctrl-C ends it
+    #[cfg(feature = "explore")]
+    Explore(Explore),
     /// Read a scenario and say whether it is valid, without computing it
     Check(Scenario),
     /// Draw the pictures of a folder of results anew, from its result.nc
@@ -159,6 +162,23 @@ pub struct Sweep {
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[cfg(feature = "explore")]
+#[derive(Debug, Args)]
+pub struct Explore {
+    /// The scenario that the page opens with, a TOML file [default: stick-slip]
+    #[arg(value_name = "SCENARIO")]
+    pub scenario: Option<PathBuf>,
+    /// Port of this machine at which the page is [default: one that is free]
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Print the address of the page, and open no browser
+    #[arg(long)]
+    pub no_open: bool,
+    /// Give up what takes longer than this (90s, 10min)
+    #[arg(long, value_name = "TIME", value_parser = duration::parse, default_value = "5min")]
+    pub max_time: Duration,
 }
 
 /// How pictures are drawn, instead of [figure] in the scenario.

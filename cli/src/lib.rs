@@ -4,6 +4,8 @@ mod arguments;
 mod drawing;
 mod examples;
 mod excerpt;
+#[cfg(feature = "explore")]
+mod explore;
 mod figure;
 mod interrupt;
 mod progress;
@@ -31,6 +33,9 @@ enum Failure {
     Input(String),
     /// The run was stopped, and can be resumed from this checkpoint.
     Interrupted(Reason, Option<PathBuf>),
+    /// The explorer has ended, as it always does, by a signal.
+    #[cfg(feature = "explore")]
+    Ended,
 }
 
 impl Failure {
@@ -71,6 +76,8 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Err(Failure::Interrupted(reason, checkpoint)) => {
             (interrupt::message(reason, checkpoint.as_deref()), interrupt::CODE)
         }
+        #[cfg(feature = "explore")]
+        Err(Failure::Ended) => ("the explorer has ended\n".into(), interrupt::CODE),
     };
     // If even this cannot be written, the exit code still reports the failure.
     let _ = std::io::stderr().write_all(message.as_bytes());
@@ -81,6 +88,8 @@ fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(run) => run::run(&run),
         Command::Sweep(sweep) => sweep::sweep(&sweep),
+        #[cfg(feature = "explore")]
+        Command::Explore(asked) => explore::explore(&asked),
         Command::Check(scenario) => check(&scenario),
         Command::Plot { folder, pictures } => plot(&folder, &pictures),
         Command::Schema => print(&format!("{}\n", input::schema())),

@@ -73,6 +73,7 @@ from asperity._core import (
     scenario,
 )
 from asperity._events import Event, Events
+from asperity._explorer import Explorer
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
 from asperity._spots import Dropped, Spots, spots
 from asperity._sweep import sweep
@@ -150,6 +151,7 @@ __all__ = [
     "Estimates",
     "Event",
     "Events",
+    "Explorer",
     "Exponential",
     "FirstBreaks",
     "FreeForm",

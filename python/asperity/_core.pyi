@@ -113,9 +113,12 @@ __all__ = [
     "Transport",
     "VelocityStep",
     "Weibull",
+    "_Engine",
     "_Sweep",
     "__version__",
     "_command",
+    "_complete_text",
+    "_explorer_page",
     "_measured_pieces",
     "_resolve",
     "_restore",
@@ -3792,6 +3795,15 @@ class Weibull(Law):
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
 
 @final
+class _Engine:
+    """
+    Answers requests of the page, texts of JSON both. It keeps what the last one has solved.
+    """
+
+    def __new__(cls, /) -> _Engine: ...
+    def answer(self, /, request: str) -> str: ...
+
+@final
 class _Sweep:
     """
     A sweep of `asperity.sweep`: its cases, and those that are there.
@@ -3830,6 +3842,8 @@ class _Sweep:
     def specification(self, /) -> tuple[str, str, Path, list[str]] | None: ...
 
 def _command(arguments: Sequence[str]) -> int: ...
+def _complete_text(scenario: str | PathLike[str] | Mapping[str, Any]) -> str: ...
+def _explorer_page(nonce: str) -> str: ...
 def _measured_pieces(
     time: ArrayLike, position: ArrayLike, apart: _Number, least: SupportsIndex
 ) -> list[tuple[int, int, float, float, float]]: ...

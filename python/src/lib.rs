@@ -10,6 +10,7 @@ mod ensemble;
 mod equation;
 mod error;
 mod exact;
+mod explorer;
 mod fit;
 mod fit_steady;
 mod found;
@@ -61,6 +62,8 @@ mod _core {
         Quenched, Rectangular as ExactRectangular, kinetic_friction, kinetic_friction_per_threshold,
         steady_variance, steady_variance_per_threshold,
     };
+    #[pymodule_export]
+    use crate::explorer::{Engine, complete_text, explorer_page};
     #[pymodule_export]
     use crate::fit::{Estimates, fit};
     #[pymodule_export]

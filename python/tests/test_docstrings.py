@@ -89,6 +89,8 @@ def test_examples_do_what_they_show(name: str, tmp_path: Path, monkeypatch: pyte
     if "xarray" in text or "plot(" in text:
         pytest.importorskip("matplotlib")
         pytest.importorskip("xarray")
+    if "Explorer(" in text:
+        pytest.importorskip("anywidget")
     session = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)
     report: list[str] = []
     flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE

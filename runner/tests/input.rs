@@ -146,3 +146,38 @@ fn every_law_has_a_name_that_overrides_know() {
     let names: Vec<_> = laws.iter().map(|law| law["required"][0].as_str().unwrap()).collect();
     assert_eq!(names, Law::NAMES);
 }
+
+#[test]
+fn a_complete_text_names_no_file() {
+    for path in shipped() {
+        let [text, folder] =
+            [std::fs::read_to_string(&path).unwrap(), path.parent().unwrap().display().to_string()];
+        let complete = input::complete(&text, "a", Path::new(&folder)).unwrap_or_else(|e| panic!("{e}"));
+        let again =
+            input::parse_complete(&complete, "b").unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        assert_eq!(again.scenario, input::read(&path, &[]).unwrap().scenario, "{}", path.display());
+        assert_eq!(complete == text, !text.contains("file = "), "{}", path.display());
+    }
+}
+
+#[test]
+fn without_a_folder_no_file_is_read() {
+    let law = "contacts.thresholds.point.at = 1\n";
+    let interface = "drive.distance = 1\ninterface = { cells = [4], contacts = 'one', coupling.neighbours.stiffness = 1.0, connection = 1.0, disorder.file = '/etc/passwd' }";
+    for (text, key) in [
+        (
+            "contacts.thresholds.tabulated.file = '/etc/passwd'\npull = {}".into(),
+            "contacts.thresholds.tabulated.file",
+        ),
+        (format!("{law}pull = {{}}\ncompare.file = '/etc/passwd'"), "compare.file"),
+        (format!("{law}protocol_file = '/etc/passwd'"), "protocol_file"),
+        (format!("{law}fit.file = '/etc/passwd'"), "fit.file"),
+        (format!("{law}fit.curve = [{{ file = '/etc/passwd' }}]"), "fit.curve.0.file"),
+        (format!("{law}fit.steady.file = '/etc/passwd'"), "fit.steady.file"),
+        (format!("{law}{interface}"), "interface.disorder.file"),
+    ] {
+        let error = input::parse_complete(&text, "text").unwrap_err();
+        assert_eq!((error.key.as_str(), error.found.as_str()), (key, "\"/etc/passwd\""), "{error}");
+        assert_eq!(error.expected, "the values themselves, since no files are read here");
+    }
+}

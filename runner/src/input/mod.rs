@@ -30,8 +30,8 @@ pub struct Input {
     /// The scenario, with its tables inlined.
     pub scenario: Scenario,
     document: Document,
-    /// The folder to which the paths of files are relative.
-    directory: PathBuf,
+    /// The folder to which the paths of files are relative; without one, no file is read.
+    directory: Option<PathBuf>,
 }
 
 /// Reads the scenario at `path`, with `overrides` of the form `key.path=value`.
@@ -57,15 +57,38 @@ pub fn parse(
     for argument in overrides {
         overrides::apply(&mut document, argument)?;
     }
+    checked(document, Some(directory))
+}
+
+/// Reads a scenario from a text that holds all of it: keys that name files are refused.
+///
+/// # Errors
+/// As [`parse`]; a key that names a file.
+pub fn parse_complete(text: &str, name: &str) -> Result<Input, Box<Diagnostic>> {
+    checked(Document::parse(name, text)?, None)
+}
+
+/// A text that holds all of a scenario: the given one, or where that names files, one with their tables and every value.
+///
+/// # Errors
+/// As [`parse`].
+pub fn complete(text: &str, name: &str, directory: &Path) -> Result<String, Box<Diagnostic>> {
+    let input = parse(text, name, directory, &[])?;
+    let names_files = parse_complete(text, name).is_err();
+    Ok(if names_files { to_text(&input.scenario) } else { text.to_owned() })
+}
+
+/// The scenario that a document describes, if its values are valid.
+fn checked(document: Document, directory: Option<&Path>) -> Result<Input, Box<Diagnostic>> {
     let input = read_document(document, directory)?;
     input.scenario.build().map_err(|error| input.diagnose(&error))?;
     Ok(input)
 }
 
 /// The scenario that a document describes, with its tables inlined.
-fn read_document(document: Document, directory: &Path) -> Result<Input, Box<Diagnostic>> {
+fn read_document(document: Document, directory: Option<&Path>) -> Result<Input, Box<Diagnostic>> {
     let scenario = Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(fault))?;
-    let mut input = Input { scenario, document, directory: directory.to_owned() };
+    let mut input = Input { scenario, document, directory: directory.map(Path::to_owned) };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
     Ok(input)
 }

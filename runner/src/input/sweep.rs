@@ -24,7 +24,7 @@ pub struct Choice<'a> {
 pub struct Cases {
     /// The document without its table `[sweep]`.
     document: Document,
-    directory: PathBuf,
+    directory: Option<PathBuf>,
     /// The values of keys, as the table has them.
     axes: Vec<(String, Node)>,
     /// The number of replicas.
@@ -90,7 +90,8 @@ impl Cases {
                 return Err(document.diagnose(&fault, self.axis(key).key.clone(), &[]));
             }
         }
-        read_document(document, &self.directory).map_err(|diagnostic| self.told(*diagnostic, choices))
+        read_document(document, self.directory.as_deref())
+            .map_err(|diagnostic| self.told(*diagnostic, choices))
     }
 
     /// The values of a key, as the table has them.

@@ -1,7 +1,7 @@
 //! The files named in a scenario, read and inserted in place of their names.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity::scenario::{FitCurve, FitSource, Protocol, Scenario, Step, Tabulated};
 use sha2::{Digest, Sha256};
@@ -9,17 +9,18 @@ use sha2::{Digest, Sha256};
 use super::deserialise::Fault;
 use super::{short, text};
 
-/// Replaces every `file` key by the content of the file.
-pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
+/// Replaces every `file` key by the content of the file, whose path is relative to `folder`; without a folder, no file is read.
+pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Fault> {
     for (key, table) in scenario.tables() {
         if let Some(file) = table.file.take_if(|_| table.samples.is_none() && table.stretch.is_none()) {
-            law(table, &directory.join(file)).map_err(|fault| fault.under(&format!("{key}.file")))?;
+            let read = place(folder, &file).and_then(|path| law(table, &path));
+            read.map_err(|fault| fault.under(&format!("{key}.file")))?;
         }
     }
     if let Some(compare) = &mut scenario.compare
         && let Some(file) = compare.file.take_if(|_| compare.position.is_none() && compare.force.is_none())
     {
-        let columns = read(&directory.join(file), &[&["position", "force"]]);
+        let columns = place(folder, &file).and_then(|path| read(&path, &[&["position", "force"]]));
         let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
         (compare.position, compare.force) = (Some(position), Some(force));
     }
@@ -31,19 +32,19 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
             drive: &mut fit.drive,
             force: &mut fit.force,
         };
-        own.inline(directory).map_err(|fault| fault.under("fit.file"))?;
+        own.inline(folder).map_err(|fault| fault.under("fit.file"))?;
         for (c, curve) in fit.curve.iter_mut().enumerate() {
             let FitCurve { file, source, position, drive, force, .. } = curve;
             let measured = Measured { file, source, position, drive, force };
-            measured.inline(directory).map_err(|fault| fault.under(&format!("fit.curve.{c}.file")))?;
+            measured.inline(folder).map_err(|fault| fault.under(&format!("fit.curve.{c}.file")))?;
         }
     }
     if let Some(steady) = scenario.fit.as_mut().and_then(|fit| fit.steady.as_mut())
         && let Some(file) = steady.file.take_if(|_| steady.position.is_none() && steady.force.is_none())
     {
         let layouts: [&[&str]; 2] = [&["position", "force"], &["force"]];
-        let found = read_one_of(&directory.join(&file), &layouts)
-            .and_then(|(_, columns)| Ok((columns, source(directory, file)?)));
+        let found =
+            place(folder, &file).and_then(|path| Ok((read_one_of(&path, &layouts)?.1, source(&path, file)?)));
         let (mut columns, source) = found.map_err(|fault| fault.under("fit.steady.file"))?;
         steady.force = columns.pop();
         steady.position = columns.pop();
@@ -53,15 +54,15 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
     if let Some(scales) = scales
         && let Some(file) = scales.file.take_if(|_| scales.scale.is_none())
     {
-        let columns = read(&directory.join(file), &[&["scale"]]);
+        let columns = place(folder, &file).and_then(|path| read(&path, &[&["scale"]]));
         let [scale] = exactly(columns.map_err(|fault| fault.under("interface.disorder.file"))?);
         scales.scale = Some(scale);
     }
     if scenario.protocol.is_none()
         && let Some(file) = scenario.protocol_file.take()
     {
-        let steps = steps(&directory.join(file)).map_err(|fault| fault.under("protocol_file"))?;
-        scenario.protocol = Some(Protocol(steps));
+        let steps = place(folder, &file).and_then(|path| steps(&path));
+        scenario.protocol = Some(Protocol(steps.map_err(|fault| fault.under("protocol_file"))?));
     }
     Ok(())
 }
@@ -77,24 +78,31 @@ struct Measured<'a> {
 
 impl Measured<'_> {
     /// Replaces the file by its content, and notes which file it was.
-    fn inline(self, directory: &Path) -> Result<(), Fault> {
+    fn inline(self, folder: Option<&Path>) -> Result<(), Fault> {
         let Some(file) = self.file.take_if(|_| self.position.is_none() && self.drive.is_none()) else {
             return Ok(());
         };
-        let path = directory.join(&file);
+        let path = place(folder, &file)?;
         let layouts: [&[&str]; 2] = [&["position", "force"], &["drive", "force"]];
         let (layout, columns) = read_one_of(&path, &layouts)?;
         let [position, force] = exactly(columns);
         *(if layout == 0 { self.position } else { self.drive }) = Some(position);
         *self.force = Some(force);
-        *self.source = Some(source(directory, file)?);
+        *self.source = Some(source(&path, file)?);
         Ok(())
     }
 }
 
+/// Where a file is.
+fn place(folder: Option<&Path>, file: &str) -> Result<PathBuf, Fault> {
+    let refused =
+        || Fault::new("the values themselves, since no files are read here", &format!("\"{}\"", short(file)));
+    Ok(folder.ok_or_else(refused)?.join(file))
+}
+
 /// Which file was read.
-fn source(directory: &Path, name: String) -> Result<FitSource, Fault> {
-    let bytes = fs::read(directory.join(&name));
+fn source(path: &Path, name: String) -> Result<FitSource, Fault> {
+    let bytes = fs::read(path);
     let bytes = bytes.map_err(|why| Fault::new("a file that can be read", &why.to_string()))?;
     let digits = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(FitSource { name, sha256: digits })

@@ -1,13 +1,15 @@
 //! The answers of the engine against the solvers that it calls, and what it says of invalid requests.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial};
 use asperity::law::{Gaussian, Point};
 use asperity::master::MasterEquation;
-use asperity_wasm::answer::Answer;
-use asperity_wasm::engine::Engine;
-use asperity_wasm::request::{Change, Part, Request};
+use asperity::monitor::Monitor;
+use asperity_engine::answer::Answer;
+use asperity_engine::request::{Change, Part, Request};
+use asperity_engine::{Engine, Limits};
 
 const TEXT: &str = "\
 [contacts]
@@ -29,7 +31,7 @@ fn request(parts: &[Part]) -> Request {
 }
 
 fn answer(request: &Request) -> Answer {
-    let answer = Engine::default().answer(request);
+    let answer = Engine::default().answer(request, &mut ());
     assert!(answer.invalid.is_none() && answer.failures.is_empty(), "{answer:?}");
     answer
 }
@@ -70,13 +72,13 @@ fn a_preview_is_as_accurate_as_a_line_is_wide() {
 fn solutions_are_kept_and_give_what_new_ones_give() {
     let mut engine = Engine::default();
     let parts = [Part::Force, Part::Stretches, Part::CriticalStiffness];
-    let all: Vec<_> = parts.iter().map(|&part| engine.answer(&request(&[part]))).collect();
+    let all: Vec<_> = parts.iter().map(|&part| engine.answer(&request(&[part]), &mut ())).collect();
     // One change in between, and back.
     let change = Change { key: "contacts.thresholds.gaussian.std".into(), value: Some("0.4".into()) };
-    let changed = engine.answer(&Request { changes: vec![change], ..request(&[Part::Force]) });
+    let changed = engine.answer(&Request { changes: vec![change], ..request(&[Part::Force]) }, &mut ());
     assert!(changed.text.contains("std = 0.4 } # narrow"), "{}", changed.text);
     assert_ne!(changed.force.unwrap().force, all[0].force.as_ref().unwrap().force);
-    let again = engine.answer(&request(&parts));
+    let again = engine.answer(&request(&parts), &mut ());
     assert_eq!(again.force.unwrap().force, all[0].force.as_ref().unwrap().force);
     let [kept, new] = [&again.stretches, &all[1].stretches].map(|found| found.as_ref().unwrap());
     assert_eq!((&kept.density.values, kept.position), (&new.density.values, 1.25));
@@ -137,7 +139,8 @@ fn the_block_moves_as_its_task_says() {
 #[test]
 fn an_invalid_scenario_is_located() {
     let wrong = TEXT.replace("std = 0.2", "std = -0.2");
-    let answer = Engine::default().answer(&Request { text: wrong.clone(), ..request(&[Part::Force]) });
+    let answer =
+        Engine::default().answer(&Request { text: wrong.clone(), ..request(&[Part::Force]) }, &mut ());
     let invalid = answer.invalid.unwrap();
     assert_eq!((invalid.line, invalid.key.as_str()), (Some(2), "contacts.thresholds.gaussian.std"));
     assert!(invalid.message.contains("-0.2"), "{}", invalid.message);
@@ -148,7 +151,7 @@ fn an_invalid_scenario_is_located() {
 fn errors_of_a_part_leave_the_others() {
     let text = TEXT.replace("gaussian = { mean = 1.0, std = 0.2 } # narrow", "point = { at = 1.0 }");
     let parts = [Part::CriticalStiffness, Part::Force];
-    let answer = Engine::default().answer(&Request { text, ..request(&parts) });
+    let answer = Engine::default().answer(&Request { text, ..request(&parts) }, &mut ());
     assert!(answer.critical_stiffness.is_none() && answer.force.is_some());
     assert!(
         answer.failures[0].starts_with("the critical stiffness: contacts.thresholds: expected"),
@@ -162,7 +165,7 @@ fn requests_that_are_none_are_refused() {
     for request in
         [&b"{"[..], b"[]", b"{\"text\": 3}", b"{\"text\": \"\", \"parts\": [\"forces\"]}", &[0xff, 0xfe]]
     {
-        let answer = String::from_utf8(Engine::default().answer_json(request)).unwrap();
+        let answer = String::from_utf8(Engine::default().answer_json(request, &mut ())).unwrap();
         assert!(answer.contains("the request is invalid"), "{answer}");
     }
 }
@@ -184,4 +187,35 @@ fn contacts_in_time_are_pulled_at_a_velocity_of_their_task() {
         // The middle of a curve is 0.1 but for rounding.
         assert!((force(task) - expected).abs() < 1e-12, "{task}");
     }
+}
+
+#[test]
+fn a_monitor_stops_the_work_and_nothing_wrong_is_kept() {
+    struct Stop;
+    impl Monitor for Stop {
+        fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+            ControlFlow::Break(())
+        }
+    }
+    let mut engine = Engine::default();
+    let stopped = engine.answer(&request(&[Part::Force, Part::Block]), &mut Stop);
+    assert!(stopped.stopped && stopped.force.is_none() && stopped.failures.is_empty(), "{stopped:?}");
+    let after = engine.answer(&request(&[Part::Force]), &mut ());
+    assert_eq!(after.force.unwrap().force, answer(&request(&[Part::Force])).force.unwrap().force);
+}
+
+#[test]
+fn keys_that_name_files_and_numbers_beyond_limits_are_refused() {
+    let text = TEXT.replace("gaussian = { mean = 1.0, std = 0.2 }", "tabulated = { file = \"law.csv\" }");
+    let request = Request { text, ..request(&[Part::Force]) };
+    let invalid = Engine::default().answer(&request, &mut ()).invalid.unwrap();
+    assert_eq!(
+        invalid.message,
+        "contacts.thresholds.tabulated.file: expected the values themselves, since no files are read here, got \"law.csv\""
+    );
+    let limits = Limits { points: 1000, contacts: 1, cells: 1 };
+    let asked = Request { text: format!("{TEXT}points = 1001\n"), ..request };
+    let invalid = Engine::limited(limits).answer(&asked, &mut ()).invalid.unwrap();
+    assert_eq!(invalid.message, "drive.points: expected at most 1000 points in the explorer, got 1001");
+    assert_eq!(invalid.line, Some(13));
 }

@@ -4,6 +4,7 @@ use asperity::Result;
 use asperity::contacts::{Contacts, Initial};
 use asperity::law::Law;
 use asperity::master::{MasterEquation, Pull, Stretches, Tolerance};
+use asperity::monitor::Monitor;
 use asperity::scenario::{self, Model, Scenario};
 use asperity::task::Grid;
 use asperity::task::summary::Extended;
@@ -67,8 +68,13 @@ impl Solved {
     /// Solves the pull that belongs to `scenario`, unless it is that of `before`.
     ///
     /// # Errors
-    /// Those of the solver.
-    pub fn of(scenario: &Scenario, preview: bool, before: Option<Self>) -> Result<Self> {
+    /// Those of the solver; stopped by the monitor.
+    pub fn of(
+        scenario: &Scenario,
+        preview: bool,
+        before: Option<Self>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let mut pulled = pulled(scenario);
         if preview {
             let given = pulled.master_equation.tolerance.unwrap_or(PREVIEW);
@@ -77,29 +83,29 @@ impl Solved {
         let description = input::to_text(&pulled);
         match before.filter(|before| before.description == description) {
             Some(before) => Ok(before),
-            None => Self::solve(&pulled, description),
+            None => Self::solve(&pulled, description, monitor),
         }
     }
 
-    fn solve(scenario: &Scenario, description: String) -> Result<Self> {
+    fn solve(scenario: &Scenario, description: String, monitor: &mut dyn Monitor) -> Result<Self> {
         let model = scenario.build()?;
         let sample = model.sample();
         let Model { contacts, initial, background, .. } = model;
         let pull = scenario.pull.clone().unwrap_or_default();
-        let equation = equation(contacts, &initial, pull.velocity)?;
+        let equation = equation(contacts, &initial, pull.velocity, monitor)?;
         let tolerance = Tolerance::from(scenario.master_equation.tolerance);
-        let pull = equation.pull_with(pull.distance, tolerance, &mut ())?;
+        let pull = equation.pull_with(pull.distance, tolerance, monitor)?;
         Ok(Self { description, sample, background, equation, initial, pull })
     }
 
     /// F(X) and its numbers.
     ///
     /// # Errors
-    /// Those of the solver.
-    pub fn force(&self) -> Result<ForceCurve> {
+    /// Those of the solver; stopped by the monitor.
+    pub fn force(&self, monitor: &mut dyn Monitor) -> Result<ForceCurve> {
         let last = (POINTS - 1) as f64;
         let position: Vec<f64> = (0..POINTS).map(|i| self.pull.distance() * (i as f64 / last)).collect();
-        let std = self.sample.map(|size| self.pull.force_std(size)).transpose()?;
+        let std = self.sample.map(|size| self.pull.force_std_with(size, monitor)).transpose()?;
         let steady = self.equation.steady_state();
         Ok(ForceCurve {
             force: position.iter().map(|&x| self.pull.force(x) + self.background).collect(),
@@ -143,10 +149,18 @@ impl Solved {
 }
 
 /// The master equation of contacts, at a velocity if one is given.
-pub fn equation(contacts: Contacts, initial: &Initial, velocity: Option<f64>) -> Result<MasterEquation> {
+///
+/// # Errors
+/// Those of the solver; stopped by the monitor.
+pub fn equation(
+    contacts: Contacts,
+    initial: &Initial,
+    velocity: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<MasterEquation> {
     match velocity {
-        Some(velocity) => MasterEquation::at(contacts, initial, velocity),
-        None => MasterEquation::new(contacts, initial),
+        Some(velocity) => MasterEquation::at_with(contacts, initial, velocity, monitor),
+        None => MasterEquation::new_with(contacts, initial, monitor),
     }
 }
 

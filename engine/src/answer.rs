@@ -21,6 +21,9 @@ pub struct Answer {
     /// Why parts could not be computed, a sentence for each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub failures: Vec<String>,
+    /// Whether the monitor has stopped the work.
+    #[serde(skip)]
+    pub stopped: bool,
     /// F(X) and its numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<ForceCurve>,
@@ -36,6 +39,18 @@ pub struct Answer {
     /// The task of the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<Computed>,
+}
+
+impl Answer {
+    /// The answer where nothing can be computed.
+    pub fn failed(text: String, message: String) -> Self {
+        Self { text, failures: vec![message], ..Self::default() }
+    }
+
+    /// The answer as JSON.
+    pub fn to_json(&self) -> Vec<u8> {
+        serde_json::to_vec(self).expect("an answer is plain data")
+    }
 }
 
 /// An error in a scenario, with its place in the text.

@@ -2,6 +2,7 @@
 
 use asperity::law::Law;
 use asperity::master::Tolerance;
+use asperity::monitor::{Aside, Monitor};
 use asperity::scenario::Scenario;
 use asperity::task::summary::Extended;
 use asperity::{Error, Result};
@@ -22,8 +23,8 @@ const DISTANCE: f64 = 4.0;
 /// Friction of the contacts of `scenario` with thresholds of other widths.
 ///
 /// # Errors
-/// Thresholds without a parameter `std`; those of the solver.
-pub fn width_curve(scenario: &Scenario) -> Result<WidthCurve> {
+/// Thresholds without a parameter `std`; those of the solver; stopped by the monitor.
+pub fn width_curve(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<WidthCurve> {
     let pulled = pulled(scenario);
     let model = pulled.build()?;
     let velocity = pulled.pull.as_ref().and_then(|pull| pull.velocity);
@@ -39,11 +40,12 @@ pub fn width_curve(scenario: &Scenario) -> Result<WidthCurve> {
         static_friction: Vec::new(),
         kinetic_friction: Vec::new(),
     };
-    for &width in &curve.width {
+    for (i, &width) in curve.width.iter().enumerate() {
+        let monitor = &mut Aside { fraction: i as f64 / WIDTHS as f64, monitor };
         let mut contacts = model.contacts.clone();
         contacts.thresholds = thresholds.with_parameter("std", width)?;
-        let equation = equation(contacts, &model.initial, velocity)?;
-        let pull = equation.pull_with(DISTANCE * mean, Tolerance::from(TOLERANCE), &mut ())?;
+        let equation = equation(contacts, &model.initial, velocity, monitor)?;
+        let pull = equation.pull_with(DISTANCE * mean, Tolerance::from(TOLERANCE), monitor)?;
         curve.critical_stiffness.push(Extended(pull.critical_stiffness()));
         curve.static_friction.push(pull.static_friction().map(|peak| peak.value + model.background));
         curve.kinetic_friction.push(equation.steady_state().kinetic_friction() + model.background);

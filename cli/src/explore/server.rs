@@ -1,0 +1,208 @@
+//! The server of the page: HTTP on this machine alone, for those who know the address.
+//!
+//! Other pages in the same browser can send requests to this machine, and names of other machines can be made to point here.
+//! Hence every request must name this host, come from the page itself, and know its token; nothing is shared with other
+//! origins, no file is named by a request, and none is read.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+
+use asperity_engine::page::{self, page, policy};
+use asperity_engine::request;
+use http_body_util::{BodyExt as _, Full, LengthLimitError, Limited};
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{
+    ALLOW, CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, HeaderMap, HeaderName, HeaderValue,
+    ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,
+};
+use hyper::service::service_fn;
+use hyper::{Method, Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::Semaphore;
+
+use super::refusal::{Refusal, require};
+use super::sessions::Sessions;
+
+/// The largest request, in bytes.
+pub const LARGEST: usize = 1_000_000;
+/// Time in which a request must arrive.
+const ARRIVAL: Duration = Duration::from_secs(10);
+/// Connections at the same time: a browser keeps six.
+const CONNECTIONS: usize = 64;
+/// Where requests go.
+const COMPUTE: &str = "/compute";
+
+/// What is known of the page that is served.
+pub struct Server {
+    port: u16,
+    token: String,
+    scenario: Option<String>,
+    sessions: Sessions,
+}
+
+impl Server {
+    /// A server at a port, with a page that opens with `scenario`; a request takes at most the time `longest`.
+    ///
+    /// # Errors
+    /// The system gives no random numbers.
+    pub fn new(port: u16, scenario: Option<String>, longest: Duration) -> Result<Self, getrandom::Error> {
+        Ok(Self { port, token: random()?, scenario, sessions: Sessions::new(longest) })
+    }
+
+    /// The address of the page.
+    pub fn url(&self) -> String {
+        format!("http://127.0.0.1:{}/{}/", self.port, self.token)
+    }
+
+    /// Serves for ever.
+    pub async fn serve(self, listener: TcpListener) {
+        let server = Arc::new(self);
+        let places = Arc::new(Semaphore::new(CONNECTIONS));
+        loop {
+            let Ok(place) = places.clone().acquire_owned().await else { return };
+            // A connection that fails is one that the other side has closed.
+            let Ok((stream, _)) = listener.accept().await else { continue };
+            let server = server.clone();
+            tokio::spawn(async move {
+                server.attend(stream).await;
+                drop(place);
+            });
+        }
+    }
+
+    /// Answers the requests of a connection.
+    async fn attend(self: Arc<Self>, stream: TcpStream) {
+        let service = service_fn(move |request| {
+            let server = self.clone();
+            async move {
+                let answered = server.respond(request).await;
+                Ok::<_, Infallible>(answered.unwrap_or_else(|Refusal(status, words)| plain(status, words)))
+            }
+        });
+        let mut protocol = hyper::server::conn::http1::Builder::new();
+        protocol.timer(TokioTimer::new()).header_read_timeout(ARRIVAL).max_buf_size(64 << 10);
+        // An error ends the connection, and nobody is left to be told.
+        let _ = protocol.serve_connection(TokioIo::new(stream), service).await;
+    }
+
+    async fn respond(&self, request: Request<Incoming>) -> Result<Response<Full<Bytes>>, Refusal> {
+        self.check_origin(request.headers(), request.method())?;
+        let path = request.uri().path();
+        let of_page = path.strip_prefix('/').and_then(|path| path.strip_suffix('/'));
+        if of_page.is_some_and(|token| same(token, &self.token)) {
+            return if request.method() == Method::GET { self.page() } else { Ok(only("GET")) };
+        }
+        require(
+            path == COMPUTE,
+            StatusCode::NOT_FOUND,
+            "the page is at the address that asperity explore prints",
+        )?;
+        if request.method() != Method::POST {
+            return Ok(only("POST"));
+        }
+        self.compute(request).await
+    }
+
+    /// Refuses requests that a page of another origin sends, or that a name of another host brought here.
+    fn check_origin(&self, headers: &HeaderMap, method: &Method) -> Result<(), Refusal> {
+        let hosts = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
+        let host = only_value(headers, &HOST).filter(|host| hosts.iter().any(|own| own == host));
+        let words = "this is not the host of asperity explore";
+        let host = host.ok_or_else(|| Refusal::new(StatusCode::FORBIDDEN, words))?;
+        let from_page = match only_value(headers, &ORIGIN) {
+            Some(origin) => origin.strip_prefix("http://") == Some(host),
+            None => method == Method::GET && !headers.contains_key(ORIGIN),
+        };
+        require(from_page, StatusCode::FORBIDDEN, "the request comes from another origin")
+    }
+
+    /// The page, with scripts that a browser knows by a number used once.
+    fn page(&self) -> Result<Response<Full<Bytes>>, Refusal> {
+        let nonce =
+            random().map_err(|why| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, why.to_string()))?;
+        let text = page(page::Server::Command, &nonce, self.scenario.as_deref());
+        let policy = format!("{}; frame-ancestors 'none'", policy(page::Server::Command, &nonce));
+        Ok(response(StatusCode::OK, "text/html; charset=utf-8", &policy, text.into()))
+    }
+
+    async fn compute(&self, request: Request<Incoming>) -> Result<Response<Full<Bytes>>, Refusal> {
+        let headers = request.headers();
+        let value = |name: &HeaderName| only_value(headers, name);
+        let token = value(&HeaderName::from_static("asperity-token"));
+        let known = token.is_some_and(|token| same(token, &self.token));
+        require(
+            known,
+            StatusCode::FORBIDDEN,
+            "the token is not that of asperity explore: open its address anew",
+        )?;
+        let octets = value(&CONTENT_TYPE) == Some("application/octet-stream");
+        require(octets, StatusCode::UNSUPPORTED_MEDIA_TYPE, "expected a body of application/octet-stream")?;
+        let name = value(&HeaderName::from_static("asperity-session")).filter(|name| name.len() <= 64);
+        let number =
+            value(&HeaderName::from_static("asperity-number")).and_then(|number| number.parse().ok());
+        let words = "expected headers asperity-session, a name, and asperity-number, that of the request";
+        let known = name.map(str::to_owned).zip(number);
+        let (name, number) = known.ok_or_else(|| Refusal::new(StatusCode::BAD_REQUEST, words))?;
+        let request: request::Request = serde_json::from_slice(&body(request).await?)
+            .map_err(|why| Refusal::new(StatusCode::BAD_REQUEST, format!("the request is invalid: {why}")))?;
+        let answer = self.sessions.answer(&name, number, request).await?;
+        Ok(response(StatusCode::OK, "application/json", "default-src 'none'", answer.into()))
+    }
+}
+
+/// The body of a request, if it is small and comes soon.
+async fn body(request: Request<Incoming>) -> Result<Bytes, Refusal> {
+    let too_large =
+        || Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, format!("a request has up to {LARGEST} bytes"));
+    let limited = Limited::new(request.into_body(), LARGEST);
+    match tokio::time::timeout(ARRIVAL, limited.collect()).await {
+        Ok(Ok(whole)) => Ok(whole.to_bytes()),
+        Ok(Err(error)) if error.is::<LengthLimitError>() => Err(too_large()),
+        Ok(Err(error)) => Err(Refusal::new(StatusCode::BAD_REQUEST, error.to_string())),
+        Err(_) => Err(Refusal::new(StatusCode::REQUEST_TIMEOUT, "the request did not arrive in time")),
+    }
+}
+
+/// The value of a header that is there once.
+fn only_value<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+    let mut values = headers.get_all(name).iter();
+    values.next().filter(|_| values.next().is_none())?.to_str().ok()
+}
+
+/// Whether two words are equal, in a time that does not depend on where they differ.
+fn same(a: &str, b: &str) -> bool {
+    a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |differs, (a, b)| differs | (a ^ b)) == 0
+}
+
+/// A number of 128 random bits.
+fn random() -> Result<String, getrandom::Error> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes)?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// The response where another method is used.
+fn only(method: &'static str) -> Response<Full<Bytes>> {
+    let mut refused = plain(StatusCode::METHOD_NOT_ALLOWED, format!("expected {method}"));
+    refused.headers_mut().insert(ALLOW, HeaderValue::from_static(method));
+    refused
+}
+
+fn plain(status: StatusCode, words: String) -> Response<Full<Bytes>> {
+    response(status, "text/plain; charset=utf-8", "default-src 'none'", words.into())
+}
+
+fn response(status: StatusCode, kind: &str, policy: &str, body: Bytes) -> Response<Full<Bytes>> {
+    Response::builder()
+        .status(status)
+        .header(CONTENT_TYPE, kind)
+        .header(CONTENT_SECURITY_POLICY, policy)
+        .header(X_CONTENT_TYPE_OPTIONS, "nosniff")
+        .header(REFERRER_POLICY, "no-referrer")
+        .header(CACHE_CONTROL, "no-store")
+        .header("cross-origin-resource-policy", "same-origin")
+        .body(Full::new(body))
+        .expect("the headers are words")
+}

@@ -1,0 +1,130 @@
+//! Answers to requests, with what the last ones have solved.
+
+use asperity::monitor::Monitor;
+use asperity::scenario::{Drive, Scenario};
+use asperity::{Error, Result, task};
+use asperity_runner::input;
+
+use crate::answer::{Answer, Computed, WidthCurve};
+use crate::edit::changed;
+use crate::limits::Limits;
+use crate::request::{Part, Request};
+use crate::solved::Solved;
+use crate::width_curve;
+
+/// Points of the trace of a block.
+const POINTS: usize = 1001;
+
+/// Answers requests. It keeps its last solutions, so that what does not change them costs no solution.
+#[derive(Debug, Default)]
+pub struct Engine {
+    limits: Option<Limits>,
+    solved: Option<Solved>,
+    widths: Option<(String, WidthCurve)>,
+}
+
+impl Engine {
+    /// An engine that refuses scenarios beyond limits.
+    pub fn limited(limits: Limits) -> Self {
+        Self { limits: Some(limits), ..Self::default() }
+    }
+
+    /// The answer to a request as JSON, as JSON.
+    pub fn answer_json(&mut self, request: &[u8], monitor: &mut dyn Monitor) -> Vec<u8> {
+        let answer = match serde_json::from_slice(request) {
+            Ok(request) => self.answer(&request, monitor),
+            Err(error) => Answer::failed(String::new(), format!("the request is invalid: {error}")),
+        };
+        answer.to_json()
+    }
+
+    /// The answer to a request. Errors are parts of it; once the monitor stops the work, what is missing is absent.
+    pub fn answer(&mut self, request: &Request, monitor: &mut dyn Monitor) -> Answer {
+        let text = match changed(&request.text, &request.changes) {
+            Ok(text) => text,
+            Err(message) => return Answer::failed(request.text.clone(), message),
+        };
+        let input = match input::parse_complete(&text, "scenario") {
+            Ok(input) => input,
+            Err(error) => return Answer { invalid: Some(error.as_ref().into()), text, ..Answer::default() },
+        };
+        if let Some(Err(error)) = self.limits.map(|limits| limits.check(&input.scenario)) {
+            let invalid = Some(input.diagnose(&error).as_ref().into());
+            return Answer { invalid, text, ..Answer::default() };
+        }
+        let mut answer = Answer { text, ..Answer::default() };
+        for &part in &request.parts {
+            match self.add(part, &input.scenario, (request, monitor), &mut answer) {
+                Ok(()) => {}
+                Err(Error::Stopped) => {
+                    answer.stopped = true;
+                    break;
+                }
+                Err(error) => answer.failures.push(sentence(part, &error)),
+            }
+        }
+        answer.scenario = Some(Box::new(input.scenario));
+        answer
+    }
+
+    /// Adds a part to an answer.
+    fn add(
+        &mut self,
+        part: Part,
+        scenario: &Scenario,
+        (request, monitor): (&Request, &mut dyn Monitor),
+        answer: &mut Answer,
+    ) -> Result<()> {
+        match part {
+            Part::Force => {
+                answer.force = Some(self.solved(scenario, request.preview, monitor)?.force(monitor)?);
+            }
+            Part::Stretches => {
+                let solved = self.solved(scenario, request.preview, monitor)?;
+                answer.stretches = Some(solved.stretches(request.position)?);
+            }
+            Part::CriticalStiffness => answer.critical_stiffness = Some(self.widths(scenario, monitor)?),
+            Part::Block => answer.block = block(scenario, monitor)?,
+            Part::Task => answer.task = Some(computed(scenario, monitor)?),
+        }
+        Ok(())
+    }
+
+    fn solved(&mut self, scenario: &Scenario, preview: bool, monitor: &mut dyn Monitor) -> Result<&Solved> {
+        let before = self.solved.take();
+        Ok(self.solved.insert(Solved::of(scenario, preview, before, monitor)?))
+    }
+
+    fn widths(&mut self, scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<WidthCurve> {
+        let description = width_curve::description(scenario);
+        if let Some((_, known)) = self.widths.as_ref().filter(|(of, _)| *of == description) {
+            return Ok(known.clone());
+        }
+        let curve = width_curve::width_curve(scenario, monitor)?;
+        self.widths = Some((description, curve.clone()));
+        Ok(curve)
+    }
+}
+
+/// The motion of the block of `scenario` along its drive, by the master equation alone; none without `[block]` and `[drive]`.
+fn block(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Option<Computed>> {
+    let (Some(_), Some(drive)) = (&scenario.block, &scenario.drive) else { return Ok(None) };
+    let drive = Drive { points: POINTS, ..drive.clone() };
+    computed(&Scenario { drive: Some(drive), ensemble: None, ..scenario.clone() }, monitor).map(Some)
+}
+
+fn computed(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Computed> {
+    let (summary, record) = task::run(scenario, monitor)?;
+    Ok(Computed { summary, record })
+}
+
+fn sentence(part: Part, error: &Error) -> String {
+    let what = match part {
+        Part::Force => "the force",
+        Part::Stretches => "the stretches",
+        Part::CriticalStiffness => "the critical stiffness",
+        Part::Block => "the motion of the block",
+        Part::Task => "the task",
+    };
+    format!("{what}: {error}")
+}

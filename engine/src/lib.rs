@@ -1,0 +1,17 @@
+//! The engine of the explorer: the text of a scenario in, numbers and curves out.
+//!
+//! [`Engine`] answers a [`request`] by an [`answer`], in any process: in the command and in Python, and as WebAssembly in a
+//! browser. It computes nothing of its own: the curves are those of the master equation and of tasks in `asperity`. [`page`] is the
+//! page that asks it.
+
+pub mod answer;
+mod edit;
+mod engine;
+mod limits;
+pub mod page;
+pub mod request;
+mod solved;
+mod width_curve;
+
+pub use engine::Engine;
+pub use limits::Limits;
