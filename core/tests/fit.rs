@@ -194,7 +194,9 @@ fn first_values_may_be_far_off() {
         fit.free(TRUE.map(|number| number.0)).run().unwrap()
     };
     let near = run(1.0, 0.12);
-    for [mean, std] in [[0.3, 0.05], [0.5, 0.2], [0.7, 0.2], [1.4, 0.1], [2.0, 0.5]] {
+    for [mean, std] in
+        [[0.2, 0.02], [0.3, 0.05], [0.5, 0.2], [0.7, 0.2], [1.4, 0.1], [2.0, 0.5], [4.0, 0.8], [6.0, 0.3]]
+    {
         let found = run(mean, std);
         assert!(found.converged, "from {mean}, {std}");
         for (found, near) in found.parameters.iter().zip(&near.parameters).take(TRUE.len()) {
