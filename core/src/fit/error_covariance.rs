@@ -1,8 +1,13 @@
 //! The covariance of the errors of readings, its factor, and what the likelihood needs of its derivatives.
 
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{DenseSolveCore, Llt};
-use faer::prelude::Solve;
-use faer::{Mat, MatRef, Side};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Accum, Mat, MatRef, Par, Side};
+
+/// Products with few columns are computed on one thread: their sums depend on the number of threads otherwise, and they are fast.
+/// Factors and inverses have the same bits on any number of threads.
+const ONE: Par = Par::Seq;
 
 /// The sizes of errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +84,7 @@ impl ErrorCovariance {
     pub fn whiten(&self, matrix: &mut Mat<f64>) {
         match self {
             Self::White(reading) => *matrix *= faer::Scale(1.0 / reading),
-            Self::Dense(dense) => dense.factor.L().solve_lower_triangular_in_place(matrix.as_mut()),
+            Self::Dense(dense) => solve_lower_triangular_in_place(dense.factor.L(), matrix.as_mut(), ONE),
         }
     }
 
@@ -133,7 +138,9 @@ impl DenseCovariance {
         parts: &[ErrorPart],
         residuals: &Mat<f64>,
     ) -> CovarianceDerivatives {
-        let z = self.factor.solve(residuals);
+        let mut z = residuals.clone();
+        solve_lower_triangular_in_place(self.factor.L(), z.as_mut(), ONE);
+        solve_upper_triangular_in_place(self.factor.L().transpose(), z.as_mut(), ONE);
         let inverse = self.factor.inverse();
         let variance = self.sizes.reading * self.sizes.reading;
         let white = variance * z.squared_norm_l2();
@@ -226,7 +233,9 @@ fn dot(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
 
 /// zᵀMz.
 fn quadratic(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> f64 {
-    dot(z, &(matrix * z))
+    let mut product = Mat::zeros(z.nrows(), 1);
+    matmul(product.as_mut(), Accum::Replace, matrix, z.as_ref(), 1.0, ONE);
+    dot(z, &product)
 }
 
 /// tr(AB).
