@@ -32,6 +32,7 @@
 //! # Ok::<(), asperity::Error>(())
 //! ```
 
+mod cholesky;
 mod error_covariance;
 mod estimates;
 mod expected;
