@@ -295,8 +295,9 @@ fn draws_from_the_posterior_are_told_and_written() {
 fn a_record_of_steady_sliding_has_a_posterior_near_its_estimates() {
     let free = "fit.free=['contacts.count', 'contacts.stiffness']";
     let truth = "contacts.thresholds.gaussian={ mean = 1.0, std = 0.12 }";
-    let outcome =
-        shipped("fit-steady.toml", &[free, truth, "fit.posterior={ draws = 200, chains = 2, seed = 3 }"]);
+    // An error of readings that is free is hardly determined: its posterior is far from normal.
+    let sampling = "fit.posterior={ draws = 200, chains = 2, seed = 3 }";
+    let outcome = shipped("fit-steady.toml", &[free, truth, "fit.reading=1.0", sampling]);
     let found = outcome.summary.numbers.fit().unwrap();
     let told = found.posterior.as_ref().unwrap();
     assert_eq!((told.chains, told.draws), (2, 200));

@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 1e-4;
 const LENGTHS: [&str; 5] = ["mean", "std", "min", "max", "scale"];
 
 /// A factor of lengths, with the factor of the force of each curve, which changes with it, and what is left of the curves.
-struct Scaled {
+struct ScaledLengths {
     length: f64,
     forces: Vec<f64>,
     /// Whether the number of contacts is free to change the force, or only their stiffness.
@@ -68,7 +68,7 @@ impl Fit {
     }
 
     /// The factor that leaves least of the curves; `None` where it is near 1, or leaves hardly less than 1 does.
-    fn most_alike(&self, free: &[FreeParameter], pull: &Pull) -> Option<Scaled> {
+    fn most_alike(&self, free: &[FreeParameter], pull: &Pull) -> Option<ScaledLengths> {
         let factor = |i: i32| LARGEST.powf(f64::from(i) / f64::from(FACTORS));
         let tried = (-FACTORS..=FACTORS).filter_map(|i| self.scaled(free, pull, factor(i)));
         let best = tried.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
@@ -79,9 +79,9 @@ impl Fit {
 
     /// What the first curve with lengths times `length` leaves of the measured ones, F(X) = f s F₁(X/s) with the factor f of
     /// each curve that leaves least, if count or stiffness is free; the same for offset and trend.
-    fn scaled(&self, free: &[FreeParameter], pull: &Pull, length: f64) -> Option<Scaled> {
+    fn scaled(&self, free: &[FreeParameter], pull: &Pull, length: f64) -> Option<ScaledLengths> {
         let counts = free.iter().any(|parameter| parameter.quantity == "count");
-        let mut all = Scaled { length, forces: Vec::new(), counts, squares: 0.0 };
+        let mut all = ScaledLengths { length, forces: Vec::new(), counts, squares: 0.0 };
         for (c, curve) in self.curves.iter().enumerate() {
             let is_free =
                 |names: &[&str]| free.iter().any(|p| p.applies_to(c) && names.contains(&p.quantity.as_str()));
@@ -114,7 +114,7 @@ impl Fit {
     }
 }
 
-impl Scaled {
+impl ScaledLengths {
     /// The first value of a number with these factors.
     fn of(&self, parameter: &FreeParameter) -> f64 {
         let of_force = || {
