@@ -12,7 +12,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert;
+use crate::convert::{self, Seed, Whole};
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fit::fitted_model;
