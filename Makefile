@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
 .PHONY: workflows metadata release-check packages packages-compile publish release release-notes binary compiles minimal-versions mutants
 
 export PYTHON ?= python3
@@ -237,6 +237,10 @@ accuracy:
 # `make rust` compares those that are quick.
 agreement:
 	cargo test --release --locked --package asperity --test solvers_agree -- --ignored --nocapture
+
+# Whether draws from posteriors are calibrated: the ranks of 200 truths among 99 draws, in some minutes. `make rust` does 25.
+calibration:
+	cargo test --release --locked --package asperity-runner --test posterior -- --ignored --nocapture
 
 # What all shipped scenarios and the notebooks compute, compared bit by bit with what they do in the commit BASE: for changes of
 # the code that must not change a number, and before a release.

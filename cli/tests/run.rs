@@ -288,3 +288,27 @@ fn more_than_the_memory_there_is_ends_with_1_before_anything_is_written() {
     assert!(["ensemble.size", "100000000", "11.9 GiB"].iter().all(|part| said.contains(part)), "{said}");
     assert!(!folder.path().join("out").exists(), "{:?}", folder.names());
 }
+
+#[test]
+fn a_fit_that_does_not_converge_ends_with_an_error_and_its_last_values() {
+    let folder = Folder::new();
+    // A constant force, which no contacts show.
+    let rows: String = (1..=100).map(|i| format!("{},1.0\n", 0.03 * f64::from(i))).collect();
+    folder.write("flat.csv", &format!("position,force\n{rows}"));
+    let scenario = "contacts.thresholds.gaussian = { mean = 0.9, std = 0.2 }
+        contacts.count = 1500.0
+        contacts.stiffness = 1.2
+        contacts.reforming.gaussian = { mean = 0.1, std = 0.03 }
+        [fit]
+        file = 'flat.csv'
+        noise = 'white'
+        free = ['contacts.thresholds.gaussian.mean', 'contacts.thresholds.gaussian.std', 'contacts.count']";
+    folder.write("fit.toml", scenario);
+    let output = folder.run(&["run", "fit.toml", "--no-figures"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(errors(&output).contains("the fit has not converged; its last values and its misfit are in out"));
+    let written = names(&folder.path().join("out/fit"));
+    assert!(["fit.json", "fit.csv", "fitted.toml"].iter().all(|name| written.iter().any(|w| w == name)));
+    let told = std::fs::read_to_string(folder.path().join("out/fit/fit.json")).unwrap();
+    assert!(told.contains("\"converged\": false") && told.contains("\"chi_squared\""));
+}

@@ -173,14 +173,21 @@ fn the_profile_of_a_linear_number_is_its_standard_error() {
 
 #[test]
 fn a_fit_is_the_same_on_any_number_of_threads() {
-    let positions = positions(200, 4.0);
-    let forces = simulated(&positions, 5);
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found = pool.install(|| fit(&positions, forces.clone()).free(TRUE.map(|n| n.0)).run().unwrap());
-        (found.parameters, found.covariance)
-    };
-    assert_eq!(run(1), run(2));
+    // As many readings as are split among threads, with a drift or without one.
+    for (count, drift) in [(700, None), (450, Some(0.5))] {
+        let positions = positions(count, 4.0);
+        let forces = simulated(&positions, 5);
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let errors = ErrorModel { drift, ..ErrorModel::default() };
+            let fit = fit(&positions, forces.clone()).free(TRUE.map(|n| n.0)).errors(errors);
+            let found = pool.install(|| fit.run().unwrap());
+            (found.parameters, found.covariance, found.readings)
+        };
+        // Numbers without an error have none that is equal to itself; text has all digits.
+        let text = |threads: usize| format!("{:?}", run(threads));
+        assert!(text(1) == text(2), "{drift:?}");
+    }
 }
 
 #[test]
@@ -194,7 +201,9 @@ fn first_values_may_be_far_off() {
         fit.free(TRUE.map(|number| number.0)).run().unwrap()
     };
     let near = run(1.0, 0.12);
-    for [mean, std] in [[0.3, 0.05], [0.5, 0.2], [0.7, 0.2], [1.4, 0.1], [2.0, 0.5]] {
+    for [mean, std] in
+        [[0.2, 0.02], [0.3, 0.05], [0.5, 0.2], [0.7, 0.2], [1.4, 0.1], [2.0, 0.5], [4.0, 0.8], [6.0, 0.3]]
+    {
         let found = run(mean, std);
         assert!(found.converged, "from {mean}, {std}");
         for (found, near) in found.parameters.iter().zip(&near.parameters).take(TRUE.len()) {

@@ -3226,6 +3226,34 @@ class SteadyEstimates:
     def readings(self, /) -> int:
         """The number of readings of the record."""
 
+    def sample(
+        self,
+        /,
+        draws: SupportsIndex = 1000,
+        chains: SupportsIndex = 4,
+        seed: _Seed = 1,
+        *,
+        progress: _Progress = None,
+        threads: SupportsIndex | None = None,
+    ) -> Posterior:
+        """Draws from the posterior by the No-U-turn sampler (NUTS), as Estimates.sample does; by the debiased likelihood of
+        Whittle.
+
+        Parameters
+        ----------
+        draws, chains, seed, progress, threads
+            As for Estimates.sample.
+
+        Returns
+        -------
+        Posterior
+
+        Raises
+        ------
+        ValueError
+            If no number is known to better than a limit.
+        """
+
     @property
     def solutions(self, /) -> int:
         """The number of solutions of the master equation that the search took, without those for derivatives."""

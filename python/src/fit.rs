@@ -637,7 +637,8 @@ impl Estimates {
         let sampling =
             FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
         let found = self.found(py)?;
-        let drawn = watched_on(threads, progress, py, |monitor| posterior::sample(found, sampling, monitor))?;
+        let sample = |monitor: &mut dyn Monitor| posterior::sample(&found.standardised()?, sampling, monitor);
+        let drawn = watched_on(threads, progress, py, sample)?;
         Ok(Posterior::new(drawn))
     }
 

@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use asperity::fit::{Prior, SteadyFit, SteadyRecord};
-use asperity::monitor::Part;
+use asperity::monitor::{Monitor, Part};
 use asperity::record::{self, Quantity};
-use asperity::scenario::Units;
+use asperity::scenario::{FitPosterior, Units};
+use asperity_runner::posterior;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert;
+use crate::convert::{self, Seed, Whole};
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fit::fitted_model;
@@ -19,8 +20,9 @@ use crate::found::{Arguments, FittedNumbers, Search};
 use crate::law::AnyLaw;
 use crate::model::interface;
 use crate::pickle::{self, Reduced};
+use crate::posterior::Posterior;
 use crate::record::Record;
-use crate::watch::watched;
+use crate::watch::{watched, watched_on};
 use crate::{error, typed, values};
 
 /// Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
@@ -288,6 +290,42 @@ impl SteadyEstimates {
         let found = self.found(py)?;
         let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
         Ok((low, high))
+    }
+
+    /// Draws from the posterior by the No-U-turn sampler (NUTS), as Estimates.sample does; by the debiased likelihood of
+    /// Whittle.
+    ///
+    /// Parameters
+    /// ----------
+    /// draws, chains, seed, progress, threads
+    ///     As for Estimates.sample.
+    ///
+    /// Returns
+    /// -------
+    /// Posterior
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no number is known to better than a limit.
+    #[pyo3(
+        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None, threads = None),
+        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None, threads=None)"
+    )]
+    fn sample(
+        &self,
+        py: Python<'_>,
+        draws: Whole,
+        chains: Whole,
+        seed: Seed,
+        progress: Option<Bound<'_, PyAny>>,
+        threads: Option<Whole>,
+    ) -> PyResult<Posterior> {
+        let sampling =
+            FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
+        let found = self.found(py)?;
+        let sample = |monitor: &mut dyn Monitor| posterior::sample(&found.standardised()?, sampling, monitor);
+        Ok(Posterior::new(watched_on(threads, progress, py, sample)?))
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the record is described.

@@ -46,6 +46,18 @@ def test_what_is_found_fits_together() -> None:
     np.testing.assert_allclose((low, high), mean.interval, atol=0.2 * mean.error)
 
 
+def test_the_posterior_of_a_long_record_has_the_errors_of_the_estimates() -> None:
+    found = asp.fit_steady(TRUE, SPACING, RECORD, free=("count", "stiffness"), reading=0.0)
+    drawn = found.sample(draws=200, chains=2, seed=1)
+    assert drawn.draws["count"].shape == (2, 200)
+    for name, one in found.params.items():
+        values = drawn.draws[name]
+        # Four standard errors of a mean and of a standard deviation of 100 independent draws, and what a
+        # logarithm bends over an error of some per cent.
+        assert abs(values.mean() - one.value) < 0.5 * one.error, name
+        assert abs(values.std() / one.error - 1.0) < 0.4, name
+
+
 def test_the_periodogram_is_that_of_numpy() -> None:
     spectrum = FOUND.spectrum
     n = len(RECORD)

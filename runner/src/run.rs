@@ -43,7 +43,8 @@ fn fit_and_sample(
     const FIT: f64 = 0.1;
     let (mut summary, mut record, found) = task::run_fit(scenario, &mut Part::new(monitor, 0.0, FIT))?;
     let monitor = &mut Part::new(monitor, FIT, 1.0 - FIT);
-    let drawn = posterior::sample(&found.estimates, sampling, monitor).map_err(|error| error.under("fit"))?;
+    let drawn = found.standardised().and_then(|target| posterior::sample(&target, sampling, monitor));
+    let drawn = drawn.map_err(|error| error.under("fit"))?;
     let told = drawn.summary(|name| found.key(name));
     summary.warnings.extend(told.warnings().into_iter().map(|text| format!("fit.posterior: {text}")));
     summary.seed = Some(sampling.seed);

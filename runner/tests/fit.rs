@@ -93,6 +93,19 @@ fn other_distributions_of_thresholds_are_compared() {
 }
 
 #[test]
+fn another_distribution_frees_what_the_fit_frees() {
+    let free = "fit.free=['contacts.thresholds.gaussian.mean', 'contacts.stiffness']";
+    let set = "contacts.thresholds.gaussian={ mean = 0.9, std = 0.12 }";
+    let outcome = fitted(&[free, set, "contacts.count=2000.0", "fit.laws=['gamma', 'rectangular']"]);
+    let laws = outcome.summary.numbers.fit().unwrap().laws.clone().unwrap();
+    let keys: Vec<&str> = laws.others[0].numbers.iter().map(|number| number.key.as_str()).collect();
+    assert_eq!(keys[..2], ["contacts.thresholds.gamma.mean", "contacts.stiffness"]);
+    assert!(!keys.contains(&"contacts.thresholds.gamma.std"), "{keys:?}");
+    // A rectangular distribution has no mean among its numbers.
+    assert!(laws.others[1].refused.as_ref().unwrap().contains("thresholds.min, thresholds.max"), "{laws:?}");
+}
+
+#[test]
 fn the_file_of_the_curve_is_stated_with_its_hash() {
     let outcome = fitted(&[]);
     let sources = &outcome.summary.numbers.fit().unwrap().sources;
@@ -276,4 +289,33 @@ fn draws_from_the_posterior_are_told_and_written() {
         &[],
     );
     assert!(format!("{:?}", refused.unwrap_err()).contains("fit.posterior.draws"));
+}
+
+#[test]
+fn a_record_of_steady_sliding_has_a_posterior_near_its_estimates() {
+    let free = "fit.free=['contacts.count', 'contacts.stiffness']";
+    let truth = "contacts.thresholds.gaussian={ mean = 1.0, std = 0.12 }";
+    // An error of readings that is free is hardly determined: its posterior is far from normal.
+    let sampling = "fit.posterior={ draws = 200, chains = 2, seed = 3 }";
+    let outcome = shipped("fit-steady.toml", &[free, truth, "fit.reading=1.0", sampling]);
+    let found = outcome.summary.numbers.fit().unwrap();
+    let told = found.posterior.as_ref().unwrap();
+    assert_eq!((told.chains, told.draws), (2, 200));
+    for (drawn, number) in told.numbers.iter().zip(&found.numbers) {
+        assert_eq!(drawn.key, number.key);
+        let shift = (drawn.mean - number.value) / number.error;
+        let ratio = drawn.std / number.error;
+        // Four standard errors of the mean and of the standard deviation of so many draws, and what a logarithm bends over an
+        // error of some per cent.
+        let effective = drawn.effective_size.0;
+        assert!(shift.abs() < 4.0 / effective.sqrt() + 0.1, "{drawn:?} {number:?}");
+        assert!((ratio - 1.0).abs() < 4.0 / (2.0 * effective).sqrt() + 0.1, "{drawn:?} {number:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&folder.path().join("fit"), &outcome, &[]).unwrap();
+    assert!(folder.path().join("fit/posterior.nc").exists());
+    // The part of the summary that is about the fit, on its own.
+    let text = fs::read_to_string(folder.path().join("fit/fit.json")).unwrap();
+    let alone: asperity::task::summary::FitSummary = serde_json::from_str(&text).unwrap();
+    assert_eq!(&alone, found);
 }

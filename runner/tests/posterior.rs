@@ -43,7 +43,9 @@ fn found() -> Estimates {
 #[test]
 fn a_curve_that_determines_its_numbers_has_the_posterior_of_the_estimates() {
     let found = found();
-    let drawn = sample(&found, FitPosterior { draws: 1000, chains: 4, seed: 1 }, &mut ()).unwrap();
+    let drawn =
+        sample(&found.standardised().unwrap(), FitPosterior { draws: 1000, chains: 4, seed: 1 }, &mut ())
+            .unwrap();
     assert_eq!(drawn.names, NAMES);
     assert_eq!(drawn.divergences(), 0);
     let summary = drawn.summary(str::to_owned);
@@ -64,7 +66,7 @@ fn draws_depend_on_the_seed_and_not_on_the_threads() {
     let sampling = FitPosterior { draws: 20, chains: 3, seed: 5 };
     let on = |threads: usize, sampling: FitPosterior| -> Posterior {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| sample(&found, sampling, &mut ()).unwrap())
+        pool.install(|| sample(&found.standardised().unwrap(), sampling, &mut ()).unwrap())
     };
     let one = on(1, sampling);
     assert_eq!(one, on(3, sampling));
@@ -97,7 +99,7 @@ fn assert_uniform_ranks(replicas: u64, bins: usize, most: f64) {
         let fit = fit.prior(names[0], prior[0]).prior(names[1], prior[1]);
         // Every second of 198 draws, so that they are nearly independent.
         let sampling = FitPosterior { draws: 198, chains: 1, seed: replica };
-        let drawn = sample(&fit.run().unwrap(), sampling, &mut ()).unwrap();
+        let drawn = sample(&fit.run().unwrap().standardised().unwrap(), sampling, &mut ()).unwrap();
         [0, 1].map(|k| drawn.values[k].iter().step_by(2).filter(|value| **value < truth[k]).count())
     };
     let all: Vec<[usize; 2]> = (0..replicas).map(ranks).collect();

@@ -1,8 +1,9 @@
 //! The covariance of the errors of readings, its factor, and what the likelihood needs of its derivatives.
 
-use faer::linalg::solvers::{DenseSolveCore, Llt};
-use faer::prelude::Solve;
-use faer::{Mat, MatRef, Side};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+
+use super::cholesky::Cholesky;
 
 /// The sizes of errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +40,7 @@ pub(super) struct DenseCovariance {
     sizes: ErrorSizes,
     /// A² exp(−|y − y'|/ℓ), if there is a drift.
     drift: Option<Mat<f64>>,
-    factor: Llt<f64>,
+    factor: Cholesky,
 }
 
 impl ErrorCovariance {
@@ -60,7 +61,7 @@ impl ErrorCovariance {
         for i in 0..n {
             all[(i, i)] += sizes.reading * sizes.reading;
         }
-        let factor = all.llt(Side::Lower).ok()?;
+        let factor = Cholesky::new(all)?;
         Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor })))
     }
 
@@ -68,10 +69,7 @@ impl ErrorCovariance {
     pub fn log_determinant(&self, n: usize) -> f64 {
         match self {
             Self::White(reading) => 2.0 * n as f64 * reading.ln(),
-            Self::Dense(dense) => {
-                let factor = dense.factor.L();
-                2.0 * (0..n).map(|i| factor[(i, i)].ln()).sum::<f64>()
-            }
+            Self::Dense(dense) => dense.factor.log_determinant(),
         }
     }
 
@@ -79,7 +77,7 @@ impl ErrorCovariance {
     pub fn whiten(&self, matrix: &mut Mat<f64>) {
         match self {
             Self::White(reading) => *matrix *= faer::Scale(1.0 / reading),
-            Self::Dense(dense) => dense.factor.L().solve_lower_triangular_in_place(matrix.as_mut()),
+            Self::Dense(dense) => dense.factor.whiten(matrix),
         }
     }
 
@@ -133,7 +131,9 @@ impl DenseCovariance {
         parts: &[ErrorPart],
         residuals: &Mat<f64>,
     ) -> CovarianceDerivatives {
-        let z = self.factor.solve(residuals);
+        let mut z = residuals.clone();
+        self.factor.whiten(&mut z);
+        self.factor.whiten_transposed(&mut z);
         let inverse = self.factor.inverse();
         let variance = self.sizes.reading * self.sizes.reading;
         let white = variance * z.squared_norm_l2();
@@ -226,7 +226,10 @@ fn dot(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
 
 /// zᵀMz.
 fn quadratic(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> f64 {
-    dot(z, &(matrix * z))
+    // On one thread: others would sum in another order.
+    let mut product = Mat::zeros(z.nrows(), 1);
+    matmul(product.as_mut(), Accum::Replace, matrix, z.as_ref(), 1.0, Par::Seq);
+    dot(z, &product)
 }
 
 /// tr(AB).

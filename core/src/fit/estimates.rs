@@ -229,9 +229,8 @@ impl Ended {
         let share = 1.0 / free.len() as f64;
         let parameters = (0..free.len()).map(|k| {
             let part = &mut Part::new(monitor, k as f64 * share, share);
-            // A free form takes its limits from the fit before it: a profile over all its coefficients takes long.
-            let limited = !likelihood.fit.is_planned() && likelihood.smoothness.is_none();
-            estimate((likelihood, optimum), (k, covariance[(k, k)].sqrt()), limited, part)
+            let measured = !likelihood.fit.is_planned();
+            estimate((likelihood, optimum), (k, covariance[(k, k)].sqrt()), measured, part)
         });
         let parameters = parameters.collect::<Result<Vec<_>>>()?;
         let slope = |k: usize| free[k].slope(optimum.coordinates[k]);

@@ -8,7 +8,7 @@ use super::friction::WithError;
 use super::interval::TWO_SIDED;
 use super::likelihood::{Errors, Likelihood};
 use super::matrix;
-use super::search::{Optimum, search};
+use super::search::{COARSE, Optimum, SHORT, search, search_from_score};
 use super::smoothness::Smoothness;
 use super::{Fit, Role};
 use crate::law::{Law, LogKernels};
@@ -65,8 +65,7 @@ impl Fit {
     ///
     /// Third differences of the coefficients are normal of variance 1/λ, so that what the curve does not tell is continued like a
     /// Gaussian. λ is the most probable one (D. J. C. MacKay, Neural Comput. 4, 415 (1992)): λ Σ(Δ³θ)² = γ, the effective number
-    /// of parameters γ = K − 3 − λ tr V DᵀD, with V the covariance of the estimates. Errors hold at this λ. A number of which only a
-    /// limit is known has the limit of the fit before.
+    /// of parameters γ = K − 3 − λ tr V DᵀD, with V the covariance of the estimates. Errors hold at this λ.
     ///
     /// # Errors
     /// Fewer than 12 coefficients; thresholds that are not free; those of [`Fit::run`].
@@ -80,7 +79,9 @@ impl Fit {
         }
         let law = LogKernels::near(found.equation().contacts().thresholds.as_ref(), REACH, count)?;
         let coefficients = law.coefficients().to_vec();
-        let mut fit = self.with_thresholds(std::sync::Arc::new(law), &mut Part::new(monitor, 0.0, 0.02))?;
+        let own = super::names_of(&law);
+        let part = &mut Part::new(monitor, 0.0, 0.02);
+        let mut fit = self.with_law((std::sync::Arc::new(law), own), part)?;
         fit.start_from(found, &mut Part::new(monitor, 0.02, 0.02))?;
         let level = coefficients.iter().sum::<f64>() / count as f64;
         let smoothness = Smoothness { places: 0..count, strength: STRENGTH, level };
@@ -90,14 +91,8 @@ impl Fit {
         let likelihood = fit.likelihood_near(free, &coordinates, &mut Part::new(monitor, 0.04, 0.06))?;
         let likelihood = Likelihood { smoothness: Some(smoothness), ..likelihood };
         let (likelihood, optimum) =
-            most_probable(likelihood, coordinates, &mut Part::new(monitor, 0.1, 0.7))?;
-        let mut form = FreeForm::new(Ended { likelihood, optimum }, &mut Part::new(monitor, 0.8, 0.2))?;
-        for estimate in &mut form.estimates.parameters {
-            if let Some(limited) = found.estimate(&estimate.name).filter(|before| before.limit.is_some()) {
-                (estimate.limit, estimate.interval) = (limited.limit, limited.interval);
-            }
-        }
-        Ok(form)
+            most_probable(likelihood, &coordinates, &mut Part::new(monitor, 0.1, 0.7))?;
+        FreeForm::new(Ended { likelihood, optimum }, &mut Part::new(monitor, 0.8, 0.2))
     }
 
     /// Takes the values of a fit as first values of all numbers but those of the thresholds.
@@ -144,46 +139,90 @@ impl Fit {
             return Ok(white);
         }
         let likelihood = Likelihood { errors: Errors::Modelled(None), ..white };
-        let trial = likelihood.trial(coordinates, &mut Part::new(monitor, 0.0, 0.3))?;
-        let trial = trial.ok_or_else(|| {
+        let readings = likelihood.expected(coordinates, &mut Part::new(monitor, 0.0, 0.3))?;
+        let readings = readings.ok_or_else(|| {
             Error::invalid(
                 "thresholds",
                 "a density from which a curve follows",
                 "none at the fitted thresholds",
             )
         })?;
-        let noise = self.contact_noise(&trial, coordinates, &mut Part::new(monitor, 0.3, 0.7))?;
+        let noise = self.contact_noise(&readings, coordinates, &mut Part::new(monitor, 0.3, 0.7))?;
         Ok(Likelihood { errors: Errors::Modelled(noise), ..likelihood })
     }
 }
 
-/// The most probable coordinates at the most probable strength of the penalty.
+/// The most probable coordinates at the most probable strength of the penalty: the strength is renewed between coarse searches.
 ///
 /// # Errors
 /// Those of [`search`].
 fn most_probable(
     mut likelihood: Likelihood,
-    mut coordinates: Vec<f64>,
+    start: &[f64],
     monitor: &mut dyn Monitor,
 ) -> Result<(Likelihood, Optimum)> {
-    let held = vec![false; coordinates.len()];
-    let mut solutions = 0;
+    let mut found = search(&likelihood, start, COARSE, &mut Part::new(monitor, 0.0, 0.2))?;
+    let mut renewals = StrengthRenewals::default();
     for renewal in 0..=RENEWALS {
+        let Some(before) = likelihood.smoothness.clone() else { break };
+        let plain = renewed(&before, &found);
+        let settled = renewal == RENEWALS || (plain / before.strength).ln().abs() < SETTLED;
+        let strength = if settled { before.strength } else { renewals.next(before.strength, plain) };
+        likelihood.smoothness = Some(Smoothness { strength, ..before.clone() });
         // The number of renewals is not known beforehand.
-        let done = 1.0 - 0.85_f64.powi(renewal as i32);
-        let part = &mut Part::new(monitor, done, 0.1 * (1.0 - done));
-        let mut optimum = search(&likelihood, &coordinates, &held, part)?;
-        solutions += optimum.solutions;
-        optimum.solutions = solutions;
-        let Some(smoothness) = likelihood.smoothness.as_mut() else { return Ok((likelihood, optimum)) };
-        let next = renewed(smoothness, &optimum);
-        if renewal == RENEWALS || (next / smoothness.strength).ln().abs() < SETTLED {
+        let done = 0.2 + 0.6 * (1.0 - 0.85_f64.powi(renewal as i32));
+        let part = &mut Part::new(monitor, done, 0.1);
+        let short = if settled { SHORT } else { COARSE };
+        let optimum = restarted(&likelihood, (found, &before), short, part)?;
+        if settled {
             return Ok((likelihood, optimum));
         }
-        smoothness.strength = next;
-        coordinates = optimum.coordinates;
+        found = optimum;
     }
-    unreachable!("the last renewal returns")
+    unreachable!("a free form has a penalty, and its last renewal returns")
+}
+
+/// The search from where one with the penalty `before` has ended.
+///
+/// # Errors
+/// Errors of the solver; stopped by the monitor.
+fn restarted(
+    likelihood: &Likelihood,
+    (ended, before): (Optimum, &Smoothness),
+    short: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Optimum> {
+    let Optimum { coordinates, mut trial, mut score, solutions, .. } = ended;
+    let strength = likelihood.smoothness.as_ref().map_or(0.0, |now| now.strength);
+    let change = strength - before.strength;
+    trial.deviance += change * before.roughness(&coordinates);
+    before.add_roughness((change, &coordinates), &mut score.slope, &mut score.information);
+    let held = vec![false; coordinates.len()];
+    let mut found = search_from_score(likelihood, (&coordinates, trial, score), (&held, short), monitor)?;
+    found.solutions += solutions;
+    Ok(found)
+}
+
+/// Renewals of the strength of a penalty, a fixed-point iteration of its logarithm made faster by secants.
+#[derive(Debug, Default)]
+struct StrengthRenewals {
+    /// The logarithm before, and its plain change.
+    before: Option<[f64; 2]>,
+}
+
+impl StrengthRenewals {
+    /// The next strength after `strength`, for which a plain iteration has `plain`.
+    fn next(&mut self, strength: f64, plain: f64) -> f64 {
+        /// Longest step, in plain changes.
+        const LONGEST: f64 = 4.0;
+        let (u, change) = (strength.ln(), (plain / strength).ln());
+        let longer = self.before.map_or(1.0, |[before, change_before]| {
+            let slope = (change - change_before) / (u - before);
+            if slope < 0.0 { (-1.0 / slope).min(LONGEST) } else { LONGEST }
+        });
+        self.before = Some([u, change]);
+        (u + longer * change).exp().clamp(STRENGTHS[0], STRENGTHS[1])
+    }
 }
 
 /// γ/Σ(Δ³θ)².

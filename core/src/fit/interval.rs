@@ -11,8 +11,10 @@ pub(super) const TWO_SIDED: f64 = 1.959_963_984_540_054;
 const ONE_SIDED: f64 = 2.705_543_454_095_416;
 /// Rise of the deviance at the ends of an interval that covers 95 %, 1.96².
 const INTERVAL: f64 = TWO_SIDED * TWO_SIDED;
-/// Accuracy of a limit, in its logarithm or in standard errors.
+/// Accuracy of the end of an interval, in 1.96 standard errors.
 const ACCURACY: f64 = 0.01;
+/// Accuracy of a limit, in its logarithm.
+const LIMIT: f64 = 0.005;
 
 /// The lowest deviance where one number has the coordinate `u`.
 ///
@@ -26,7 +28,7 @@ pub(super) fn profile<O: Objective>(
     profile_to(ended, at, SHORT, monitor)
 }
 
-/// The same, to a deviance that is too high by `short`.
+/// The same, by a search that ends where the next step would lower the deviance by less than `short`; this fall is counted.
 fn profile_to<O: Objective>(
     (likelihood, optimum): (&O, &Optimum<O::Point>),
     (number, u): (usize, f64),
@@ -38,7 +40,9 @@ fn profile_to<O: Objective>(
     let mut start = optimum.coordinates.clone();
     start[number] = u;
     let Some(trial) = likelihood.trial(&start, monitor)? else { return Ok(f64::INFINITY) };
-    Ok(O::deviance(&search_from(likelihood, (&start, trial), (&held, short), monitor)?.trial))
+    let found = search_from(likelihood, (&start, trial), (&held, short), monitor)?;
+    let fall = if found.converged { found.fall } else { 0.0 };
+    Ok(O::deviance(&found.trial) - fall)
 }
 
 /// The value below which a number is with 95 %.
@@ -52,8 +56,21 @@ pub(super) fn upper_limit<O: Objective>(
 ) -> Result<f64> {
     let (likelihood, optimum) = ended;
     let start = optimum.coordinates[number];
-    let end = end_of_rise(ended, (number, start, 0.5), ONE_SIDED, monitor)?;
+    let step = step_of_squares(optimum.score.slope[(number, 0)]);
+    let end = end_of_rise(ended, (number, start, step), (ONE_SIDED, LIMIT), monitor)?;
     Ok(likelihood.free()[number].value(end))
+}
+
+/// About the step of the logarithm of an error at the end of its range, where half the deviance has this slope, to its limit:
+/// errors add by their squares, in which the deviance begins to rise in proportion.
+fn step_of_squares(slope: f64) -> f64 {
+    /// Where the slope does not tell, and the factor by which the step is longer, so that it rather brackets the limit.
+    const UNKNOWN: f64 = 0.5;
+    const LONGER: f64 = 1.01;
+    if slope <= 0.0 {
+        return UNKNOWN;
+    }
+    (LONGER * 0.5 * (ONE_SIDED / slope).ln_1p()).min(UNKNOWN)
 }
 
 /// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by 3.84.
@@ -69,23 +86,29 @@ pub(super) fn by_profile<O: Objective>(
     let start = optimum.coordinates[number];
     let parameter = &likelihood.free()[number];
     let mut end = |step: f64| -> Result<f64> {
-        Ok(parameter.value(end_of_rise(ended, (number, start, step), INTERVAL, monitor)?))
+        Ok(parameter.value(end_of_rise(
+            ended,
+            (number, start, step),
+            (INTERVAL, ACCURACY * step.abs()),
+            monitor,
+        )?))
     };
     Ok([end(-TWO_SIDED * error)?, end(TWO_SIDED * error)?])
 }
 
-/// The coordinate, from `start` in the direction of `step`, where the profile has risen by `rise`.
+/// The coordinate, from `start` in the direction of `step`, where the profile has risen by `rise`, to `accuracy`.
 fn end_of_rise<O: Objective>(
     ended: (&O, &Optimum<O::Point>),
     (number, start, step): (usize, f64, f64),
-    rise: f64,
+    (rise, accuracy): (f64, f64),
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
     /// Steps after which the profile counts as flat.
     const STEPS: usize = 40;
     let lowest = O::deviance(&ended.1.trial);
-    // The slope of the deviance at the end is of the order of the rise over the step.
-    let short = 0.1 * ACCURACY * rise;
+    // The fall that is left is counted, to a tenth and better; the slope of the deviance at the end is of the order of the rise
+    // over the step.
+    let short = ACCURACY * rise;
     let (mut failed, mut known) = (None, vec![(start, -rise)]);
     let mut above = |u: f64| {
         if let Some((_, above)) = known.iter().find(|(at, _)| *at == u) {
@@ -93,7 +116,9 @@ fn end_of_rise<O: Objective>(
         }
         match profile_to(ended, (number, u), short, monitor) {
             Ok(deviance) => {
-                known.push((u, deviance.min(lowest + 1e6) - lowest - rise));
+                let risen = deviance.min(lowest + 1e6) - lowest - rise;
+                // The rise goes with the square of the step.
+                known.push((u, if risen.abs() < 2.0 * ACCURACY * rise { 0.0 } else { risen }));
                 known[known.len() - 1].1
             }
             Err(error) => {
@@ -110,8 +135,8 @@ fn end_of_rise<O: Objective>(
         if risen.is_nan() {
             break;
         }
-        if risen > 0.0 {
-            found = brent_root(&mut above, inside, outside, ACCURACY * step.abs()).unwrap_or(outside);
+        if risen >= 0.0 {
+            found = brent_root(&mut above, inside, outside, accuracy).unwrap_or(outside);
             break;
         }
         inside = outside;

@@ -93,16 +93,36 @@ impl Likelihood {
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
     pub fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<LikelihoodPoint>> {
+        let readings = self.expected(coordinates, monitor)?;
+        Ok(readings.and_then(|readings| self.at_readings(coordinates, readings)))
+    }
+
+    /// The readings expected at coordinates; `None` beyond the range of a number, or where the machine slips.
+    ///
+    /// # Errors
+    /// Errors of the solver; stopped by the monitor.
+    pub fn expected(
+        &self,
+        coordinates: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Vec<ExpectedReadings>>> {
         let values = self.values(coordinates);
-        let (curves, numbers) = (&self.fit.curves, (self.free.as_slice(), values.as_slice()));
-        let readings = match expected::expected_readings((&self.fit.equation, curves), numbers, monitor) {
-            Err(Error::Invalid { .. } | Error::TooLarge { .. }) => return Ok(None),
-            readings => readings?,
-        };
-        let Some(readings) = readings else { return Ok(None) };
+        let numbers = (self.free.as_slice(), values.as_slice());
+        match expected::expected_readings((&self.fit.equation, &self.fit.curves), numbers, monitor) {
+            Err(Error::Invalid { .. } | Error::TooLarge { .. }) => Ok(None),
+            readings => readings,
+        }
+    }
+
+    /// The likelihood at coordinates where these readings are expected; `None` where it is 0 or not defined.
+    pub fn at_readings(
+        &self,
+        coordinates: &[f64],
+        readings: Vec<ExpectedReadings>,
+    ) -> Option<LikelihoodPoint> {
         let residuals: Vec<Mat<f64>> = readings
             .iter()
-            .zip(curves)
+            .zip(&self.fit.curves)
             .map(|(readings, measured)| {
                 let residual =
                     |i: usize| measured.forces.get(i).map_or(0.0, |force| force - readings.forces[i]);
@@ -115,7 +135,7 @@ impl Likelihood {
             let sizes = self.sizes((c, coordinates), reading);
             self.point((c, readings), residuals, sizes)
         });
-        let Some(points) = points.collect::<Option<Vec<CurvePoint>>>() else { return Ok(None) };
+        let points = points.collect::<Option<Vec<CurvePoint>>>()?;
         let of_curve = |point: &CurvePoint| {
             let n = point.residuals.nrows();
             point.whitened.squared_norm_l2()
@@ -123,7 +143,7 @@ impl Likelihood {
                 + n as f64 * std::f64::consts::TAU.ln()
         };
         let deviance = points.iter().map(of_curve).sum::<f64>() + self.prior(coordinates);
-        Ok(deviance.is_finite().then_some(LikelihoodPoint { curves: points, deviance }))
+        deviance.is_finite().then_some(LikelihoodPoint { curves: points, deviance })
     }
 
     /// The part of curve `curve`; `None` where its covariance is not positive definite.

@@ -84,6 +84,12 @@ impl Measurement {
         Ok(Self { positions: means(&self.positions), forces: means(&self.forces), machine: self.machine })
     }
 
+    /// Every `every`-th reading.
+    pub(super) fn thinned(&self, every: usize) -> Self {
+        let of = |values: &[f64]| values.iter().skip(every - 1).step_by(every).copied().collect();
+        Self { positions: of(&self.positions), forces: of(&self.forces), machine: self.machine }
+    }
+
     /// A first value of a compliance that is not known, for contacts of the stiffness N⟨k⟩ = K together: the steepest mean
     /// slope s over a tenth of the readings is about K/(1 + cK), so that c = 1/s − 1/K; a hundredth of 1/K where this is
     /// not above it.

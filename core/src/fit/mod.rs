@@ -3,10 +3,11 @@
 //! The readings are y = F(X) + machine + errors ([`Machine`], [`ErrorModel`]). Their errors are normal with the covariance Σ =
 //! (covariance of the force of N_c contacts, [`Pull::covariance`](crate::master::Pull::covariance)) + reading² + drift, so that
 //! −2 ln L = rᵀΣ⁻¹r + ln|Σ| + n ln 2π with the residuals r. The search is Fisher scoring with the damping of Levenberg and
-//! Marquardt; numbers above 0 are varied by their logarithms. The covariance of the contacts is computed at the estimates of a
-//! fit with independent errors, scaled by N⟨k⟩² in the search, and renewed up to three times. Errors of the estimates are the
-//! inverse of the expected information. Several curves share their numbers but for those that are free for one of them; their
-//! errors are independent.
+//! Marquardt; numbers above 0 are varied by their logarithms. If the lengths of the thresholds are several times too large or too
+//! small, it begins with those multiplied by one factor that are most like the curve. The covariance of the contacts is computed at
+//! the estimates of a fit with independent errors, scaled by N⟨k⟩² in the search, and renewed up to three times; the search with
+//! correlated errors begins with every s-th reading. Errors of the estimates are the inverse of the expected information. Several
+//! curves share their numbers but for those that are free for one of them; their errors are independent.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -31,9 +32,11 @@
 //! # Ok::<(), asperity::Error>(())
 //! ```
 
+mod cholesky;
 mod error_covariance;
 mod estimates;
 mod expected;
+mod first_values;
 mod free;
 mod free_form;
 mod friction;
@@ -42,6 +45,7 @@ mod likelihood;
 mod matrix;
 mod measurement;
 mod misfit;
+mod modelled_errors;
 mod prediction;
 mod search;
 mod smoothness;
@@ -59,23 +63,17 @@ pub use prediction::Prediction;
 pub use standardised::Standardised;
 pub use steady::{FittedSpectrum, SteadyEstimates, SteadyFit, SteadyRecord};
 
-use faer::Mat;
-
-use crate::law::SharedLaw;
+use crate::law::{Law, SharedLaw};
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
 use estimates::Ended;
 use free::{FreeParameter, Role};
-use likelihood::{ContactNoise, CurvePoint, Errors, Likelihood, LikelihoodPoint};
-use search::{Optimum, search};
+use likelihood::{Errors, Likelihood};
+use search::{COARSE, Optimum, SHORT, search};
 
 /// Most readings with the covariance of the contacts, or with a drift.
 const MOST: usize = 4000;
-/// Times that the covariance of the contacts is computed again.
-const RENEWALS: usize = 3;
-/// It is not, where no estimate has moved by this many of its errors.
-const SETTLED: f64 = 0.1;
 
 /// A fit of some numbers of contacts, and of the machine, to one or more measured curves of force.
 #[derive(Debug, Clone)]
@@ -138,18 +136,39 @@ impl Fit {
         self.curves.iter().map(Measurement::scale).fold(0.0, f64::max)
     }
 
-    /// The same fit with thresholds of another law, all numbers of which are free in place of those of the present one; priors of
-    /// numbers of thresholds are left out.
+    /// The same fit with thresholds of another law. If all numbers of the present thresholds are free, all of its own are;
+    /// otherwise those of the same names. Priors stay with their names.
+    ///
+    /// # Errors
+    /// A free number of thresholds that the other law has not; errors of the solver; stopped by the monitor.
+    pub fn with_thresholds(&self, law: SharedLaw, monitor: &mut dyn Monitor) -> Result<Self> {
+        let present = names_of(self.equation.contacts().thresholds.as_ref());
+        let own = names_of(law.as_ref());
+        if present.iter().all(|name| self.free.contains(name)) {
+            return self.with_law((law, own), monitor);
+        }
+        let free: Vec<String> = self.free.iter().filter(|name| is_of_thresholds(name)).cloned().collect();
+        if let Some(name) = free.iter().find(|name| !own.contains(name)) {
+            let expected = format!(
+                "{}, or all numbers of the thresholds, for a fit with the distribution {}",
+                own.join(", "),
+                law.name()
+            );
+            return Err(Error::invalid("free", expected, name));
+        }
+        self.with_law((law, free), monitor)
+    }
+
+    /// The same fit with thresholds of another law, of which these numbers are free.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
-    pub fn with_thresholds(&self, law: SharedLaw, monitor: &mut dyn Monitor) -> Result<Self> {
-        let of_thresholds = |name: &str| name.starts_with("thresholds.");
-        let own = law.parameters().into_iter().map(|parameter| format!("thresholds.{}", parameter.name));
-        let others = self.free.iter().filter(|name| !of_thresholds(name)).cloned();
+    fn with_law(&self, (law, own): (SharedLaw, Vec<String>), monitor: &mut dyn Monitor) -> Result<Self> {
+        let others = self.free.iter().filter(|name| !is_of_thresholds(name)).cloned();
+        let priors = self.priors.iter().filter(|(name, _)| !is_of_thresholds(name) || own.contains(name));
         Ok(Self {
-            free: own.chain(others).collect(),
-            priors: self.priors.iter().filter(|(name, _)| !of_thresholds(name)).cloned().collect(),
+            priors: priors.cloned().collect(),
+            free: own.into_iter().chain(others).collect(),
             equation: self.equation.with_thresholds(law, monitor)?,
             ..self.clone()
         })
@@ -186,11 +205,11 @@ impl Fit {
         if self.is_planned() {
             return self.planned(free, monitor);
         }
-        let coordinates: Vec<f64> =
-            free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
         let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite, smoothness: None };
-        let held = vec![false; coordinates.len()];
-        let first = search(&white, &coordinates, &held, &mut Part::new(monitor, 0.0, 0.3))?;
+        let (coordinates, solutions) = self.first_values(&white, &mut Part::new(monitor, 0.0, 0.05))?;
+        let short = if self.is_profiled() { SHORT } else { COARSE };
+        let mut first = search(&white, &coordinates, short, &mut Part::new(monitor, 0.05, 0.25))?;
+        first.solutions += solutions;
         if self.is_profiled() {
             return Ended { likelihood: white, optimum: first }.estimates(&mut Part::new(monitor, 0.3, 0.7));
         }
@@ -201,40 +220,6 @@ impl Fit {
     fn is_profiled(&self) -> bool {
         let ErrorModel { contacts, reading, drift } = self.errors;
         !contacts && reading.is_none() && drift.is_none()
-    }
-
-    /// The search with the noise of contacts, or other errors that are modelled, after one with independent errors.
-    fn with_modelled_errors(
-        &self,
-        mut free: Vec<FreeParameter>,
-        first: Optimum,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Estimates> {
-        let Optimum { mut coordinates, mut trial, mut solutions, .. } = first;
-        free.extend(self.free_errors(0.02 * roughness(&trial), 0.5 * trial.reading()));
-        let errors = free[coordinates.len()..].iter().map(|parameter| parameter.coordinate(parameter.start));
-        let errors: Vec<f64> = errors.collect();
-        coordinates.extend(errors);
-        for renewal in 0..=RENEWALS {
-            let start = 0.8 * renewal as f64 / (RENEWALS + 1) as f64;
-            let noise = self.contact_noise(&trial, &coordinates, &mut Part::new(monitor, start, 0.05))?;
-            if let (0, Some(noise)) = (renewal, &noise) {
-                divide_noise(&free, &mut coordinates, &trial, noise);
-            }
-            let likelihood =
-                Likelihood { fit: self.clone(), free, errors: Errors::Modelled(noise), smoothness: None };
-            let held = vec![false; coordinates.len()];
-            let mut found =
-                search(&likelihood, &coordinates, &held, &mut Part::new(monitor, start + 0.05, 0.15))?;
-            found.solutions += solutions;
-            let settled = !self.errors.contacts || has_settled(&found, &coordinates);
-            if settled || renewal == RENEWALS || !found.converged {
-                return Ended { likelihood, optimum: found }.estimates(&mut Part::new(monitor, 0.8, 0.2));
-            }
-            Optimum { coordinates, trial, solutions, .. } = found;
-            free = likelihood.free;
-        }
-        unreachable!("the last renewal returns")
     }
 
     /// The errors that a planned measurement would have.
@@ -251,36 +236,19 @@ impl Fit {
         let coordinates: Vec<f64> =
             free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
         let white = Likelihood { fit: self.clone(), free, errors: Errors::Modelled(None), smoothness: None };
-        let trial = white.trial(&coordinates, &mut Part::new(monitor, 0.0, 0.3))?.ok_or_else(|| {
+        let readings = white.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.3))?.ok_or_else(|| {
             Error::invalid("free", "first values from which a curve follows", "none at the first values")
         })?;
-        let noise = self.contact_noise(&trial, &coordinates, &mut Part::new(monitor, 0.3, 0.3))?;
+        let noise = self.contact_noise(&readings, &coordinates, &mut Part::new(monitor, 0.3, 0.3))?;
         let likelihood = Likelihood { errors: Errors::Modelled(noise), ..white };
-        let trial = likelihood.trial(&coordinates, &mut Part::new(monitor, 0.6, 0.1))?.ok_or_else(|| {
+        let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(|| {
             Error::invalid("reading", "errors whose covariance is positive definite", "a smaller one")
         })?;
         let score = likelihood.score(&coordinates, &trial, &mut Part::new(monitor, 0.7, 0.1))?;
         let at_bound = vec![false; coordinates.len()];
-        let optimum = Optimum { coordinates, trial, score, at_bound, converged: true, solutions: 1 };
+        let optimum =
+            Optimum { coordinates, trial, score, at_bound, converged: true, solutions: 1, fall: 0.0 };
         Ended { likelihood, optimum }.estimates(&mut Part::new(monitor, 0.8, 0.2))
-    }
-
-    /// The covariance of the noise of contacts at a point of the likelihood, if it is part of the errors.
-    fn contact_noise(
-        &self,
-        trial: &LikelihoodPoint,
-        coordinates: &[f64],
-        monitor: &mut dyn Monitor,
-    ) -> Result<Option<ContactNoise>> {
-        if !self.errors.contacts {
-            return Ok(None);
-        }
-        let share = 1.0 / trial.curves.len() as f64;
-        let of_curve = |(c, point): (usize, &CurvePoint)| {
-            point.readings.noise(&mut Part::new(monitor, c as f64 * share, share))
-        };
-        let covariances = trial.curves.iter().enumerate().map(of_curve).collect::<Result<_>>()?;
-        Ok(Some(ContactNoise { covariances, coordinates: coordinates.to_vec() }))
     }
 
     /// The free numbers, after all checks.
@@ -317,41 +285,12 @@ impl Fit {
     }
 }
 
-/// The size of independent errors, from the second differences of the residuals.
-fn roughness(trial: &LikelihoodPoint) -> f64 {
-    let of_curve = |curve: &CurvePoint| {
-        let r = &curve.residuals;
-        let second = |i: usize| r[(i, 0)] - 2.0 * r[(i + 1, 0)] + r[(i + 2, 0)];
-        let squares: f64 = (0..r.nrows().saturating_sub(2)).map(|i| second(i).powi(2)).sum();
-        (squares, r.nrows())
-    };
-    let (squares, n) =
-        trial.curves.iter().map(of_curve).fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
-    (squares / (6.0 * n as f64)).sqrt()
+/// Whether a number belongs to the thresholds, of all curves.
+fn is_of_thresholds(name: &str) -> bool {
+    name.starts_with("thresholds.")
 }
 
-/// Divides N⟨k⟩ anew where both are free, so that the noise of contacts is as large as the residuals.
-fn divide_noise(
-    free: &[FreeParameter],
-    coordinates: &mut [f64],
-    trial: &LikelihoodPoint,
-    noise: &ContactNoise,
-) {
-    let place = |name: &str| free.iter().position(|parameter| parameter.name == name);
-    let (Some(count), Some(stiffness)) = (place("count"), place("stiffness")) else { return };
-    let trace = |covariance: &Mat<f64>| (0..covariance.nrows()).map(|i| covariance[(i, i)]).sum::<f64>();
-    let expected: f64 = noise.covariances.iter().map(trace).sum();
-    let ratio = trial.curves.iter().map(|curve| curve.residuals.squared_norm_l2()).sum::<f64>() / expected;
-    if ratio.is_finite() && ratio > 0.0 {
-        coordinates[count] -= ratio.ln();
-        coordinates[stiffness] += ratio.ln();
-    }
-}
-
-/// Whether no estimate has moved by much of its error.
-fn has_settled(found: &Optimum, before: &[f64]) -> bool {
-    let moved = found.coordinates.iter().zip(before).enumerate();
-    moved
-        .map(|(k, (u, before))| (u - before).abs() * found.score.information[(k, k)].sqrt())
-        .all(|errors| errors < SETTLED)
+/// The names of the numbers of thresholds.
+fn names_of(law: &dyn Law) -> Vec<String> {
+    law.parameters().into_iter().map(|parameter| format!("thresholds.{}", parameter.name)).collect()
 }

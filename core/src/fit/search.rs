@@ -12,6 +12,8 @@ use crate::{Error, Result};
 const STEPS: usize = 60;
 /// The search ends where the next step would be this short, in standard errors squared: a thousandth of an error.
 pub(super) const SHORT: f64 = 1e-6;
+/// A search whose end is only the start of another one: a tenth of an error.
+pub(super) const COARSE: f64 = 1e-2;
 /// Or, where no step lowers the deviance by reason of rounding, this short.
 const ROUNDED: f64 = 1e-3;
 /// Smallest damping, relative to the information, where a step without any has failed; factors by which it changes, and its
@@ -87,16 +89,18 @@ pub(super) struct Optimum<P = LikelihoodPoint> {
     pub converged: bool,
     /// Solutions of the master equation.
     pub solutions: usize,
+    /// By how much the next step would lower the deviance.
+    pub fall: f64,
 }
 
-/// Minimises the deviance from `start`, with the numbers that are `held` fixed.
+/// Minimises the deviance from `start`, until a step would be `short`, in standard errors squared.
 ///
 /// # Errors
 /// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
 pub(super) fn search<O: Objective>(
     likelihood: &O,
     start: &[f64],
-    held: &[bool],
+    short: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<Optimum<O::Point>> {
     let Some(trial) = likelihood.trial(start, &mut Aside { fraction: 0.0, monitor })? else {
@@ -104,23 +108,38 @@ pub(super) fn search<O: Objective>(
             "first values from which a curve follows; where the machine has a compliance, one without a slip";
         return Err(Error::invalid("free", expected, "none at the first values"));
     };
-    search_from(likelihood, (start, trial), (held, SHORT), monitor)
+    let mut found = search_from(likelihood, (start, trial), (&vec![false; start.len()], short), monitor)?;
+    found.solutions += 1;
+    Ok(found)
 }
 
-/// The same from a start that is known, until a step would be `short`, in standard errors squared.
+/// The same from a start where the likelihood is known, with the numbers that are `held` fixed.
 ///
 /// # Errors
 /// Errors of the solver; stopped by the monitor.
 pub(super) fn search_from<O: Objective>(
     likelihood: &O,
-    (start, mut trial): (&[f64], O::Point),
+    (start, trial): (&[f64], O::Point),
+    at: (&[bool], f64),
+    monitor: &mut dyn Monitor,
+) -> Result<Optimum<O::Point>> {
+    let score = likelihood.score(start, &trial, monitor)?;
+    search_from_score(likelihood, (start, trial, score), at, monitor)
+}
+
+/// The same where the slope is known, too.
+///
+/// # Errors
+/// Errors of the solver; stopped by the monitor.
+pub(super) fn search_from_score<O: Objective>(
+    likelihood: &O,
+    (start, mut trial, mut score): (&[f64], O::Point, Score),
     (held, short): (&[bool], f64),
     monitor: &mut dyn Monitor,
 ) -> Result<Optimum<O::Point>> {
     let mut coordinates = start.to_vec();
     let monitor = &mut Aside { fraction: 0.0, monitor };
-    let mut score = likelihood.score(&coordinates, &trial, monitor)?;
-    let (mut damping, mut solutions, mut converged) = (0.0, 1, false);
+    let (mut damping, mut solutions, mut converged, mut fall) = (0.0, 0, false, f64::INFINITY);
     for step in 0..STEPS {
         // The number of steps is not known beforehand; most searches need about ten.
         monitor.fraction = 1.0 - 0.85_f64.powi(step as i32);
@@ -139,6 +158,7 @@ pub(super) fn search_from<O: Objective>(
             newton = step;
         }
         let decrement = -matrix::inner(&newton, &score.slope);
+        fall = decrement;
         if decrement < short {
             converged = true;
             break;
@@ -175,7 +195,7 @@ pub(super) fn search_from<O: Objective>(
     }
     let at_bound = likelihood.free().iter().zip(&coordinates);
     let at_bound = at_bound.map(|(parameter, u)| parameter.bounds.contains(u)).collect();
-    Ok(Optimum { coordinates, trial, score, at_bound, converged, solutions })
+    Ok(Optimum { coordinates, trial, score, at_bound, converged, solutions, fall })
 }
 
 fn more(damping: f64) -> f64 {

@@ -46,22 +46,32 @@ impl Smoothness {
 
     /// Adds the derivatives of half the penalty to the slope and to the information of half the deviance.
     pub fn add(&self, coordinates: &[f64], slope: &mut Mat<f64>, information: &mut Mat<f64>) {
+        self.add_roughness((self.strength, coordinates), slope, information);
+        let (excess, share) = (self.excess(coordinates), 1.0 / self.places.len() as f64);
+        for a in self.places.clone() {
+            slope[(a, 0)] += excess * share;
+            for b in self.places.clone() {
+                information[(a, b)] += share * share;
+            }
+        }
+    }
+
+    /// Adds those of `strength` Σ(Δ³θ)² alone.
+    pub fn add_roughness(
+        &self,
+        (strength, coordinates): (f64, &[f64]),
+        slope: &mut Mat<f64>,
+        information: &mut Mat<f64>,
+    ) {
         let own = &coordinates[self.places.clone()];
         for (i, four) in own.windows(4).enumerate() {
             let difference = dot(&THIRD, four);
             let first = self.places.start + i;
             for (a, wa) in THIRD.iter().enumerate() {
-                slope[(first + a, 0)] += self.strength * difference * wa;
+                slope[(first + a, 0)] += strength * difference * wa;
                 for (b, wb) in THIRD.iter().enumerate() {
-                    information[(first + a, first + b)] += self.strength * wa * wb;
+                    information[(first + a, first + b)] += strength * wa * wb;
                 }
-            }
-        }
-        let (excess, share) = (self.excess(coordinates), 1.0 / own.len() as f64);
-        for a in self.places.clone() {
-            slope[(a, 0)] += excess * share;
-            for b in self.places.clone() {
-                information[(a, b)] += share * share;
             }
         }
     }

@@ -35,8 +35,8 @@ pub struct Fit {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length"))]
     pub drive: Option<Vec<f64>>,
-    /// A record of the force in steady sliding, instead of a curve; with `fit.free`, `fit.reading`, `fit.offset`, `fit.prior` and
-    /// `fit.velocity` only.
+    /// A record of the force in steady sliding, instead of a curve; with `fit.free`, `fit.reading`, `fit.offset`, `fit.prior`,
+    /// `fit.posterior` and `fit.velocity` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steady: Option<FitSteady>,
     /// Measured forces, instead of a file; without them, and with `fit.reading`, the errors that such a measurement would have.
@@ -87,8 +87,9 @@ pub struct Fit {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(extend("x-dimension" = "any"))]
     pub prior: BTreeMap<String, Prior>,
-    /// Names of distributions of the thresholds, such as `"gamma"` and `"lognormal"`: the same fit with each of them, all numbers
-    /// of which are free instead of those of `contacts.thresholds`, for a comparison by Akaike's criterion.
+    /// Names of distributions of the thresholds, such as `"gamma"` and `"lognormal"`: the same fit with each of them, for a
+    /// comparison by Akaike's criterion. Where all numbers of `contacts.thresholds` are free, all of theirs are; otherwise those
+    /// of the same names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub laws: Vec<String>,
     /// Draws from the posterior, beside the estimates and their errors; without this table there are none.
@@ -208,13 +209,16 @@ impl Fit {
         for (i, name) in self.laws.iter().enumerate() {
             threshold_family(&format!("laws.{i}"), name)?;
         }
-        self.posterior
-            .map_or(Ok(()), |posterior| posterior.check())
-            .map_err(|error| error.under("posterior"))?;
+        self.check_posterior()?;
         if self.average == 0 {
             return Err(Error::invalid("average", "1 reading or more", 0));
         }
         Ok(())
+    }
+
+    pub(super) fn check_posterior(&self) -> Result<()> {
+        let checked = self.posterior.map_or(Ok(()), |posterior| posterior.check());
+        checked.map_err(|error| error.under("posterior"))
     }
 
     /// The curves, each with all that the table says of it.

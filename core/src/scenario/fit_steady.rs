@@ -82,7 +82,6 @@ impl Fit {
             ("average", self.average != 1),
             ("laws", !self.laws.is_empty()),
             ("thresholds", self.thresholds != FitThresholds::Law),
-            ("posterior", self.posterior.is_some()),
             ("noise", self.noise != FitNoise::Contacts),
         ];
         if let Some((key, _)) = of_curves.into_iter().find(|(_, given)| *given) {
@@ -92,6 +91,7 @@ impl Fit {
         if self.free.is_empty() {
             return Err(Error::invalid("free", "at least one key", "none"));
         }
+        self.check_posterior()?;
         steady.check().map_err(|error| error.under("steady"))
     }
 

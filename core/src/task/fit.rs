@@ -4,7 +4,7 @@ use super::accuracy::ForceAccuracy;
 use super::fit_numbers::{correlations, friction, not_converged, number};
 use super::summary::{FitLaw, FitLaws, FitNumbers, FitSummary};
 use super::{Output, fit_steady, free_form, posterior};
-use crate::fit::{Estimates, Fit, Measurement, Readings};
+use crate::fit::{Estimates, Fit, Measurement, Readings, Standardised, SteadyEstimates};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, FitKeys, FitThresholds, Model};
@@ -58,12 +58,29 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
 /// What the fit of a scenario has found, with the keys of its numbers.
 #[derive(Debug)]
 pub struct KeyedEstimates {
-    /// The estimates.
-    pub estimates: Estimates,
+    estimates: OfMeasurement,
     keys: FitKeys,
 }
 
+/// Estimates from a loading curve, or from a record of steady sliding.
+#[derive(Debug)]
+enum OfMeasurement {
+    Curve(Box<Estimates>),
+    Steady(Box<SteadyEstimates>),
+}
+
 impl KeyedEstimates {
+    /// The posterior in standardised coordinates.
+    ///
+    /// # Errors
+    /// A measurement that is only planned; no number with an error.
+    pub fn standardised(&self) -> Result<Standardised<'_>> {
+        match &self.estimates {
+            OfMeasurement::Curve(found) => found.standardised(),
+            OfMeasurement::Steady(found) => found.standardised(),
+        }
+    }
+
     /// The key in the scenario for the name of a number.
     pub fn key(&self, name: &str) -> String {
         self.keys.key(name)
@@ -79,10 +96,6 @@ pub(super) fn run(
     task: &scenario::Fit,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<FitNumbers>> {
-    if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
-        let source = task.steady.as_ref().and_then(|steady| steady.source.clone());
-        return fit_steady::run(model, &steady, source, &mut Part::new(monitor, 0.05, 0.95));
-    }
     Ok(found(model, task, monitor)?.0)
 }
 
@@ -95,6 +108,15 @@ pub(super) fn found(
     task: &scenario::Fit,
     monitor: &mut dyn Monitor,
 ) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
+    if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
+        let source = task.steady.as_ref().and_then(|steady| steady.source.clone());
+        let part = &mut Part::new(monitor, 0.05, 0.95);
+        let (output, found) = fit_steady::found(model, &steady, source, part)?;
+        return Ok((
+            output,
+            KeyedEstimates { estimates: OfMeasurement::Steady(Box::new(found)), keys: steady.1 },
+        ));
+    }
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
     let is_free = task.thresholds == FitThresholds::FreeForm;
     let share = 0.85 / (1 + task.laws.len() + if is_free { 10 } else { 0 }) as f64;
@@ -127,7 +149,7 @@ pub(super) fn found(
     let accuracy = ForceAccuracy::new(model, found.pull(0).error_estimate(), found.equation().life().mean());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
     let output = accuracy.of(model, "the force of the fit", output)?;
-    Ok((output, KeyedEstimates { estimates: found, keys }))
+    Ok((output, KeyedEstimates { estimates: OfMeasurement::Curve(Box::new(found)), keys }))
 }
 
 /// The same fit with each of the distributions of `fit.laws`, from the mean and the standard deviation of the fitted thresholds.

@@ -5,7 +5,7 @@ use super::accuracy::ForceAccuracy;
 use super::fit_numbers::{correlations, friction, not_converged, number};
 use super::summary::{FitNumbers, FitSummary};
 use crate::Result;
-use crate::fit::SteadyFit;
+use crate::fit::{SteadyEstimates, SteadyFit};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, FitKeys, FitSource, Model};
@@ -39,12 +39,12 @@ pub(super) const TABLE: CsvTable = CsvTable { file: "fit_spectrum.csv", columns:
 ///
 /// # Errors
 /// Those of [`SteadyFit::run`].
-pub(super) fn run(
+pub(super) fn found(
     model: &Model,
     (fit, keys): &(SteadyFit, FitKeys),
     source: Option<FitSource>,
     monitor: &mut dyn Monitor,
-) -> Result<Output<FitNumbers>> {
+) -> Result<(Output<FitNumbers>, SteadyEstimates)> {
     let found = fit.run_with(&mut Part::new(monitor, 0.0, 0.9)).map_err(scenario::Fit::keyed_steady)?;
     let told = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
     let mut record = Record::default();
@@ -71,5 +71,5 @@ pub(super) fn run(
     let steady = found.equation().steady_state();
     let accuracy = ForceAccuracy::new(model, steady.error_estimate(), steady.mean_life());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
-    accuracy.of(model, "the force of steady sliding", output)
+    Ok((accuracy.of(model, "the force of steady sliding", output)?, found))
 }

@@ -43,7 +43,7 @@ const CUMULATIVE_ERROR: Column = Column::new(
 pub(super) const COLUMNS: [Column; 6] = [THRESHOLD, DENSITY, LOW, HIGH, CUMULATIVE, CUMULATIVE_ERROR];
 
 /// Their table.
-pub(super) const TABLE: CsvTable = CsvTable { file: "free_form.csv", columns: &COLUMNS, needed: DENSITY };
+pub(super) const TABLE: CsvTable = CsvTable { file: "thresholds.csv", columns: &COLUMNS, needed: DENSITY };
 
 /// Adds the density to a record; returns what is said of it.
 ///

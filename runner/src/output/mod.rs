@@ -101,6 +101,7 @@ pub fn write_only(
     let mut files = vec![NewFile::of("scenario.toml", outcome.scenario.as_bytes())];
     if only.json {
         files.push(NewFile::of("summary.json", json(&outcome.summary)));
+        files.extend(outcome.summary.numbers.fit().map(|fit| NewFile::of("fit.json", json(fit))));
     }
     if only.csv {
         files.extend(csv::tables(variables).map(|table| NewFile {
@@ -141,8 +142,8 @@ pub fn attach(dir: &Path, attachments: &[Attachment]) -> Result<Vec<Renamed>> {
     directory::add(dir, &files.collect::<Vec<_>>())
 }
 
-fn json(summary: &Summary) -> Vec<u8> {
-    let mut text = serde_json::to_vec_pretty(summary).expect("a summary is plain data");
+fn json(plain: &impl serde::Serialize) -> Vec<u8> {
+    let mut text = serde_json::to_vec_pretty(plain).expect("a summary is plain data");
     text.push(b'\n');
     text
 }

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use asperity::fit::{Estimates, Standardised};
+use asperity::fit::Standardised;
 use asperity::monitor::Monitor;
 use asperity::random::{Purpose, Stream};
 use asperity::scenario::FitPosterior;
@@ -92,14 +92,17 @@ fn quantile(sorted: &[f64], p: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// Draws from the posterior of `found`, with as many chains at a time as there are threads.
+/// Draws from the posterior `target` of a fit, with as many chains at a time as there are threads.
 ///
 /// # Errors
-/// Fewer than 4 draws, no chain; those of [`Estimates::standardised`]; errors of the solver; stopped by the monitor.
-pub fn sample(found: &Estimates, sampling: FitPosterior, monitor: &mut dyn Monitor) -> Result<Posterior> {
+/// Fewer than 4 draws, no chain; errors of the solver; stopped by the monitor.
+pub fn sample(
+    target: &Standardised<'_>,
+    sampling: FitPosterior,
+    monitor: &mut dyn Monitor,
+) -> Result<Posterior> {
     sampling.check()?;
-    let target = found.standardised()?;
-    let made = on_threads(&target, sampling, monitor)?;
+    let made = on_threads(target, sampling, monitor)?;
     let all = |of: &dyn Fn(&Drawn) -> f64| made.iter().flatten().map(of).collect::<Vec<f64>>();
     let names: Vec<String> = target.names().into_iter().map(str::to_owned).collect();
     Ok(Posterior {

@@ -8,6 +8,7 @@ use super::super::interval;
 use super::super::matrix;
 use super::super::misfit::{self, Misfit};
 use super::super::search::Optimum;
+use super::super::standardised::Standardised;
 use super::likelihood::{SteadyLikelihood, SteadyPoint};
 use super::record::{SteadyRecord, inverse, multiplicity};
 use crate::master::MasterEquation;
@@ -131,6 +132,15 @@ impl SteadyEstimates {
         let slope = self.likelihood.free[number].slope(self.optimum.coordinates[number]);
         let error = self.parameters[number].error / slope;
         interval::by_profile((&self.likelihood, &self.optimum), (number, error), monitor)
+    }
+
+    /// The posterior in standardised coordinates, by the debiased likelihood of Whittle.
+    ///
+    /// # Errors
+    /// No number with an error.
+    pub fn standardised(&self) -> Result<Standardised<'_>> {
+        let coordinates = self.optimum.coordinates.as_slice();
+        Standardised::new((&self.likelihood, coordinates), (&self.parameters, &self.covariance))
     }
 
     /// F_s, F_k, X* and K_c, with the errors that follow from the covariance of the estimates. F_s and K_c are those of a pull

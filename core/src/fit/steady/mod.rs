@@ -43,7 +43,7 @@ pub use estimates::{FittedSpectrum, SteadyEstimates};
 pub use record::SteadyRecord;
 
 use super::free::{FreeParameter, Prior, Role, with_priors};
-use super::search::search;
+use super::search::{SHORT, search};
 use crate::error::positive;
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
@@ -138,8 +138,7 @@ impl SteadyFit {
         let coordinates = likelihood.first_values(&mut Part::new(monitor, 0.0, 0.2))?.ok_or_else(|| {
             Error::invalid("free", "first values that have a noise", "none at the first values")
         })?;
-        let held = vec![false; coordinates.len()];
-        let found = search(&likelihood, &coordinates, &held, &mut Part::new(monitor, 0.2, 0.7))?;
+        let found = search(&likelihood, &coordinates, SHORT, &mut Part::new(monitor, 0.2, 0.7))?;
         SteadyEstimates::new(likelihood, found, &mut Part::new(monitor, 0.9, 0.1))
     }
 

@@ -1,0 +1,184 @@
+//! The search with modelled errors: the noise of contacts, whose covariance is renewed at the estimates, and drift.
+
+use faer::Mat;
+
+use super::estimates::{Ended, Estimates};
+use super::expected::ExpectedReadings;
+use super::free::FreeParameter;
+use super::likelihood::{ContactNoise, CurvePoint, Errors, Likelihood, LikelihoodPoint};
+use super::search::{COARSE, Optimum, SHORT, search_from};
+use super::{Fit, Measurement};
+use crate::monitor::{Monitor, Part};
+use crate::{Error, Result};
+
+/// Times that the covariance of the contacts is computed again.
+const RENEWALS: usize = 3;
+/// It is not, where no estimate on which its shape depends has moved by this many of its errors.
+const SETTLED: f64 = 0.1;
+/// Readings of a curve that are enough for a first search: it costs the cube of their number.
+const ENOUGH: usize = 200;
+
+impl Fit {
+    /// The search with modelled errors, after one with independent errors: with every s-th reading, then from there with all.
+    ///
+    /// # Errors
+    /// Those of [`Fit::run`].
+    pub(super) fn with_modelled_errors(
+        &self,
+        mut free: Vec<FreeParameter>,
+        first: Optimum,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Estimates> {
+        let Optimum { mut coordinates, trial, mut solutions, .. } = first;
+        free.extend(self.free_errors(0.02 * roughness(&trial), 0.5 * trial.reading()));
+        let errors = free[coordinates.len()..].iter().map(|parameter| parameter.coordinate(parameter.start));
+        let errors: Vec<f64> = errors.collect();
+        coordinates.extend(errors);
+        let likelihood = |fit: Self| Likelihood {
+            fit,
+            free: free.clone(),
+            errors: Errors::Modelled(None),
+            smoothness: None,
+        };
+        let mut divided = false;
+        if let Some(fewer) = self.thinned() {
+            let part = &mut Part::new(monitor, 0.0, 0.3);
+            let found = likelihood(fewer).renewed(coordinates.clone(), (false, COARSE), part)?.optimum;
+            solutions += found.solutions;
+            if found.converged {
+                (coordinates, divided) = (found.coordinates, true);
+            }
+        }
+        let part = &mut Part::new(monitor, 0.3, 0.5);
+        let mut ended = likelihood(self.clone()).renewed(coordinates, (divided, SHORT), part)?;
+        ended.optimum.solutions += solutions;
+        ended.estimates(&mut Part::new(monitor, 0.8, 0.2))
+    }
+
+    /// The same fit to every s-th reading of each curve, where this leaves [`ENOUGH`] of each and the errors are correlated.
+    fn thinned(&self) -> Option<Self> {
+        let fewest = self.curves.iter().map(|curve| curve.positions.len()).min()?;
+        let correlated = self.errors.contacts || self.errors.drift.is_some();
+        (correlated && fewest >= 2 * ENOUGH).then(|| {
+            let curves = self.curves.iter().map(|curve| curve.thinned(fewest / ENOUGH)).collect();
+            Self { curves, ..self.clone() }
+        })
+    }
+
+    /// The covariance of the noise of contacts where these readings are expected, if it is part of the errors.
+    ///
+    /// # Errors
+    /// Those of [`crate::master::Pull::covariance`].
+    pub(super) fn contact_noise(
+        &self,
+        readings: &[ExpectedReadings],
+        coordinates: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<ContactNoise>> {
+        if !self.errors.contacts {
+            return Ok(None);
+        }
+        let share = 1.0 / readings.len() as f64;
+        let of_curve = |(c, readings): (usize, &ExpectedReadings)| {
+            readings.noise(&mut Part::new(monitor, c as f64 * share, share))
+        };
+        let covariances = readings.iter().enumerate().map(of_curve).collect::<Result<_>>()?;
+        Ok(Some(ContactNoise { covariances, coordinates: coordinates.to_vec() }))
+    }
+
+    /// Whether the covariance of the noise of contacts is in proportion to a power of this number.
+    fn scales_noise(&self, parameter: &FreeParameter) -> bool {
+        let warm = self.equation.contacts().rules.temperature.is_some();
+        parameter.noise_power() != 0.0 && !(warm && parameter.quantity == "stiffness")
+    }
+}
+
+impl Likelihood {
+    /// The search from `start` until a step would be `short`, with the noise of the contacts at its end; whether this is already
+    /// `divided` into the number of contacts and their stiffness.
+    ///
+    /// # Errors
+    /// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
+    fn renewed(
+        mut self,
+        start: Vec<f64>,
+        (divided, short): (bool, f64),
+        monitor: &mut dyn Monitor,
+    ) -> Result<Ended> {
+        let mut coordinates = start;
+        let mut readings =
+            self.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.1))?.ok_or_else(none)?;
+        let mut solutions = 1;
+        for renewal in 0..=RENEWALS {
+            let monitor = &mut Part::new(monitor, 0.1 + 0.2 * renewal as f64, 0.2);
+            let part = &mut Part::new(monitor, 0.0, 0.2);
+            self.errors = Errors::Modelled(self.fit.contact_noise(&readings, &coordinates, part)?);
+            if renewal == 0 && !divided && self.divide_noise(&mut coordinates, &readings) {
+                let part = &mut Part::new(monitor, 0.2, 0.1);
+                readings = self.expected(&coordinates, part)?.ok_or_else(none)?;
+                solutions += 1;
+            }
+            let trial = self.at_readings(&coordinates, readings).ok_or_else(none)?;
+            let held = vec![false; coordinates.len()];
+            let part = &mut Part::new(monitor, 0.3, 0.7);
+            let mut found = search_from(&self, (&coordinates, trial), (&held, short), part)?;
+            solutions += found.solutions;
+            if renewal == RENEWALS || !found.converged || self.has_settled(&found) {
+                found.solutions = solutions;
+                return Ok(Ended { likelihood: self, optimum: found });
+            }
+            readings = found.trial.curves.into_iter().map(|curve| curve.readings).collect();
+            coordinates = found.coordinates;
+        }
+        unreachable!("the last renewal returns")
+    }
+
+    /// Divides N⟨k⟩ anew where both are free, so that the noise of contacts is as large as the residuals; whether it has.
+    fn divide_noise(&self, coordinates: &mut [f64], readings: &[ExpectedReadings]) -> bool {
+        let Errors::Modelled(Some(noise)) = &self.errors else { return false };
+        let place = |name: &str| self.free.iter().position(|parameter| parameter.name == name);
+        let (Some(count), Some(stiffness)) = (place("count"), place("stiffness")) else { return false };
+        let trace = |covariance: &Mat<f64>| (0..covariance.nrows()).map(|i| covariance[(i, i)]).sum::<f64>();
+        let expected: f64 = noise.covariances.iter().map(trace).sum();
+        let squares = |(readings, measured): (&ExpectedReadings, &Measurement)| {
+            let residuals = measured.forces.iter().zip(&readings.forces);
+            residuals.map(|(measured, expected)| (measured - expected).powi(2)).sum::<f64>()
+        };
+        let ratio = readings.iter().zip(&self.fit.curves).map(squares).sum::<f64>() / expected;
+        let divides = ratio.is_finite() && ratio > 0.0;
+        if divides {
+            coordinates[count] -= ratio.ln();
+            coordinates[stiffness] += ratio.ln();
+        }
+        divides
+    }
+
+    /// Whether the noise of contacts is that at the end of a search, but for a factor.
+    fn has_settled(&self, found: &Optimum) -> bool {
+        let Errors::Modelled(Some(noise)) = &self.errors else { return true };
+        let moved = found.coordinates.iter().zip(&noise.coordinates).enumerate();
+        moved
+            .filter(|(k, _)| !self.free[*k].is_of_errors() && !self.fit.scales_noise(&self.free[*k]))
+            .map(|(k, (u, before))| (u - before).abs() * found.score.information[(k, k)].sqrt())
+            .all(|errors| errors < SETTLED)
+    }
+}
+
+/// The error of a start where the likelihood is not defined.
+fn none() -> Error {
+    let expected = "first values with positive definite errors, and from which a curve follows";
+    Error::invalid("free", expected, "none at those of the fit with independent errors")
+}
+
+/// The size of independent errors, from the second differences of the residuals.
+fn roughness(trial: &LikelihoodPoint) -> f64 {
+    let of_curve = |curve: &CurvePoint| {
+        let r = &curve.residuals;
+        let second = |i: usize| r[(i, 0)] - 2.0 * r[(i + 1, 0)] + r[(i + 2, 0)];
+        let squares: f64 = (0..r.nrows().saturating_sub(2)).map(|i| second(i).powi(2)).sum();
+        (squares, r.nrows())
+    };
+    let (squares, n) =
+        trial.curves.iter().map(of_curve).fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
+    (squares / (6.0 * n as f64)).sqrt()
+}
