@@ -28,8 +28,7 @@ const SCRIPTS: [&str; 7] = [
     shipped!("controls.js"),
     shipped!("app.js"),
 ];
-const STYLES: [&str; 2] =
-    [shipped!("uplot/uPlot.min.css"), shipped!("explorer.css")];
+const STYLES: [&str; 2] = [shipped!("uplot/uPlot.min.css"), shipped!("explorer.css")];
 const TEMPLATE: &str = shipped!("index.html");
 
 /// What a browser may load and run in a page whose scripts and styles have this `nonce`.
@@ -63,8 +62,7 @@ mod tests {
 
     #[test]
     fn uplot_is_the_version_of_the_tests() {
-        let lock: serde_json::Value =
-            serde_json::from_str(shipped!("package-lock.json")).unwrap();
+        let lock: serde_json::Value = serde_json::from_str(shipped!("package-lock.json")).unwrap();
         let version = lock["packages"]["node_modules/uplot"]["version"].as_str().unwrap();
         assert!(SCRIPTS[0].lines().next().unwrap().contains(&format!("(v{version})")), "{version}");
     }
