@@ -29,7 +29,7 @@ const SHARED: [(&[&str], &str); 3] = [
     ),
     (&["Curve", "Event"], "of a block and of an interface"),
     (
-        &["Cohort", "Gaussian", "Point", "Rectangular"],
+        &["Cohort", "Gamma", "Gaussian", "Point", "Rectangular"],
         "a distribution and its closed forms; a point of a trace; a cohort at one velocity, and at any",
     ),
 ];
