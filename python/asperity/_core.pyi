@@ -71,6 +71,7 @@ __all__ = [
     "EnsemblePull",
     "Estimates",
     "ExactErlang",
+    "ExactGamma",
     "ExactGaussian",
     "ExactIdentical",
     "ExactQuenched",
@@ -136,6 +137,7 @@ __all__ = [
     "read_healing",
     "read_velocity_step",
     "run",
+    "scenario",
     "steady_variance",
     "steady_variance_per_threshold",
 ]
@@ -1213,6 +1215,20 @@ class ExactErlang(ClosedForm):
         """X*, a length: 1/[λ(1 - cos 2π/m)], but 1/λ for shapes m up to 4."""
 
 @final
+class ExactGamma(ClosedForm):
+    """Thresholds of a gamma distribution of any shape: F = X - mean Σ P(n k + 1, X/θ), n = 1, 2, …, with the shape
+    k = (mean/std)², the scale θ = std²/mean and the regularised incomplete gamma function P.
+
+    Parameters
+    ----------
+    mean, std
+        Mean and standard deviation, above 0.
+    """
+
+    def __new__(cls, /, mean: _Number, std: _Number) -> ExactGamma: ...
+    def __repr__(self, /) -> str: ...
+
+@final
 class ExactGaussian(ClosedForm):
     """Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
 
@@ -1305,6 +1321,32 @@ class ExactRectangular(ClosedForm):
 
     def __new__(cls, /, min: _Number, max: _Number) -> ExactRectangular: ...
     def __repr__(self, /) -> str: ...
+    def stick_slip_period(self, /, stiffness: _Number) -> float | None:
+        """The period of stick-slip behind a spring, with slip="reset": X_u + F(X_u)/K, where the slope of F falls to -K at
+        X_u = (max - min)(1 + K), or below it at once, at X_u = min.
+
+        Parameters
+        ----------
+        stiffness
+            K, per total stiffness of the contacts, above 0.
+
+        Returns
+        -------
+        float or None
+            The load-point displacement from slip to slip, a length; None where sliding is stable, for
+            K >= min/(max - min), and for max > 2 min.
+
+        Raises
+        ------
+        ValueError
+            For a stiffness that is not above 0.
+
+        Examples
+        --------
+        >>> import asperity as asp
+        >>> round(asp.exact.Rectangular(0.7, 1.3).stick_slip_period(0.5), 6)
+        2.166667
+        """
 
 @final
 class Exponential(Law):
