@@ -121,6 +121,6 @@ def test_bad_materials_are_refused() -> None:
     with pytest.raises(ValueError, match='stiffness: expected "equal" with a local friction'):
         found.contacts(E=1.0, nu=0.3, local_friction=1.0, stiffness="area")
     with pytest.raises(TypeError, match="pressure: expected an array of numbers, got str"):
-        asp.spots("x", 1.0)  # type: ignore[arg-type]
+        asp.spots("x", 1.0)
     with pytest.raises(ValueError, match="pixel"):
         asp.spots(sphere(64, 10.0, (32.0, 32.0)), 0.0)
