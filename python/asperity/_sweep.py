@@ -110,9 +110,7 @@ def sweep(
         if keep is not None:
             raise TypeError("keep: expected None beside a function, which returns what is kept")
         return _of_function(scenario, over or {}, executor, folder, threads, progress)
-    if over is None and isinstance(scenario, Mapping):
-        # The order of axes is that of the dictionary.
-        over = scenario.get("sweep", {}).get("over")
+    over = _in_order(scenario) if over is None else over
     plan = _Sweep.of_scenario(scenario, _table(over, keep), folder)
     if executor is None:
         plan.compute(threads, progress=progress)
@@ -124,6 +122,13 @@ def sweep(
 
         _collect(executor, plan.missing(), submit, plan.add, _Shown(progress, plan.cases))
     return _dataset(plan)
+
+
+def _in_order(scenario: Any) -> Mapping[str, Any] | None:
+    """The axes of a dictionary, in its order. The scenario checks what is no table of axes."""
+    table = scenario.get("sweep") if isinstance(scenario, Mapping) else None
+    over = table.get("over") if isinstance(table, Mapping) else None
+    return over if isinstance(over, Mapping) else None
 
 
 def _table(over: Mapping[str, Any] | None, keep: Sequence[Any] | None) -> dict[str, Any]:

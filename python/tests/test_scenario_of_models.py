@@ -71,3 +71,6 @@ def test_wrong_input() -> None:
         asp.sweep({}, {"a": [1]}, task={"pull": {}})
     with pytest.raises(TypeError, match="pull: expected a table, a list, a number or a text, got set"):
         asp.scenario(CONTACTS, pull={1, 2})
+    for table in (3, {"over": 3}):
+        with pytest.raises(ValueError, match="sweep"):
+            asp.sweep(asp.scenario(CONTACTS, pull={}) | {"sweep": table})

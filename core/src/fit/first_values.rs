@@ -85,33 +85,36 @@ impl Fit {
         for (c, curve) in self.curves.iter().enumerate() {
             let is_free =
                 |names: &[&str]| free.iter().any(|p| p.applies_to(c) && names.contains(&p.quantity.as_str()));
-            let forces = slider(curve).map(|x| length * pull.force(x.max(0.0) / length));
-            let mut own: Vec<f64> = forces.collect();
-            let mut columns = Vec::new();
-            let machine = curve.machine;
-            let level = |&y: &f64| machine.background + machine.offset + machine.trend * y;
-            let mut left: Vec<f64> =
-                curve.forces.iter().zip(&curve.positions).map(|(force, y)| force - level(y)).collect();
-            if is_free(&["offset"]) {
-                columns.push(vec![1.0; left.len()]);
-            }
-            if is_free(&["trend"]) {
-                columns.push(curve.positions.clone());
-            }
-            let others = orthogonal(columns);
-            others.iter().for_each(|column| remove(column, &mut own));
-            others.iter().for_each(|column| remove(column, &mut left));
-            let scales = is_free(&["count", "stiffness"]);
-            let factor = if scales { product(&own, &left) / product(&own, &own) } else { 1.0 };
-            if !(factor.is_finite() && factor > 0.0) {
-                return None;
-            }
-            all.squares +=
-                left.iter().zip(&own).map(|(left, own)| (left - factor * own).powi(2)).sum::<f64>();
+            let (factor, squares) = scaled_curve(curve, is_free, |x| length * pull.force(x / length))?;
+            all.squares += squares;
             all.forces.push(factor);
         }
         Some(all)
     }
+}
+
+/// The factor of the expected `force` at X that leaves least of a curve, beside offset and trend if these are free, and the sum of
+/// squares that it leaves; `None` for a factor that is not above 0.
+fn scaled_curve(
+    curve: &Measurement,
+    is_free: impl Fn(&[&str]) -> bool,
+    force: impl Fn(f64) -> f64,
+) -> Option<(f64, f64)> {
+    let machine = curve.machine;
+    let mut expected: Vec<f64> = slider(curve).map(|x| force(x.max(0.0))).collect();
+    let level = |y: f64| machine.background + machine.offset + machine.trend * y;
+    let readings = curve.forces.iter().zip(&curve.positions);
+    let mut measured: Vec<f64> = readings.map(|(force, &y)| force - level(y)).collect();
+    let offset = is_free(&["offset"]).then(|| vec![1.0; measured.len()]);
+    let trend = is_free(&["trend"]).then(|| curve.positions.clone());
+    for column in orthogonal(offset.into_iter().chain(trend).collect()) {
+        remove(&column, &mut expected);
+        remove(&column, &mut measured);
+    }
+    let scales = is_free(&["count", "stiffness"]);
+    let factor = if scales { product(&expected, &measured) / product(&expected, &expected) } else { 1.0 };
+    let squares = measured.iter().zip(&expected).map(|(left, own)| (left - factor * own).powi(2)).sum();
+    (factor.is_finite() && factor > 0.0).then_some((factor, squares))
 }
 
 impl ScaledLengths {
