@@ -165,13 +165,21 @@ class Chart {
       const handles = this.shape.handles?.() ?? [];
       return handles.filter((handle) => far(handle) < 16).sort((a, b) => far(a) - far(b))[0];
     };
+    /** The value at a share of an axis as it is now: the axes change with what is dragged, and would carry it on. */
+    const axis = (/** @type {"x" | "y"} */ key) => {
+      const { min, max, distr } = plot.scales[key];
+      const [low, high] = [min ?? 0, max ?? 1];
+      return (/** @type {number} */ share) => (distr === 3 ? low * (high / low) ** share : low + (high - low) * share);
+    };
     /** @type {((event: PointerEvent) => void) | null} */
     let moving = null;
     plot.over.addEventListener("pointerdown", (event) => {
       const handle = nearest(event);
       const { scrub } = this.shape;
-      if (handle) moving = (to) => handle.move(plot.posToVal(to.offsetX, "x"), plot.posToVal(to.offsetY, "y"));
-      else if (scrub) moving = (to) => scrub(plot.posToVal(to.offsetX, "x"));
+      const [x, y] = [axis("x"), axis("y")];
+      const across = (/** @type {PointerEvent} */ to) => x(to.offsetX / plot.over.clientWidth);
+      if (handle) moving = (to) => handle.move(across(to), y(1 - to.offsetY / plot.over.clientHeight));
+      else if (scrub) moving = (to) => scrub(across(to));
       else return;
       plot.over.setPointerCapture(event.pointerId);
       moving(event);
