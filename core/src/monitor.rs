@@ -20,10 +20,9 @@ pub const MEMORY: u64 = 16 << 30;
 /// use std::ops::ControlFlow;
 /// use asperity::monitor::Monitor;
 ///
-/// /// Stops at once.
-/// struct Impatient;
+/// struct StopAtOnce;
 ///
-/// impl Monitor for Impatient {
+/// impl Monitor for StopAtOnce {
 ///     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
 ///         ControlFlow::Break(())
 ///     }
@@ -35,7 +34,7 @@ pub const MEMORY: u64 = 16 << 30;
 /// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
 /// # use asperity::master::MasterEquation;
 /// let equation = MasterEquation::new(contacts, &Initial::default())?;
-/// let stopped = equation.pull_with(1000.0, 1e-10, &mut Impatient);
+/// let stopped = equation.pull_with(1000.0, 1e-10, &mut StopAtOnce);
 /// assert!(matches!(stopped, Err(asperity::Error::Stopped)));
 /// # Ok::<(), asperity::Error>(())
 /// ```

@@ -55,6 +55,7 @@ fn resets_over_rectangular_thresholds_have_the_period_of_the_closed_form() {
     // Below min/(max − min) it slips, above it slides.
     assert!(form.stick_slip_period(0.99 * form.critical_stiffness()).is_some());
     assert_eq!(form.stick_slip_period(1.01 * form.critical_stiffness()), None);
+    assert_eq!(form.stick_slip_period(0.0), None);
     assert_eq!(Rectangular { min: 0.4, max: 1.6 }.stick_slip_period(0.1), None);
 }
 

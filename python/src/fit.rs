@@ -9,8 +9,7 @@ use asperity::law::Parameter;
 use asperity::master;
 use asperity::monitor::{Monitor, Part};
 use asperity::record::{self, Quantity};
-use asperity::scenario::{self, FitPosterior, Units};
-use asperity_runner::posterior;
+use asperity::scenario::{self, Units};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -27,7 +26,7 @@ use crate::pickle::{self, Reduced};
 use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
-use crate::watch::{watched, watched_on};
+use crate::watch::watched;
 use crate::{error, typed, values};
 
 /// Fits numbers of contacts, and of the machine, to one or more measured curves of force.
@@ -634,12 +633,8 @@ impl Estimates {
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Posterior> {
-        let sampling =
-            FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
         let found = self.found(py)?;
-        let sample = |monitor: &mut dyn Monitor| posterior::sample(&found.standardised()?, sampling, monitor);
-        let drawn = watched_on(threads, progress, py, sample)?;
-        Ok(Posterior::new(drawn))
+        Posterior::sample(py, || found.standardised(), (draws, chains, seed), (progress, threads))
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use asperity::fit::{Prior, SteadyFit, SteadyRecord};
-use asperity::monitor::{Monitor, Part};
+use asperity::monitor::Part;
 use asperity::record::{self, Quantity};
-use asperity::scenario::{FitPosterior, Units};
-use asperity_runner::posterior;
+use asperity::scenario::Units;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -22,7 +21,7 @@ use crate::model::interface;
 use crate::pickle::{self, Reduced};
 use crate::posterior::Posterior;
 use crate::record::Record;
-use crate::watch::{watched, watched_on};
+use crate::watch::watched;
 use crate::{error, typed, values};
 
 /// Fits numbers of contacts to a record of the force in steady sliding: to its mean and to its noise.
@@ -321,11 +320,8 @@ impl SteadyEstimates {
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Posterior> {
-        let sampling =
-            FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
         let found = self.found(py)?;
-        let sample = |monitor: &mut dyn Monitor| posterior::sample(&found.standardised()?, sampling, monitor);
-        Ok(Posterior::new(watched_on(threads, progress, py, sample)?))
+        Posterior::sample(py, || found.standardised(), (draws, chains, seed), (progress, threads))
     }
 
     /// A table in plain English: values with errors and intervals, correlations, and how well the record is described.

@@ -1,13 +1,16 @@
 //! Draws from the posterior of a fit.
 
+use asperity::fit::Standardised;
+use asperity::monitor::Monitor;
 use asperity::scenario::FitPosterior;
 use asperity::task::summary::PosteriorSummary;
 use asperity_runner::posterior;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::array;
+use crate::convert::{Seed, Whole, array};
 use crate::pickle::{self, Reduced, damaged};
+use crate::watch::watched_on;
 use crate::{typed, values};
 
 /// Draws from the posterior of a fit by the No-U-turn sampler.
@@ -25,6 +28,19 @@ impl Posterior {
     pub fn new(drawn: posterior::Posterior) -> Self {
         let told = drawn.summary(str::to_owned);
         Self { drawn, told }
+    }
+
+    /// Draws by the sampler from a posterior in standard coordinates.
+    pub fn sample<'a>(
+        py: Python<'_>,
+        standardised: impl FnOnce() -> asperity::Result<Standardised<'a>> + Send,
+        (draws, chains, seed): (Whole, Whole, Seed),
+        (progress, threads): (Option<Bound<'_, PyAny>>, Option<Whole>),
+    ) -> PyResult<Self> {
+        let sampling =
+            FitPosterior { draws: draws.get("draws")?, chains: chains.get("chains")?, seed: seed.0 };
+        let sample = |monitor: &mut dyn Monitor| posterior::sample(&standardised()?, sampling, monitor);
+        Ok(Self::new(watched_on(threads, progress, py, sample)?))
     }
 
     /// The draws of a pickle.

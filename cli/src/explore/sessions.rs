@@ -49,7 +49,7 @@ impl Sessions {
         // This is dropped, too, once the sender closes the connection.
         let abandoned = Abandoned(Arc::default());
         let mut engine = session.engine.clone().lock_owned().await;
-        let monitor = Patience {
+        let monitor = RequestMonitor {
             session,
             number,
             abandoned: abandoned.0.clone(),
@@ -96,7 +96,7 @@ impl Session {
 fn answered(
     engine: &mut Engine,
     request: &Request,
-    mut monitor: Patience,
+    mut monitor: RequestMonitor,
     longest: Duration,
 ) -> Result<Vec<u8>, Refusal> {
     let mut answer: Answer = engine.answer(request, &mut monitor);
@@ -124,20 +124,20 @@ impl Drop for Abandoned {
 }
 
 /// Stops the work on a request for a newer one, once nobody waits for it, and after a time.
-struct Patience {
+struct RequestMonitor {
     session: Arc<Session>,
     number: u64,
     abandoned: Arc<AtomicBool>,
     until: Instant,
 }
 
-impl Patience {
+impl RequestMonitor {
     fn is_given_up(&self) -> bool {
         self.session.newest.load(Ordering::SeqCst) > self.number || self.abandoned.load(Ordering::SeqCst)
     }
 }
 
-impl Monitor for Patience {
+impl Monitor for RequestMonitor {
     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
         let stops = self.is_given_up() || Instant::now() >= self.until;
         if stops { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -5,7 +5,7 @@ use asperity_runner::sweep::Labelled;
 /// Words of keys of the scenario, and of numbers and variables that are kept.
 const WORDS: [(&str, &str); 23] = [
     ("block.stiffness", "Stiffness of the spring K"),
-    ("contacts.ageing.logarithmic.growth", "Growth of thresholds per factor e of age"),
+    ("contacts.ageing.logarithmic.growth", "Growth β of thresholds per factor e in age"),
     ("contacts.background_force", "Background force"),
     ("contacts.count", "Number of contacts N_c"),
     ("contacts.delay.time", "Delay τ"),

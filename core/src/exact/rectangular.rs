@@ -31,7 +31,7 @@ impl Rectangular {
         self.max - self.min
     }
 
-    /// The period of stick-slip behind a spring of stiffness K, per N_c⟨k⟩, for a slider whose contacts all re-form relaxed in a slip:
+    /// The period of stick-slip behind a spring of stiffness K > 0, per N_c⟨k⟩, for a slider whose contacts all re-form relaxed in a slip:
     /// the load-point displacement from slip to slip, X_u + F(X_u)/K.
     ///
     /// For b ≤ 2a no contact breaks twice before the slider becomes unstable, and F = [X(b − X) + (X − a)²/2]/w for X in `[a, b]`
@@ -41,7 +41,7 @@ impl Rectangular {
     pub fn stick_slip_period(&self, stiffness: f64) -> Option<f64> {
         let Self { min, max } = *self;
         let width = self.width();
-        if max > 2.0 * min || stiffness >= min / width {
+        if max > 2.0 * min || !(stiffness > 0.0 && stiffness < min / width) {
             return None;
         }
         let unstable = (width * (1.0 + stiffness)).max(min);
