@@ -46,10 +46,11 @@ rust:
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready
+	cargo build --release --locked --quiet
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	for scenario in scenarios/*.toml; do \
 	  command=$$(grep -q '^\[sweep' "$$scenario" && echo sweep || echo run); \
-	  cargo run --release --locked --quiet -- $$command "$$scenario" --quiet -o "$$folder/$$(basename "$$scenario" .toml)"; \
+	  $(target)/release/asperity $$command "$$scenario" --quiet -o "$$folder/$$(basename "$$scenario" .toml)"; \
 	done; \
 	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*/
 
@@ -265,9 +266,9 @@ fuzz:
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact $(if $(CASE),one_case,campaign)
 
 # All combinations of a distribution, a task, a temperature and a rule of ageing, one after the other; those that fail are left in
-# target/fuzz. CASE=1234 runs that one.
+# target/fuzz. CASE=1234 runs that one, PART=3/20 the twentieth of all that begins with number 3.
 grid:
-	$(if $(CASE),ASPERITY_CASE=$(CASE)) \
+	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(PART),ASPERITY_PART=$(PART)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact all_combinations
 
 # What is published, without compiling it again: the crates with all that they include, the wheel and the source distribution.

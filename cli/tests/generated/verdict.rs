@@ -39,7 +39,14 @@ pub fn run(folder: &Path, aside: &Path, limits: Limits, option: &str) -> Verdict
     let ended = child::run(&arguments, folder, aside, limits);
     let mut failures = ending(&ended, &[0, 1, 2, 130]);
     let accepted = ended.code() == Some(0);
-    failures.extend(if accepted { no_numbers(&folder.join("out")) } else { nothing_written(folder) });
+    failures.extend(match ended.code() {
+        Some(0) => no_numbers(&folder.join("out")),
+        // An interface that is stopped when its time is over leaves where it was.
+        Some(130) => {
+            written(folder).filter(|name| !name.starts_with("out.checkpoint.")).map(was_written).collect()
+        }
+        _ => nothing_written(folder),
+    });
     Verdict { accepted, failures, ended, deviation: agreement::deviation(&folder.join("out")) }
 }
 
@@ -66,13 +73,18 @@ fn ending(ended: &Ended, codes: &[i32]) -> Vec<String> {
 }
 
 /// What is in the folder beside the scenario.
+fn written(folder: &Path) -> impl Iterator<Item = String> {
+    let entries = std::fs::read_dir(folder).expect("the folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name().display().to_string());
+    names.filter(|name| name != "scenario.toml")
+}
+
+fn was_written(name: String) -> String {
+    format!("{name} was written")
+}
+
 fn nothing_written(folder: &Path) -> Vec<String> {
-    let names =
-        std::fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").file_name());
-    names
-        .filter(|name| name != "scenario.toml")
-        .map(|name| format!("{} was written", name.display()))
-        .collect()
+    written(folder).map(was_written).collect()
 }
 
 /// Places in the results where a number is told that is none.
