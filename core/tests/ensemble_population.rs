@@ -301,11 +301,7 @@ impl OneByOne {
     }
 
     fn stiffness(&self, contact: &Single) -> f64 {
-        let per_contact = match self.case.stiffness {
-            Stiffness::Equal(k) => k,
-            Stiffness::PerThreshold(factor) => factor * contact.threshold,
-        };
-        per_contact / self.case.size as f64
+        self.case.stiffness.of(contact.threshold) / self.case.size as f64
     }
 
     fn sum(&self, term: impl Fn(&Self, &Single) -> f64) -> f64 {

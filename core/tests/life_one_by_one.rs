@@ -52,7 +52,7 @@ fn edge(cell: u32) -> f64 {
 impl Case {
     fn equation(&self) -> MasterEquation {
         let contacts = Contacts {
-            stiffness: self.stiffness,
+            stiffness: self.stiffness.clone(),
             rules: self.rules.clone(),
             ..Contacts::new(self.thresholds.clone(), self.reforming.clone())
         };
@@ -77,10 +77,7 @@ impl Case {
     }
 
     fn stiffness(&self, threshold: f64) -> f64 {
-        match self.stiffness {
-            Stiffness::Equal(stiffness) => stiffness,
-            Stiffness::PerThreshold(factor) => factor * threshold,
-        }
+        self.stiffness.of(threshold)
     }
 
     /// w/v at the advance u.
@@ -212,7 +209,7 @@ fn temperature_with_any_barrier_any_starts_and_either_stiffness() {
             for velocity in [1e-3, 1.0] {
                 let (thresholds, reforming) = (gaussian(1.0, 0.1), reforming.clone());
                 let rules = thermal(0.05, barrier);
-                Case { thresholds, reforming, stiffness, rules, velocity }.check(QUADRATURE);
+                Case { thresholds, reforming, stiffness: stiffness.clone(), rules, velocity }.check(QUADRATURE);
             }
         }
     }
@@ -255,7 +252,7 @@ fn ageing_with_and_without_temperature() {
                     Rules { ageing: Some(law.clone()), ..thermal(0.05, Barrier::Elastic) },
                 ] {
                     let (thresholds, reforming) = (gaussian(1.0, 0.1), point(0.0));
-                    Case { thresholds, reforming, stiffness, rules, velocity }.check(QUADRATURE);
+                    Case { thresholds, reforming, stiffness: stiffness.clone(), rules, velocity }.check(QUADRATURE);
                 }
             }
         }

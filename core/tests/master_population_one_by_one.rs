@@ -7,7 +7,7 @@ mod common;
 #[path = "common/walk.rs"]
 mod walk;
 
-use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::contacts::{Contacts, Initial, Start, Stiffness, StiffnessTable};
 use asperity::law::Law;
 use asperity::master::MasterEquation;
 use asperity::population::Population;
@@ -46,10 +46,7 @@ fn above(law: &dyn Law, low: f64, stream: &mut Stream) -> f64 {
 
 impl Contact {
     fn stiffness(&self, contacts: &Contacts) -> f64 {
-        match contacts.stiffness {
-            Stiffness::Equal(_) => 1.0,
-            Stiffness::PerThreshold(_) => self.threshold,
-        }
+        contacts.stiffness.of(self.threshold)
     }
 
     fn energy(&self, contacts: &Contacts) -> f64 {
@@ -155,8 +152,9 @@ fn every_way_agrees_with_contacts_one_by_one() {
         (half, rectangular(0.0, 0.3), point(0.2)),
     ];
     for (thresholds, reforming, start) in cases {
-        for stiffness in [Stiffness::Equal(1.0), Stiffness::PerThreshold(1.0)] {
-            let contacts = Contacts { stiffness, ..contacts(&thresholds, &reforming) };
+        let table = StiffnessTable::new(vec![(0.7, 1.0), (0.9, 2.0), (1.1, 0.5)]).unwrap();
+        for stiffness in [Stiffness::Equal(1.0), Stiffness::PerThreshold(1.0), Stiffness::Tabulated(table)] {
+            let contacts = Contacts { stiffness: stiffness.clone(), ..contacts(&thresholds, &reforming) };
             let initial = Initial { law: start.clone(), start: Start::Conditional };
             let mut population = MasterEquation::new(contacts.clone(), &initial)
                 .unwrap()

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 
 # Width of the cells of the density of thresholds, in kernels: 16 terms give it to rounding, tails included.
 CELL = 0.4
+# Logarithms of thresholds that differ by less are equal.
+NARROW = 1e-6
+# Rows of a table of stiffnesses: some ten for each kernel of a wide sample.
+NODES = 100
 
 
 class Dropped(NamedTuple):
@@ -92,9 +96,10 @@ class Spots:
         local_friction : float, optional
             the ratio of the force at which a spot breaks and its load.
         stiffness : {"area", "equal"}, optional
-            "area": the stiffness grows as √A, and the threshold with it, so that large spots are strong and
-            stiff; the default, and only with shear_strength. "equal": all have the mean stiffness; the
-            default with local_friction.
+            "area": the stiffness grows as √A. With a shear strength, for which this is the default, the threshold
+            grows with it, k = κ x_s. With a local friction spots of one threshold have different stiffnesses;
+            contacts have their mean, a table of k(x_s), and the mean force depends on nothing else. "equal":
+            all have the mean stiffness; the default with local_friction.
         spots : {"new", "present"}
             "new": the map shows the spots that are present in long sliding, and new ones are drawn from their
             distribution divided by the threshold, because a spot is present in proportion to its life.
@@ -109,8 +114,7 @@ class Spots:
         Raises
         ------
         ValueError
-            For numbers that are not above 0 or a Poisson's ratio outside (-1, 0.5], and for a local friction
-            with the stiffness "area".
+            For numbers that are not above 0 or a Poisson's ratio outside (-1, 0.5].
         TypeError
             For both a shear strength and a local friction, or neither.
         """
@@ -127,11 +131,16 @@ class Spots:
         kind = stiffness or ("area" if local_friction is None else "equal")
         if kind not in ("area", "equal"):
             raise ValueError(f'stiffness: expected "area" or "equal", got {kind!r}')
-        if kind == "area" and local_friction is not None:
-            raise ValueError('stiffness: expected "equal" with a local friction, got "area"')
         modulus = 4.0 * E / ((1.0 + nu) * (2.0 - nu) * np.sqrt(np.pi))
         stiff = modulus * np.sqrt(self.area)
         load = float(self.load.sum() + self.dropped.load)
+        if local_friction is not None and kind == "area":
+            sample = local_friction * self.load / stiff
+            law = thresholds(sample, 1, spots)
+            table = mean_stiffness(sample, stiff, law, spots)
+            if table is None:
+                return Contacts(law, count=len(self), stiffness=float(stiff.mean()), normal_load=load)
+            return Contacts(law, count=len(self), stiffness_of_threshold=table, normal_load=load)
         if shear_strength is not None and kind == "area":
             # F_k = N κ⟨x³⟩/2⟨x⟩ over new spots, N κ⟨x²⟩/2 over present ones.
             law = thresholds(shear_strength * self.area / stiff, 2, spots)
@@ -150,6 +159,37 @@ class Spots:
         return Contacts(law, count=len(self), stiffness=mean, normal_load=load)
 
 
+def silverman(logs: "_Array") -> float:
+    """The bandwidth of a kernel density estimate by Silverman's rule, as for samples without a bandwidth."""
+    spread = float(logs.std())
+    quartiles = float(np.subtract(*np.quantile(logs, [0.75, 0.25]))) / 1.34
+    return 0.9 * (min(spread, quartiles) if quartiles > 0.0 else spread) * len(logs) ** -0.2
+
+
+def mean_stiffness(
+    sample: "_Array", stiff: "_Array", law: Law, spots: str
+) -> "tuple[_Array, _Array] | None":
+    """The mean stiffness of spots of one threshold, as a table against the threshold; None for equal thresholds.
+
+    It is the kernel regression of E. A. Nadaraya (Theory Probab. Appl. 9, 141, 1964) and G. S. Watson with the
+    kernels of the density, times a number near 1 by which kinetic friction is half of the sum of the forces at
+    which the spots break.
+    """
+    logs = np.log(sample)
+    if logs.std() < NARROW:
+        return None
+    bandwidth = silverman(logs)
+    # Beyond the sample the stiffness stays that of its ends.
+    nodes = np.linspace(logs.min(), logs.max(), NODES)
+    kernels = np.exp(-0.5 * ((nodes[:, None] - logs) / bandwidth) ** 2)
+    table = kernels @ stiff / kernels.sum(axis=1)
+    threshold = np.exp(nodes)
+    # F_k = N⟨k x²⟩/2⟨x⟩ over new spots, N⟨k x⟩/2 over present ones.
+    power, length = (1, 1.0) if spots == "present" else (2, law.mean())
+    carried = law.expect(lambda x: np.interp(x, threshold, table) * x**power) / length
+    return threshold, table * float(np.mean(stiff * sample)) / carried
+
+
 def thresholds(sample: "_Array", order: int, spots: str) -> Law:
     """A smooth distribution of the thresholds of present spots, or of new ones.
 
@@ -158,13 +198,11 @@ def thresholds(sample: "_Array", order: int, spots: str) -> Law:
     """
     logs = np.log(sample)
     low, spread = float(logs.min()), float(logs.std())
-    if spread < 1e-6:
+    if spread < NARROW:
         return Point(float(sample.mean()))
     # Kernels are narrower than the sample, and end at nine bandwidths, so that none is cut at 0.
     offset = 10.0 * spread
-    # Silverman's rule, as for samples without a bandwidth.
-    quartiles = float(np.subtract(*np.quantile(logs, [0.75, 0.25]))) / 1.34
-    bandwidth = 0.9 * (min(spread, quartiles) if quartiles > 0.0 else spread) * len(logs) ** -0.2
+    bandwidth = silverman(logs)
     estimate = Tabulated(samples=logs - low + offset, bandwidth=bandwidth)
     moment = estimate.expect(lambda y: np.exp(order * (y - offset + low)))
     shift = float(np.log(np.mean(sample**order) / moment)) / order - offset + low

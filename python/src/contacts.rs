@@ -4,6 +4,7 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::convert;
 use crate::description::{Description, Plain};
 use crate::error;
 use crate::law::{AnyLaw, Law, given};
@@ -98,6 +99,9 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 ///     The stiffness ⟨k⟩ of a contact, force per length, 1 by default.
 /// stiffness_per_threshold
 ///     The κ of stiffnesses k = κ x_s that are proportional to the threshold, instead of stiffness.
+/// stiffness_of_threshold
+///     A pair of lists, thresholds x_s and the stiffness k of a contact with each of them: k(x_s) is linear between
+///     them and constant beyond, instead of stiffness. For contacts without temperature, ageing and delay.
 /// normal_load
 ///     The normal load, a force; with it, results of scenarios have friction coefficients.
 /// background_force
@@ -128,8 +132,8 @@ impl Contacts {
     #[new]
     #[pyo3(signature = (
         thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
-        stiffness_per_threshold = None, normal_load = None, background_force = None, background_coefficient = None,
-        temperature = None, ageing = None, delay = 0.0
+        stiffness_per_threshold = None, stiffness_of_threshold = None, normal_load = None, background_force = None,
+        background_coefficient = None, temperature = None, ageing = None, delay = 0.0
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -139,6 +143,7 @@ impl Contacts {
         count: f64,
         stiffness: Option<f64>,
         stiffness_per_threshold: Option<f64>,
+        stiffness_of_threshold: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
         normal_load: Option<f64>,
         background_force: Option<f64>,
         background_coefficient: Option<f64>,
@@ -150,6 +155,7 @@ impl Contacts {
             count,
             stiffness,
             stiffness_per_threshold,
+            stiffness_of_threshold: stiffness_of_threshold.map(stiffness_table).transpose()?,
             normal_load,
             background_force,
             background_coefficient,
@@ -210,12 +216,14 @@ impl Contacts {
         Self::plain(slf).count
     }
 
-    /// The stiffness ⟨k⟩ of a contact, force per length; None where it is proportional to the threshold.
+    /// The stiffness ⟨k⟩ of a contact, force per length; None where it depends on the threshold.
     #[getter]
     fn stiffness(slf: &Bound<'_, Self>) -> Option<f64> {
         let own = Self::plain(slf);
-        let proportional = own.areas.is_some() || own.stiffness_per_threshold.is_some();
-        own.stiffness.or((!proportional).then_some(1.0))
+        let different = own.areas.is_some()
+            || own.stiffness_per_threshold.is_some()
+            || own.stiffness_of_threshold.is_some();
+        own.stiffness.or((!different).then_some(1.0))
     }
 
     /// The κ of stiffnesses k = κ x_s, force per length²; None where stiffness does not depend on the threshold, and for
@@ -223,6 +231,12 @@ impl Contacts {
     #[getter]
     fn stiffness_per_threshold(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).stiffness_per_threshold
+    }
+
+    /// Thresholds x_s and the stiffness k of a contact with each of them, or None.
+    #[getter]
+    fn stiffness_of_threshold(slf: &Bound<'_, Self>) -> Option<(Vec<f64>, Vec<f64>)> {
+        Self::plain(slf).stiffness_of_threshold.as_ref().and_then(columns)
     }
 
     /// The normal load, a force, or None.
@@ -253,6 +267,24 @@ impl Contacts {
     }
 }
 
+fn stiffness_table(
+    (threshold, stiffness): (Bound<'_, PyAny>, Bound<'_, PyAny>),
+) -> PyResult<scenario::StiffnessOfThreshold> {
+    let column = |name: &str, values| {
+        convert::list(&format!("contacts.stiffness_of_threshold.{name}"), &values).map(Some)
+    };
+    Ok(scenario::StiffnessOfThreshold {
+        file: None,
+        threshold: column("threshold", threshold)?,
+        stiffness: column("stiffness", stiffness)?,
+    })
+}
+
+/// The columns of a table that is not in a file.
+fn columns(table: &scenario::StiffnessOfThreshold) -> Option<(Vec<f64>, Vec<f64>)> {
+    table.threshold.clone().zip(table.stiffness.clone())
+}
+
 /// The arguments that make contacts.
 pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyResult<()> {
     let py = into.py();
@@ -267,6 +299,7 @@ pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyR
     given(into, "count", Some(contacts.count).filter(|&count| count != default.count))?;
     given(into, "stiffness", contacts.stiffness)?;
     given(into, "stiffness_per_threshold", contacts.stiffness_per_threshold)?;
+    given(into, "stiffness_of_threshold", contacts.stiffness_of_threshold.as_ref().and_then(columns))?;
     given(into, "normal_load", contacts.normal_load)?;
     given(into, "background_force", contacts.background_force)?;
     given(into, "background_coefficient", contacts.background_coefficient)?;

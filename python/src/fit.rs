@@ -833,7 +833,7 @@ fn set_areas(areas: &mut scenario::Areas, equation: &master::MasterEquation) {
     let contacts = equation.contacts();
     let known = contacts.thresholds.parameters().into_iter().find(|parameter| parameter.name == "factor");
     if let (Stiffness::PerThreshold(kappa), Some(Parameter { value: factor, .. })) =
-        (contacts.stiffness, known)
+        (&contacts.stiffness, known)
     {
         (areas.modulus, areas.strength) = (kappa * factor, kappa * factor * factor);
     }

@@ -27,6 +27,7 @@ CONTACTS = [
         asp.Gaussian(1.0, 0.05), asp.Rectangular(0.0, 0.1), count=100, stiffness=2.0, normal_load=5.0
     ),
     asp.Contacts(asp.Gamma(1.0, 0.2), stiffness_per_threshold=2.0),
+    asp.Contacts(asp.Gamma(1.0, 0.2), stiffness_of_threshold=([0.5, 1.5], [1.0, 3.0])),
     asp.Contacts(areas=AREAS),
     asp.Contacts(asp.Gamma(1.0, 0.2), background_force=2.0),
     asp.Contacts(asp.Gamma(1.0, 0.2), normal_load=5.0, background_coefficient=0.5),

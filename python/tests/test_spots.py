@@ -62,6 +62,7 @@ def test_kinetic_friction_is_half_of_what_spots_bear() -> None:
         ({"shear_strength": 0.05}, 0.05 * found.area),
         ({"shear_strength": 0.05, "stiffness": "equal"}, 0.05 * found.area),
         ({"local_friction": 0.4}, 0.4 * found.load),
+        ({"local_friction": 0.4, "stiffness": "area"}, 0.4 * found.load),
     ):
         contacts = found.contacts(E=2.0, nu=0.4, **options)
         steady = asp.MasterEquation(contacts).steady_state()
@@ -76,6 +77,24 @@ def test_spots_as_an_ensemble() -> None:
     exact = asp.MasterEquation(contacts, tolerance=1e-8).pull(distance, points=21)
     sample = asp.Ensemble(contacts, size=100_000, seed=3).pull(distance, points=21)
     assert np.all(np.abs(sample.force - exact.force)[1:] < 4.5 * sample.force_error[1:])
+
+
+def test_large_spots_are_stiffer_than_small_ones_of_the_same_threshold() -> None:
+    found = asp.spots(rough(), pixel=0.25)
+    contacts = found.contacts(E=2.0, nu=0.4, local_friction=0.4, stiffness="area", spots="present")
+    assert contacts.stiffness_of_threshold is not None
+    threshold, stiffness = contacts.stiffness_of_threshold
+    each = 8.0 * (2.0 / 2.8) * np.sqrt(found.area / np.pi) / 1.6
+    sample = 0.4 * found.load / each
+    # Some ten spots: kernels are wide, and the factor that keeps kinetic friction is 1.05.
+    assert np.interp(sample, threshold, stiffness).mean() == pytest.approx(each.mean(), rel=0.1)
+    assert min(threshold) == pytest.approx(sample.min())
+    assert max(threshold) == pytest.approx(sample.max())
+    quenched = asp.Ensemble(contacts, size=2000, seed=1, disorder="quenched").pull(5.0, points=6)
+    assert np.all(np.isfinite(quenched.force))
+    # Where all spots have one threshold, as one spot has, stiffnesses are equal.
+    one = asp.spots(sphere(64, 10.0, (32.0, 32.0)), 1.0)
+    assert one.contacts(E=1.0, nu=0.3, local_friction=1.0, stiffness="area").stiffness is not None
 
 
 WHICH: tuple[Literal["new", "present"], ...] = ("new", "present")
@@ -118,8 +137,8 @@ def test_bad_materials_are_refused() -> None:
         found.contacts(E=1.0, nu=0.6, shear_strength=1.0)
     with pytest.raises(ValueError, match="E: expected a number above 0"):
         found.contacts(E=0.0, nu=0.3, shear_strength=1.0)
-    with pytest.raises(ValueError, match='stiffness: expected "equal" with a local friction'):
-        found.contacts(E=1.0, nu=0.3, local_friction=1.0, stiffness="area")
+    with pytest.raises(ValueError, match='stiffness: expected "area" or "equal"'):
+        found.contacts(E=1.0, nu=0.3, local_friction=1.0, stiffness="load")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="pressure: expected an array of numbers, got str"):
         asp.spots("x", 1.0)
     with pytest.raises(ValueError, match="pixel"):

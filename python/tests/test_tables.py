@@ -51,6 +51,15 @@ def test_the_stiffness_of_contacts_is_told() -> None:
     assert (CONTACTS.stiffness, CONTACTS.stiffness_per_threshold) == (1.0, None)
     proportional = asp.Contacts(asp.Gaussian(1.0, 0.05), stiffness_per_threshold=2.0)
     assert (proportional.stiffness, proportional.stiffness_per_threshold) == (None, 2.0)
+    table = (np.array([0.5, 1.5]), [1.0, 3.0])
+    tabulated = asp.Contacts(asp.Gaussian(1.0, 0.05), stiffness_of_threshold=table)
+    assert tabulated.stiffness is None
+    assert tabulated.stiffness_of_threshold == ([0.5, 1.5], [1.0, 3.0])
+    with pytest.raises(ValueError, match=r"stiffness_of_threshold\.threshold: expected thresholds that rise"):
+        asp.Contacts(asp.Gaussian(1.0, 0.05), stiffness_of_threshold=([1.0, 1.0], [1.0, 2.0]))
+    with pytest.raises(ValueError, match="no table beside temperature"):
+        warm = tabulated.replace(temperature=asp.Temperature(energy=0.01, attempt_rate=1.0))
+        asp.MasterEquation(warm, velocity=1.0)
 
 
 def test_events_are_a_table() -> None:

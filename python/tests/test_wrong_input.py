@@ -133,6 +133,7 @@ CALLS: dict[str, Callable[[Any], object]] = {
     "Contacts.count": lambda x: asp.Contacts(LAW, count=x),
     "Contacts.stiffness": lambda x: asp.Contacts(LAW, stiffness=x),
     "Contacts.stiffness_per_threshold": lambda x: asp.Contacts(LAW, stiffness_per_threshold=x),
+    "Contacts.stiffness_of_threshold": lambda x: asp.Contacts(LAW, stiffness_of_threshold=(x, [1.0, 2.0])),
     "Contacts.normal_load": lambda x: asp.Contacts(LAW, normal_load=x),
     "Contacts.background_force": lambda x: asp.Contacts(LAW, background_force=x),
     "Contacts.background_coefficient": lambda x: asp.Contacts(LAW, normal_load=1.0, background_coefficient=x),

@@ -56,11 +56,26 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("contacts", "temperature" | "ageing" | "delay") if task == "renormalisation" => no,
         ("contacts", "reforming") | ("", "initial") if task == "renormalisation" => no,
         // The noise of these contacts is not known.
-        ("contacts", "delay" | "stiffness_per_threshold") if task == "spectrum" => no,
-        ("contacts", "stiffness" | "stiffness_per_threshold") if walk.is("contacts:alternative", "areas") => {
+        ("contacts", "delay" | "stiffness_per_threshold" | "stiffness_of_threshold")
+            if task == "spectrum" =>
+        {
             no
         }
-        ("contacts", "stiffness_per_threshold") if walk.given("contacts.stiffness") => no,
+        ("contacts", "stiffness" | "stiffness_per_threshold" | "stiffness_of_threshold")
+            if walk.is("contacts:alternative", "areas") =>
+        {
+            no
+        }
+        ("contacts", "stiffness_per_threshold" | "stiffness_of_threshold")
+            if walk.given("contacts.stiffness") =>
+        {
+            no
+        }
+        ("contacts", "stiffness_of_threshold") if walk.given("contacts.stiffness_per_threshold") => no,
+        ("contacts", "temperature" | "ageing" | "delay") if walk.given("contacts.stiffness_of_threshold") => {
+            no
+        }
+        ("contacts.stiffness_of_threshold", key) => Some(key != "file"),
         ("contacts", "background_force" | "background_coefficient") if task == "renormalisation" => no,
         ("contacts", "background_force") if walk.given("contacts.background_coefficient") => no,
         ("contacts", "background_coefficient") if walk.given("contacts.background_force") => no,
@@ -135,8 +150,10 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
         ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
         ("interface.loading", "edge") if walk.has_background() => false,
         ("interface.contacts", "one") => {
-            let unequal =
-                walk.is("contacts:alternative", "areas") || walk.given("contacts.stiffness_per_threshold");
+            let unequal = walk.is("contacts:alternative", "areas")
+                || ["per", "of"]
+                    .iter()
+                    .any(|word| walk.given(&format!("contacts.stiffness_{word}_threshold")));
             !(in_time || unequal || walk.has_background())
         }
         ("interface.slip", "reset") => !in_time,

@@ -2,10 +2,12 @@
 //! rules.
 
 mod ageing;
+mod stiffness;
 mod temperature;
 
 pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
 pub(crate) use ageing::{Label, NodalLabels, Rank, ThresholdTrajectory};
+pub use stiffness::{Stiffness, StiffnessTable};
 pub use temperature::{Barrier, Temperature};
 
 use std::sync::Arc;
@@ -15,33 +17,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::law::{Law, Point, SharedLaw, Zone};
 use crate::{Error, Result};
-
-/// Stiffness of a contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stiffness {
-    /// Mean stiffness ⟨k⟩, force per length, independent of the threshold.
-    Equal(f64),
-    /// k = κ x_s: the factor κ, force per length squared.
-    PerThreshold(f64),
-}
-
-impl Stiffness {
-    /// Stiffness k of a contact with this threshold.
-    pub fn of(self, threshold: f64) -> f64 {
-        match self {
-            Self::Equal(stiffness) => stiffness,
-            Self::PerThreshold(factor) => factor * threshold,
-        }
-    }
-
-    /// k in units of ⟨k⟩ or κ.
-    pub fn weight(self, threshold: f64) -> f64 {
-        match self {
-            Self::Equal(_) => 1.0,
-            Self::PerThreshold(_) => threshold,
-        }
-    }
-}
 
 /// The contacts of an interface.
 #[derive(Debug, Clone)]
@@ -159,14 +134,17 @@ impl Contacts {
             let found = format!("a delay of {}", self.rules.delay);
             return Err(Error::invalid("delay", "no delay: free contacts have no stretch", found));
         }
-        if let Stiffness::PerThreshold(_) = self.stiffness {
-            return Err(Error::invalid(
-                "stiffness.per_threshold",
-                "contacts of equal stiffness",
-                "k = κ x_s",
-            ));
-        }
-        Ok(())
+        self.have_equal_stiffness()
+    }
+
+    /// Refuses stiffnesses that depend on the threshold.
+    pub(crate) fn have_equal_stiffness(&self) -> Result<()> {
+        let (key, found) = match self.stiffness {
+            Stiffness::Equal(_) => return Ok(()),
+            Stiffness::PerThreshold(_) => ("stiffness.per_threshold", "k = κ x_s"),
+            Stiffness::Tabulated(_) => ("stiffness.of_threshold", "a table"),
+        };
+        Err(Error::invalid(key, "contacts of equal stiffness", found))
     }
 
     /// One time-independent contact of stiffness 1: results are per contact and unit stiffness.
@@ -182,6 +160,10 @@ impl Contacts {
     /// combinations.
     pub fn check(&self, initial: &Initial) -> Result<()> {
         self.rules.check(&self.thresholds)?;
+        if let (Stiffness::Tabulated(_), Some(rule)) = (&self.stiffness, self.rules.first()) {
+            let expected = format!("no table beside {rule}: contacts without temperature, ageing and delay");
+            return Err(Error::invalid("stiffness.of_threshold", expected, "a table"));
+        }
         let at_once = 1.0 - self.thresholds.survival(0.0);
         if at_once > NEGLIGIBLE {
             let found = format!("a share {at_once} of the contacts with threshold 0");

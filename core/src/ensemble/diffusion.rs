@@ -107,8 +107,16 @@ impl ThresholdDiffusion {
         let (low, high) = (mature.quantile(0.0), mature.upper_quantile(0.0));
         let resolution = resolution(mature);
         let drift = Drift::new(contacts.thresholds.as_ref(), mature, rate);
-        let Contacts { stiffness, ref rules, .. } = *contacts;
-        Self { rate, drift, low, high, resolution, temperature: rules.temperature, stiffness }
+        let Contacts { stiffness, rules, .. } = contacts;
+        Self {
+            rate,
+            drift,
+            low,
+            high,
+            resolution,
+            temperature: rules.temperature,
+            stiffness: stiffness.clone(),
+        }
     }
 
     /// The time at which a contact with the hazard `remaining_hazard` left breaks, if before the last of the
@@ -125,7 +133,7 @@ impl ThresholdDiffusion {
     ) -> f64 {
         let until = marks[marks.len() - 1];
         // Otherwise steps, and hence the random paths, do not depend on the marks.
-        let marks = if let Stiffness::PerThreshold(_) = self.stiffness { marks } else { &[] };
+        let marks = if self.stiffness.is_equal() { &[] } else { marks };
         let mut state = DiffusingThreshold::newborn(held.newborn);
         for segment in segments(history, held.birth..until) {
             state.time = segment.start;

@@ -46,7 +46,7 @@ impl Passage {
             extrema: extrema(contacts.rules.ageing.as_ref(), &evolution),
             evolution,
             temperature: contacts.rules.temperature,
-            stiffness: contacts.stiffness,
+            stiffness: contacts.stiffness.clone(),
         }))
     }
 }
@@ -103,7 +103,7 @@ impl KnownThreshold {
     /// The work ∫½x² dk of ageing on a contact from the start of a segment to `end`, computed as ½[kx²] − ∫kx
     /// dX.
     pub(super) fn strengthening(&self, held: &AttachedContact, segment: &Segment, end: f64) -> f64 {
-        if self.evolution.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
+        if self.evolution.is_constant() || self.stiffness.is_equal() {
             return 0.0;
         }
         let stretch = |time| segment.position(time) - held.origin;

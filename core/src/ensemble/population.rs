@@ -10,7 +10,6 @@ use super::Ensemble;
 use super::lives::Lives;
 use super::queue::{Queue, QueuedContact, SLICE};
 use super::sums::Sums;
-use crate::contacts::Stiffness;
 use crate::energy::ContactEnergies;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
@@ -96,7 +95,6 @@ impl Ensemble {
             return Err(Error::invalid(rule, expected, "time-dependent contacts"));
         }
         self.population_fits(monitor.memory())?;
-        let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;
         let mut population = EnsemblePopulation {
             lives: Lives::in_any_order(self),
             size: self.size,
@@ -107,12 +105,12 @@ impl Ensemble {
             back: f64::NEG_INFINITY,
             free: Vec::new(),
             held: false,
-            sums: Sums::new(self.contacts.stiffness),
+            sums: Sums::new(self.contacts.stiffness.clone()),
             span: SPAN * self.contacts.thresholds.mean(),
             lost: Compensated::default(),
             breaks: 0,
             marked: None,
-            scale: unit * self.contacts.count / self.size as f64,
+            scale: self.contacts.stiffness.unit() * self.contacts.count / self.size as f64,
         };
         let contacts = newborn(&population.lives, self.size, monitor)?;
         let mut aside = Aside { fraction: 1.0, monitor };
@@ -372,7 +370,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::contacts::{Contacts, Initial, Start};
+    use crate::contacts::{Contacts, Initial, Start, Stiffness};
     use crate::ensemble::Disorder;
     use crate::law::{Gaussian, Rectangular, SharedLaw};
 

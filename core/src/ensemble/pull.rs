@@ -9,7 +9,6 @@ use super::Ensemble;
 use super::snapshots::Snapshots;
 use super::sweep::{Chunk, ContactPull};
 use super::tally::{Different, Equal, PositionGrid, TallyCell, UniformGrid, forces};
-use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::{Error, Result};
 
@@ -90,22 +89,23 @@ impl Ensemble {
             ));
         }
         snapshots.check(positions)?;
-        match self.contacts.stiffness {
-            Stiffness::Equal(stiffness) => self.run::<Equal>(stiffness, positions, snapshots, monitor),
-            Stiffness::PerThreshold(factor) => self.run::<Different>(factor, positions, snapshots, monitor),
+        if self.contacts.stiffness.is_equal() {
+            self.run::<Equal>(positions, snapshots, monitor)
+        } else {
+            self.run::<Different>(positions, snapshots, monitor)
         }
     }
 
     fn run<C: TallyCell>(
         &self,
-        stiffness: f64,
         positions: &[f64],
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
         let plan = self.plan::<C>(positions, snapshots, monitor.memory())?;
         let (grid, uniform) = (PositionGrid::new(positions), UniformGrid::of(positions));
-        let sweep = ContactPull { ensemble: self, grid, uniform, positions, snapshots };
+        let table = self.contacts.stiffness.table();
+        let sweep = ContactPull { ensemble: self, grid, uniform, positions, snapshots, table };
         report(monitor, 0.0)?;
         let mut total = sweep.nothing::<C>();
         report(monitor, 0.0)?;
@@ -128,7 +128,7 @@ impl Ensemble {
             report(monitor, done as f64 / self.size as f64)?;
             round = plan.next(round, monitor.clock().saturating_sub(begun));
         }
-        let scale = stiffness * self.contacts.count;
+        let scale = self.contacts.stiffness.unit() * self.contacts.count;
         let mut aside = Aside { fraction: 1.0, monitor };
         let (force, error) = forces(&total.cells, positions, self.size, scale, &mut aside)?;
         let Chunk { histograms, breaks, .. } = total;

@@ -66,7 +66,7 @@ impl Ensemble {
         let mut ensemble = EnsembleInTime {
             lives: Arc::new(Lives::in_any_order(self)),
             passage: Arc::new(Passage::of(self, monitor)?),
-            stiffness: self.contacts.stiffness,
+            stiffness: self.contacts.stiffness.clone(),
             delay: self.contacts.rules.delay,
             contacts: Vec::new(),
             time: 0.0,
@@ -294,8 +294,8 @@ impl EnsembleInTime {
 
     /// Stiffness at a time.
     fn stiffness(&self, contact: &ContactInTime, time: f64) -> f64 {
-        let threshold = match (self.stiffness, self.passage.as_ref()) {
-            (Stiffness::Equal(_), _) => 0.0,
+        let threshold = match (self.stiffness.is_equal(), self.passage.as_ref()) {
+            (true, _) => 0.0,
             (_, Passage::KnownThreshold(known)) => known.threshold(&contact.held, time),
             (_, Passage::Diffusing(_)) => contact.wandering.threshold(),
         };

@@ -10,18 +10,17 @@ use crate::numerics::compensated::Compensated;
 ///
 /// Σ kx = d Σk − Σk(o − b) and Σ kx² = d² Σk − 2d Σk(o − b) + Σk(o − b)², d = X − b.
 ///
-/// The `base` b is kept near X, so that little cancels. Stiffnesses are in the unit of [`Stiffness`]: 1, or x_s.
+/// The `base` b is kept near X, so that little cancels. Stiffnesses are in [`Stiffness::unit`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Sums {
     pub(super) base: f64,
-    per_threshold: bool,
+    stiffness: Stiffness,
     moments: [Compensated; 3],
 }
 
 impl Sums {
     pub(super) fn new(stiffness: Stiffness) -> Self {
-        let per_threshold = matches!(stiffness, Stiffness::PerThreshold(_));
-        Self { base: 0.0, per_threshold, moments: Default::default() }
+        Self { base: 0.0, stiffness, moments: Default::default() }
     }
 
     /// Recomputes the sums, with X as the base.
@@ -52,7 +51,7 @@ impl Sums {
 
     #[inline]
     fn stiffness(&self, contact: &QueuedContact) -> f64 {
-        if self.per_threshold { contact.threshold } else { 1.0 }
+        self.stiffness.weight(contact.threshold)
     }
 
     /// ½k x² of a contact.

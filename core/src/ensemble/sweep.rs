@@ -8,6 +8,7 @@ use super::contact::Contact;
 use super::lives::{ContactLife, Lives};
 use super::snapshots::Snapshots;
 use super::tally::{PositionGrid, TallyCell, UniformGrid};
+use crate::contacts::StiffnessTable;
 
 /// Contribution of one chunk of contacts.
 pub(super) struct Chunk<C> {
@@ -32,9 +33,20 @@ pub(super) struct ContactPull<'a> {
     pub(super) uniform: Option<UniformGrid>,
     pub(super) positions: &'a [f64],
     pub(super) snapshots: &'a Snapshots,
+    /// Stiffness against threshold, where it is neither equal nor proportional. Breaks are then not processed in batches.
+    pub(super) table: Option<&'a StiffnessTable>,
 }
 
 impl ContactPull<'_> {
+    /// Stretch and stiffness of a contact of this stretch and threshold.
+    #[inline(always)]
+    fn weighed<C: TallyCell>(&self, (stretch, threshold): (f64, f64)) -> (f64, f64) {
+        match self.table {
+            Some(table) if !C::EQUAL => (stretch, table.at(threshold)),
+            _ => (stretch, threshold),
+        }
+    }
+
     pub(super) fn nothing<C: TallyCell>(&self) -> Chunk<C> {
         let cells = vec![C::ZERO; self.positions.len()];
         Chunk { cells, histograms: self.snapshots.histograms(), breaks: 0 }
@@ -66,7 +78,8 @@ impl ContactPull<'_> {
             life = lives.next();
         }
         let mut contact = Contact { origin: -life.stretch, threshold: life.threshold };
-        chunk.cells[0].add(self.positions[0] - contact.origin, contact.threshold);
+        let (stretch, stiffness) = self.weighed::<C>(contact.at(self.positions[0]));
+        chunk.cells[0].add(stretch, stiffness);
         let Chunk { cells, histograms, breaks } = chunk;
         let mut snapshots = self.snapshots.positions.iter().zip(histograms).peekable();
         loop {
@@ -97,7 +110,8 @@ impl ContactPull<'_> {
         breaks: &mut u64,
     ) -> Contact {
         let upcoming = lives.drawn_ahead();
-        let at_once = batch.advance_batch(contact, until, upcoming, self.uniform, cells);
+        let uniform = self.uniform.filter(|_| self.table.is_none());
+        let at_once = batch.advance_batch(contact, until, upcoming, uniform, cells);
         let (contact, taken) = at_once.unwrap_or_else(|| self.one_by_one(contact, until, upcoming, cells));
         lives.skip(taken);
         *breaks += taken as u64;
@@ -129,7 +143,8 @@ impl ContactPull<'_> {
         let (cell, position) = self.grid.at_or_above(contact.end());
         let origin = contact.origin + (contact.threshold - next.stretch);
         let next = Contact { origin, threshold: next.threshold };
-        cells[cell].apply(C::change(contact.at(position), next.at(position)));
+        let [before, after] = [contact, next].map(|one| self.weighed::<C>(one.at(position)));
+        cells[cell].apply(C::change(before, after));
         next
     }
 }
@@ -161,6 +176,7 @@ mod tests {
             uniform: Some(uniform),
             positions: &positions,
             snapshots,
+            table: None,
         };
         let mut thresholds = [0.0; 128];
         law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut thresholds);

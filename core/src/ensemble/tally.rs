@@ -12,6 +12,8 @@ pub(super) trait TallyCell: Copy + Send + Sync {
     /// What a break adds.
     type Change: Copy + Default;
     const ZERO: Self;
+    /// Whether all stiffnesses are 1.
+    const EQUAL: bool;
     /// Adds a contact of stretch `x` and stiffness `k`.
     fn add(&mut self, x: f64, k: f64);
     /// A break, by the stretch and stiffness of its contact before and after.
@@ -32,6 +34,7 @@ pub(super) struct Equal([f64; 2]);
 impl TallyCell for Equal {
     type Change = [f64; 2];
     const ZERO: Self = Self([0.0; 2]);
+    const EQUAL: bool = true;
 
     fn add(&mut self, x: f64, _k: f64) {
         self.0[0] += x;
@@ -80,6 +83,7 @@ impl Different {
 impl TallyCell for Different {
     type Change = [(f64, f64); 2];
     const ZERO: Self = Self([0.0; 5]);
+    const EQUAL: bool = false;
 
     fn add(&mut self, x: f64, k: f64) {
         self.weigh(1.0, x, k);

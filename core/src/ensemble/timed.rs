@@ -10,7 +10,7 @@ use super::lives::{ContactLife, Lives};
 use super::passage::Passage;
 use super::pull::EnsemblePull;
 use super::snapshots::{Snapshots, rising};
-use crate::contacts::{Contacts, Stiffness};
+use crate::contacts::Contacts;
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::random::{Purpose, Stream};
@@ -294,7 +294,7 @@ impl<'a> Follow<'a> {
         draws: &mut TimedDraws,
         chunk: &mut TimedChunk,
     ) -> (f64, usize) {
-        let Contacts { stiffness, ref rules, .. } = self.ensemble.contacts;
+        let Contacts { stiffness, rules, .. } = &self.ensemble.contacts;
         let held = AttachedContact {
             birth,
             origin: self.history.position(birth) - life.stretch,
@@ -318,15 +318,15 @@ impl<'a> Follow<'a> {
         let passed = self.before(end, next);
         for (place, mark) in self.marks[passed.clone()].iter().enumerate() {
             let stretch = mark.position - held.origin;
-            match (mark.look, stiffness) {
+            match (mark.look, stiffness.is_equal()) {
                 (Observation::Stretch(i), _) => self.snapshots.count(stretch, &mut chunk.histograms[i]),
-                (Observation::Force(i), Stiffness::Equal(_)) => chunk.sums[i].add(stretch),
-                (Observation::Force(i), Stiffness::PerThreshold(_)) => {
+                (Observation::Force(i), true) => chunk.sums[i].add(stretch),
+                (Observation::Force(i), false) => {
                     let threshold = match &self.passage {
                         Passage::KnownThreshold(known) => known.threshold(&held, mark.time),
                         Passage::Diffusing(_) => thresholds[place],
                     };
-                    chunk.sums[i].add(threshold * stretch);
+                    chunk.sums[i].add(stiffness.weight(threshold) * stretch);
                 }
             }
         }
@@ -336,8 +336,7 @@ impl<'a> Follow<'a> {
     /// Mean forces and their standard errors.
     fn forces(&self, total: &TimedChunk) -> (Vec<f64>, Vec<f64>) {
         let contacts = &self.ensemble.contacts;
-        let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = contacts.stiffness;
-        let (scale, size) = (unit * contacts.count, self.ensemble.size as f64);
+        let (scale, size) = (contacts.stiffness.unit() * contacts.count, self.ensemble.size as f64);
         let force = |sums: &TimedSums| {
             let mean = sums.force / size;
             let variance = (sums.square / size - mean * mean).max(0.0);

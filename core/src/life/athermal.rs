@@ -1,6 +1,6 @@
 //! The life of time-independent contacts, which break when the stretch reaches the threshold.
 
-use super::breaking::{Breaking, MOMENTS};
+use super::breaking::Breaking;
 use super::cells::{BULK, CELL, NEGLIGIBLE, ORDERS, ROUNDING, edges, scale, top};
 use super::layer::Layer;
 use super::{Life, Starts};
@@ -58,45 +58,79 @@ pub(crate) fn cells_of(contacts: &Contacts, starts: &SharedLaw) -> f64 {
 /// The life of the contacts of some layers, and of those that have just `broken`.
 ///
 /// Only the moments b_n(u) = ∫ν(x) (x+u)ⁿ P_c(x+u) dx of breaking contacts are computed by quadrature, over
-/// those x that exceed what they have reached before. The carried force follows by integration: with s the
-/// survival, m the force and q its square, s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s the moments are
-/// of one order higher: see `per_threshold`.
+/// those x that exceed what they have reached before; with a table of stiffnesses k(h), those of kʲhⁿ. The
+/// carried force follows by integration: see [`Carried::curves`].
 pub(super) fn of_layers(
     contacts: &Contacts,
     layers: Vec<Layer>,
     broken: Option<Atom>,
     watch: &Watch<'_>,
 ) -> Life {
-    let law = contacts.thresholds.as_ref();
-    let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer, BULK)).collect();
+    match &contacts.stiffness {
+        Stiffness::Equal(_) | Stiffness::PerThreshold(_) => {
+            of_moments(contacts, layers, broken, watch, |b, u| b.moments(u))
+        }
+        Stiffness::Tabulated(table) => {
+            of_moments(contacts, layers, broken, watch, |b, u| b.moments_with(u, table))
+        }
+    }
+}
+
+/// The same, by these moments of one layer at an advance.
+fn of_moments<const N: usize>(
+    contacts: &Contacts,
+    layers: Vec<Layer>,
+    broken: Option<Atom>,
+    watch: &Watch<'_>,
+    moments: impl Fn(&Breaking<'_>, f64) -> [f64; N],
+) -> Life {
+    let (law, stiffness) = (contacts.thresholds.as_ref(), &contacts.stiffness);
+    let breaking: Vec<_> =
+        layers.iter().map(|layer| Breaking::new(law, layer, BULK).carrying(stiffness)).collect();
     let mut breakpoints: Vec<Breakpoint> = breaking.iter().flat_map(Breaking::breakpoints).collect();
     let onsets: Vec<f64> = breaking.iter().map(Breaking::onset).collect();
     let end = breaking.iter().map(Breaking::end).fold(0.0, f64::max);
     let stops = breakpoints.iter().map(|b| b.position).chain(onsets.iter().copied());
+    let kinks: Vec<Breakpoint> = breaking.iter().flat_map(Breaking::kinks).collect();
+    let stops = stops.chain(kinks.iter().map(|kink| kink.position));
     let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
     let edges = edges(&zones(&breaking), &stops, end);
-    let mut moments =
-        Piecewise::resolve_all(|u| watch.value(|| sum(&breaking, u)), &edges, end, BULK.resolution);
+    let sum = |u: f64| {
+        let add = |a: [f64; N], b: [f64; N]| std::array::from_fn(|i| a[i] + b[i]);
+        breaking.iter().map(|b| moments(b, u)).fold([0.0; N], add)
+    };
+    let mut moments = Piecewise::resolve_all(
+        |u| if watch.stops() { [0.0; N] } else { sum(u) },
+        &edges,
+        end,
+        BULK.resolution,
+    );
     weigh_pole(&mut moments[0], &breakpoints, &breaking);
     breakpoints.extend(broken.map(Breakpoint::from));
     let wide = 0.25 * scale(law);
     onsets.into_iter().for_each(|onset| begin(&mut breakpoints, &moments[0], onset, wide));
     breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
     // Integration from the end of life makes tails accurate relative to themselves.
-    let carried = Carried::new(&breaking, &moments, end);
+    let carried = Carried::new(stiffness, &breaking, &moments, end);
     // Survival, force and energies are integrals of the breaking density: their breakpoints are one
     // order smoother.
-    let smoother: Vec<_> =
-        breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
-    let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
-    let survival = carried.survival();
-    let LifeCurves { force, square, energy, breaking_energy } = match contacts.stiffness {
-        Stiffness::Equal(_) => carried.equal(&survival),
-        Stiffness::PerThreshold(_) => carried.per_threshold(),
+    let integrated = |breakpoints: &[Breakpoint]| -> Vec<Breakpoint> {
+        breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect()
     };
-    let [falls, ..] = moments;
+    let smoother = integrated(&breakpoints);
+    let kinked = if kinks.is_empty() {
+        smoother.clone()
+    } else {
+        let mut all: Vec<_> = smoother.iter().copied().chain(integrated(&kinks)).collect();
+        all.sort_by(|a, b| a.position.total_cmp(&b.position));
+        all
+    };
+    let kernel = |curve: Piecewise| Kernel::new(curve, kinked.clone());
+    let survival = carried.survival();
+    let LifeCurves { force, square, energy, breaking_energy } = carried.curves(&survival);
+    let falls = moments.into_iter().next().expect("the zeroth moment");
     Life {
-        survival: kernel(survival),
+        survival: Kernel::new(survival, smoother),
         force: kernel(force),
         square: kernel(square),
         energy: kernel(energy),
@@ -162,14 +196,6 @@ fn zones(breaking: &[Breaking<'_>]) -> Vec<Zone> {
     (0..count).filter_map(|k| all.iter().map(|zones| zones[k]).reduce(wider)).collect()
 }
 
-fn sum(breaking: &[Breaking<'_>], u: f64) -> [f64; MOMENTS] {
-    let mut sums = [0.0; MOMENTS];
-    for moments in breaking.iter().map(|b| b.moments(u)) {
-        sums.iter_mut().zip(moments).for_each(|(sum, moment)| *sum += moment);
-    }
-    sums
-}
-
 /// The curves of the unbroken contacts.
 struct LifeCurves {
     force: Piecewise,
@@ -181,49 +207,75 @@ struct LifeCurves {
 /// Force and energies of the unbroken contacts, by integration of the breaking moments from the end of life
 /// back to u.
 struct Carried<'a> {
+    stiffness: &'a Stiffness,
     breaking: &'a [Breaking<'a>],
-    moments: &'a [Piecewise; MOMENTS],
+    /// b of hⁿ; with a table, in the order of [`Breaking::moments_with`].
+    moments: &'a [Piecewise],
     end: f64,
     simultaneous: Vec<(f64, Atom)>,
 }
 
 impl<'a> Carried<'a> {
-    fn new(breaking: &'a [Breaking<'a>], moments: &'a [Piecewise; MOMENTS], end: f64) -> Self {
+    fn new(
+        stiffness: &'a Stiffness,
+        breaking: &'a [Breaking<'a>],
+        moments: &'a [Piecewise],
+        end: f64,
+    ) -> Self {
         let mut simultaneous: Vec<_> = breaking.iter().flat_map(|b| b.simultaneous.iter().copied()).collect();
         simultaneous.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { breaking, moments, end, simultaneous }
+        Self { stiffness, breaking, moments, end, simultaneous }
     }
 
-    /// ∫_u^∞ of `falls`, with the jumps b_order at point masses and at the end ∫ν x^power M_moment.
-    fn back(&self, falls: &Piecewise, order: i32, (power, moment): (i32, u32)) -> Piecewise {
-        let jump = |(u, b): &(f64, Atom)| (*u, b.weight * b.position.powi(order));
-        let jumps: Vec<_> = self.simultaneous.iter().map(jump).collect();
-        let last = |b: &Breaking<'_>| b.weighted(self.end, power, moment);
+    /// The breaking moment b of kʲhⁿ.
+    fn moment(&self, [j, n]: [u32; 2]) -> &Piecewise {
+        let place = match (self.stiffness, j) {
+            (Stiffness::Equal(_), _) => n,
+            (Stiffness::PerThreshold(_), _) => j + n,
+            (Stiffness::Tabulated(_), 0) => 0,
+            (Stiffness::Tabulated(_), j) => 3 * j - 2 + n,
+        };
+        &self.moments[place as usize]
+    }
+
+    /// kʲhⁿ of a contact with the threshold h.
+    fn weight(&self, [j, n]: [u32; 2], threshold: f64) -> f64 {
+        let [j, n] = [j as i32, n as i32];
+        match self.stiffness {
+            Stiffness::Equal(_) => threshold.powi(n),
+            Stiffness::PerThreshold(_) => threshold.powi(j + n),
+            Stiffness::Tabulated(table) => table.at(threshold).powi(j) * threshold.powi(n),
+        }
+    }
+
+    /// ∫_u^∞ of `falls`, with jumps of kʲhⁿ, `jump` = [j, n], at point masses, and at the end
+    /// ∫ν x^power ∫ kʲhⁿ P_c for `last` = (power, [j, n]).
+    fn back(&self, falls: &Piecewise, jump: [u32; 2], (power, last): (i32, [u32; 2])) -> Piecewise {
+        let of = |(u, b): &(f64, Atom)| (*u, b.weight * self.weight(jump, b.position));
+        let jumps: Vec<_> = self.simultaneous.iter().map(of).collect();
+        let last = |b: &Breaking<'_>| b.carried(self.end, power, self.stiffness, last);
         falls.integrated_from_end(self.breaking.iter().map(last).sum(), &jumps)
     }
 
     fn survival(&self) -> Piecewise {
-        self.back(&self.moments[0], 0, (0, 0))
+        self.back(self.moment([0, 0]), [0, 0], (0, [0, 0]))
     }
 
-    /// m' = s − b₁, q' = 2m − b₂, and t₂' = −b₂ for t_n = ∫ν M_n.
-    fn equal(&self, survival: &Piecewise) -> LifeCurves {
-        let force = self.back(&self.moments[1].plus(-1.0, survival), 1, (1, 0));
-        let square = self.back(&self.moments[2].plus(-2.0, &force), 2, (2, 0));
-        let broken = self.back(&self.moments[2], 2, (0, 2));
-        LifeCurves { force, energy: square.clone().scaled(0.5), square, breaking_energy: broken.scaled(0.5) }
-    }
-
-    /// With t_n = ∫ν M_n, e = ∫ν x² M₁ and w = ∫ν x M₂: t_n' = −b_n, m' = t₁ − b₂, e' = 2m − b₃, w' = t₂ − b₃,
-    /// q' = 2w − b₄.
-    fn per_threshold(&self) -> LifeCurves {
-        let first = self.back(&self.moments[1], 1, (0, 1));
-        let force = self.back(&self.moments[2].plus(-1.0, &first), 2, (1, 1));
-        let energy = self.back(&self.moments[3].plus(-2.0, &force), 3, (2, 1));
-        let second = self.back(&self.moments[2], 2, (0, 2));
-        let half = self.back(&self.moments[3].plus(-1.0, &second), 3, (1, 2));
-        let square = self.back(&self.moments[4].plus(-2.0, &half), 4, (2, 2));
-        let broken = self.back(&self.moments[3], 3, (0, 3));
+    /// With K_jn = ∫_y^∞ kʲhⁿ P_c, the sums t_j = ∫ν K_j0, m = ∫ν x K₁₀, e = ∫ν x² K₁₀, w = ∫ν x K₂₀, q = ∫ν x² K₂₀ and
+    /// l = ∫ν K₁₂, and b_jn the breaking moment of kʲhⁿ: t_j' = −b_j0, m' = t₁ − b₁₁, e' = 2m − b₁₂, w' = t₂ − b₂₁,
+    /// q' = 2w − b₂₂, l' = −b₁₂. For equal stiffnesses in the unit of k, t_j is the survival, w = m and q = e.
+    fn curves(&self, survival: &Piecewise) -> LifeCurves {
+        let equal = self.stiffness.is_equal();
+        let stiffness = |j| {
+            if equal { survival.clone() } else { self.back(self.moment([j, 0]), [j, 0], (0, [j, 0])) }
+        };
+        let first = |j| self.back(&self.moment([j, 1]).plus(-1.0, &stiffness(j)), [j, 1], (1, [j, 0]));
+        let second =
+            |j, first: &Piecewise| self.back(&self.moment([j, 2]).plus(-2.0, first), [j, 2], (2, [j, 0]));
+        let force = first(1);
+        let energy = second(1, &force);
+        let square = if equal { energy.clone() } else { second(2, &first(2)) };
+        let broken = self.back(self.moment([1, 2]), [1, 2], (0, [1, 2]));
         LifeCurves { force, square, energy: energy.scaled(0.5), breaking_energy: broken.scaled(0.5) }
     }
 }

@@ -3,10 +3,14 @@
 use super::cells::{CELL, Detail, scale, threshold_atoms, top, with_atoms};
 use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
+use crate::contacts::{Stiffness, StiffnessTable};
 use crate::law::{Atom, Breakpoint, Law, Zone};
 
 /// Moments of the breaking stretches are computed up to the fourth.
 pub(super) const MOMENTS: usize = 5;
+
+/// Moments with a table of stiffnesses.
+pub(super) const TABLE_MOMENTS: usize = 7;
 
 /// A layer, and the distribution of the thresholds of its contacts.
 pub(super) struct Breaking<'a> {
@@ -14,6 +18,8 @@ pub(super) struct Breaking<'a> {
     layer: &'a Layer,
     /// Breakpoints and point masses of P_c.
     hazards: Vec<Breakpoint>,
+    /// Kinks of the stiffness against the threshold.
+    kinks: Vec<Breakpoint>,
     /// Positions of the point masses of P_c.
     threshold_atoms: Vec<f64>,
     /// Stretches between which all but a negligible fraction breaks.
@@ -32,6 +38,7 @@ impl<'a> Breaking<'a> {
             thresholds,
             layer,
             hazards: with_atoms(thresholds),
+            kinks: Vec::new(),
             threshold_atoms: threshold_atoms(thresholds),
             window: (thresholds.quantile(negligible), last_threshold(thresholds, layer, negligible)),
             panels: Panels::new(&layer.density, 2.0 * CELL * scale(thresholds), negligible),
@@ -39,6 +46,18 @@ impl<'a> Breaking<'a> {
         };
         breaking.simultaneous = breaking.simultaneous();
         breaking
+    }
+
+    /// The same contacts with this stiffness: sums over them are not smooth at the kinks of a table.
+    pub(super) fn carrying(mut self, stiffness: &Stiffness) -> Self {
+        let kink = |(position, change): (f64, f64)| Breakpoint {
+            position,
+            exponent: 1.0,
+            amplitude: change * self.thresholds.density(position),
+        };
+        let kinks = stiffness.table().into_iter().flat_map(StiffnessTable::kinks).map(kink);
+        self.kinks = kinks.filter(|kink| kink.amplitude != 0.0).collect();
+        self
     }
 
     fn simultaneous(&self) -> Vec<(f64, Atom)> {
@@ -67,13 +86,46 @@ impl<'a> Breaking<'a> {
     /// been stretched further in the other direction, passes one of either.
     pub(super) fn breakpoints(&self) -> Vec<Breakpoint> {
         let Layer { ahead, behind, .. } = *self.layer;
-        let starts = self.layer.all_breaks();
         let mut out: Vec<Breakpoint> = self
             .simultaneous
             .iter()
             .map(|(u, met)| Atom { position: *u, weight: met.weight }.into())
             .collect();
-        for hazard in &self.hazards {
+        out.extend(self.met(&self.hazards));
+        out.extend(self.layer.all_breaks().iter().map(|b| {
+            let u = behind - 2.0 * b.position;
+            passed(&b.mirrored(), u, self.thresholds.density(b.position + u))
+        }));
+        out.extend(self.hazards.iter().map(|b| self.passed_by_bound(b)));
+        out.retain(|b| b.position >= ahead && b.amplitude != 0.0);
+        out
+    }
+
+    /// Where the force of unbroken contacts has kinks that the breaking density has not: at those of the stiffness. Spread
+    /// starts blur them; what is left is smooth on the cells of ν, moved along.
+    pub(super) fn kinks(&self) -> Vec<Breakpoint> {
+        let mut out = self.met(&self.kinks);
+        let (cells, mass) = (&self.layer.density.boundaries, self.layer.density.integral());
+        let blurred = |kink: &Breakpoint| {
+            let Breakpoint { position, exponent, amplitude } = *kink;
+            cells.iter().map(move |r| Breakpoint {
+                position: position - r,
+                exponent,
+                amplitude: amplitude * mass,
+            })
+        };
+        out.extend(self.kinks.iter().flat_map(blurred));
+        out.extend(self.kinks.iter().map(|b| self.passed_by_bound(b)));
+        out.retain(|b| b.position >= self.layer.ahead && b.amplitude != 0.0);
+        out
+    }
+
+    /// Where breakpoints of thresholds meet those of ν.
+    fn met(&self, hazards: &[Breakpoint]) -> Vec<Breakpoint> {
+        let Layer { ahead, behind, .. } = *self.layer;
+        let starts = self.layer.all_breaks();
+        let mut out = Vec::new();
+        for hazard in hazards {
             for start in &starts {
                 let met = hazard.convolve(start.mirrored());
                 let beyond = met.position >= ahead && hazard.position + start.position >= behind;
@@ -82,21 +134,13 @@ impl<'a> Breaking<'a> {
                 }
             }
         }
-        // The lower bound moves at half the velocity of the slider.
-        let passed = |b: &Breakpoint, position: f64, factor: f64| {
-            let amplitude = b.amplitude * factor * 0.5_f64.powf(b.exponent + 1.0);
-            Breakpoint { position, exponent: b.exponent + 1.0, amplitude }
-        };
-        out.extend(starts.iter().map(|b| {
-            let u = behind - 2.0 * b.position;
-            passed(&b.mirrored(), u, self.thresholds.density(b.position + u))
-        }));
-        out.extend(self.hazards.iter().map(|b| {
-            let u = 2.0 * b.position - behind;
-            passed(b, u, -self.layer.density.value(b.position - u))
-        }));
-        out.retain(|b| b.position >= ahead && b.amplitude != 0.0);
         out
+    }
+
+    /// Where the lower bound of the integral passes a breakpoint of thresholds.
+    fn passed_by_bound(&self, b: &Breakpoint) -> Breakpoint {
+        let u = 2.0 * b.position - self.layer.behind;
+        passed(b, u, -self.layer.density.value(b.position - u))
     }
 
     /// The advance after which survival and second moment are negligible.
@@ -135,12 +179,29 @@ impl<'a> Breaking<'a> {
         let everywhere = Domain {
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
-            cuts: self.hazards.iter().flat_map(places).chain([self.layer.lowest(u)]).collect(),
+            cuts: self
+                .hazards
+                .iter()
+                .chain(&self.kinks)
+                .flat_map(places)
+                .chain([self.layer.lowest(u)])
+                .collect(),
             steep: self.hazards.iter().filter(|b| b.is_steep()).flat_map(places).collect(),
         };
         let mut spread = 0.0;
         self.panels.each(everywhere, |x, w| spread += w * weight(x + u, self.layer.largest(x, u)));
         together + spread
+    }
+
+    /// ∫ν(x) (x + u)^power ∫_y^∞ kʲ hⁿ P_c(h) dh dx, k in its unit.
+    pub(super) fn carried(&self, u: f64, power: i32, stiffness: &Stiffness, [j, n]: [u32; 2]) -> f64 {
+        match stiffness {
+            Stiffness::Equal(_) => self.weighted(u, power, n),
+            Stiffness::PerThreshold(_) => self.weighted(u, power, j + n),
+            Stiffness::Tabulated(table) => {
+                self.mean(u, |x, y| x.powi(power) * table.moment_above(self.thresholds, y, j, n))
+            }
+        }
     }
 
     /// ∫ν(x) (x + u)^power M_moment(y) dx.
@@ -154,16 +215,32 @@ impl<'a> Breaking<'a> {
 
     /// Moments of the stretches at which contacts break at the advance u, without point masses.
     pub(super) fn moments(&self, u: f64) -> [f64; MOMENTS] {
-        let mut sums = [0.0; MOMENTS];
+        self.sums(u, |x, weight| {
+            let mut power = weight;
+            std::array::from_fn(|_| {
+                let moment = power;
+                power *= x;
+                moment
+            })
+        })
+    }
+
+    /// The same sums of 1, k, kh, kh², k², k²h and k²h² for a table of stiffness against the threshold h.
+    pub(super) fn moments_with(&self, u: f64, table: &StiffnessTable) -> [f64; TABLE_MOMENTS] {
+        self.sums(u, |h, weight| {
+            let k = table.at(h);
+            [1.0, k, k * h, k * h * h, k * k, k * k * h, k * k * h * h].map(|term| weight * term)
+        })
+    }
+
+    /// Sums over contacts that break at the advance u, of `terms(stretch, weight)`.
+    fn sums<const N: usize>(&self, u: f64, terms: impl Fn(f64, f64) -> [f64; N]) -> [f64; N] {
+        let mut sums = [0.0; N];
         if u < self.layer.ahead {
             return sums;
         }
         let mut add = |x: f64, weight: f64| {
-            let mut power = weight;
-            for sum in &mut sums {
-                *sum += power;
-                power *= x;
-            }
+            sums.iter_mut().zip(terms(x, weight)).for_each(|(sum, term)| *sum += term);
         };
         let (law, lowest) = (self.thresholds, self.layer.lowest(u));
         let point_masses = self.layer.point_masses.iter().filter(|l| l.position >= lowest);
@@ -177,12 +254,18 @@ impl<'a> Breaking<'a> {
         let domain = Domain {
             low: lowest.max(self.window.0 - u),
             high: self.window.1 - u,
-            cuts: self.hazards.iter().filter(|b| !b.is_atom()).map(place).collect(),
+            cuts: self.hazards.iter().chain(&self.kinks).filter(|b| !b.is_atom()).map(place).collect(),
             steep: self.hazards.iter().filter(|b| b.is_steep()).map(place).collect(),
         };
         self.panels.each(domain, |x, w| add(x + u, w * law.density(x + u)));
         sums
     }
+}
+
+/// A breakpoint as the lower bound passes it, which moves at half the velocity of the slider.
+fn passed(b: &Breakpoint, position: f64, factor: f64) -> Breakpoint {
+    let amplitude = b.amplitude * factor * 0.5_f64.powf(b.exponent + 1.0);
+    Breakpoint { position, exponent: b.exponent + 1.0, amplitude }
 }
 
 /// The threshold beyond which S and its second moment are negligible, given the mass of ν.

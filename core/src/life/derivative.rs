@@ -54,8 +54,10 @@ impl LifeDerivative {
         // A breakpoint that moves with θ keeps the order that it has in the breaking density.
         let kept = |b: &Breakpoint| if b.is_atom() { Breakpoint { exponent: 0.0, ..*b } } else { *b };
         let breakpoints: Vec<_> = breakpoints.map(kept).collect();
-        let [survival, force] = curves.map(|curve| Kernel::new(curve, breakpoints.clone()));
-        Self { survival, force }
+        let [survival, force] = curves;
+        let mut kinked: Vec<_> = breakpoints.iter().copied().chain(life.kinks_of_stiffness()).collect();
+        kinked.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Self { survival: Kernel::new(survival, breakpoints), force: Kernel::new(force, kinked) }
     }
 
     /// By differences of lives: Σ weight × (above − below) on the cells of `life`.

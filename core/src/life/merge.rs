@@ -6,7 +6,7 @@ use super::breaking::Breaking;
 use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale, threshold_atoms};
 use super::layer::{Layer, PointMass, SAME};
 use crate::Result;
-use crate::contacts::{Contacts, Stiffness};
+use crate::contacts::Contacts;
 use crate::law::Law;
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::breakpoints::same_position;
@@ -37,14 +37,13 @@ pub(crate) struct LayerSums {
 impl LayerSums {
     pub(crate) fn of(layers: &[Layer], contacts: &Contacts) -> Self {
         let thresholds = contacts.thresholds.as_ref();
-        let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(thresholds, layer, BULK)).collect();
-        let sum = |moment: u32| breaking.iter().map(|b| b.weighted(0.0, 0, moment)).sum::<f64>();
-        let unbroken = sum(0);
-        let (stiffness, energy) = match contacts.stiffness {
-            Stiffness::Equal(_) => (unbroken, sum(2)),
-            Stiffness::PerThreshold(_) => (sum(1), sum(3)),
-        };
-        Self { unbroken, stiffness, breaking_energy: 0.5 * energy }
+        let breaking: Vec<_> = layers
+            .iter()
+            .map(|layer| Breaking::new(thresholds, layer, BULK).carrying(&contacts.stiffness))
+            .collect();
+        let sum =
+            |of: [u32; 2]| breaking.iter().map(|b| b.carried(0.0, 0, &contacts.stiffness, of)).sum::<f64>();
+        Self { unbroken: sum([0, 0]), stiffness: sum([1, 0]), breaking_energy: 0.5 * sum([1, 2]) }
     }
 }
 

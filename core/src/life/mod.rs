@@ -275,6 +275,13 @@ impl Life {
         self.force.breakpoints().iter().filter(begins).copied().collect()
     }
 
+    /// Kinks of the slope of the carried force where nothing happens to the breaking density: those of a table of
+    /// stiffnesses.
+    pub(crate) fn kinks_of_stiffness(&self) -> Vec<Breakpoint> {
+        let known = self.survival.breakpoints();
+        self.force.breakpoints().iter().filter(|b| !known.contains(b)).copied().collect()
+    }
+
     /// The same contacts, each free for the advance `by` before it forms.
     #[must_use]
     fn delayed(self, by: f64) -> Self {

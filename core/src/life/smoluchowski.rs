@@ -112,7 +112,7 @@ impl FokkerPlanckLife {
             maturing,
             velocity,
             temperature,
-            stiffness: contacts.stiffness,
+            stiffness: contacts.stiffness.clone(),
             resolution: scale(contacts.thresholds.as_ref()),
             largest_error: Arc::default(),
         })
@@ -380,7 +380,7 @@ impl FokkerPlanckLife {
     }
 
     fn sums(&self, stretch: f64, density: &Elements) -> [f64; SUMS] {
-        if self.temperature.is_none() && matches!(self.stiffness, Stiffness::Equal(_)) {
+        if self.temperature.is_none() && self.stiffness.is_equal() {
             let mut sums = [0.0; SUMS];
             sums[0] = density.mass();
             return sums;

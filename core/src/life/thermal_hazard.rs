@@ -56,11 +56,7 @@ const MOST_HALVINGS: u32 = 40;
 /// T/(k x̄): the length of stretch over which temperature blurs the breaking of contacts.
 pub(super) fn blur(contacts: &Contacts, temperature: &Temperature) -> f64 {
     let mean = contacts.thresholds.mean();
-    let stiffness = match contacts.stiffness {
-        Stiffness::Equal(stiffness) => stiffness,
-        Stiffness::PerThreshold(factor) => factor * mean,
-    };
-    temperature.energy / (stiffness * mean)
+    temperature.energy / (contacts.stiffness.of(mean) * mean)
 }
 
 impl ThermalHazard {
@@ -70,7 +66,7 @@ impl ThermalHazard {
         evolution: ThresholdEvolution,
         velocity: f64,
     ) -> Self {
-        Self { temperature, stiffness: contacts.stiffness, evolution, velocity }
+        Self { temperature, stiffness: contacts.stiffness.clone(), evolution, velocity }
     }
 
     /// The contacts formed at `start`, after an advance.
@@ -78,7 +74,7 @@ impl ThermalHazard {
         let stretch = start + advance;
         // ΔE = ½k(h² − x²): thresholds enter as the factor e^{−kh²/2T} only, and one integral
         // serves all contacts.
-        let common = match (self.temperature.barrier, self.stiffness) {
+        let common = match (self.temperature.barrier, &self.stiffness) {
             (Barrier::Elastic, Stiffness::Equal(stiffness)) if self.evolution.is_constant() => {
                 let whole = 0.5 * stiffness * stretch * stretch / self.temperature.energy;
                 let sum = || ConstantThreshold::new(Barrier::Elastic, stretch, whole, start).at(advance).0;
@@ -146,10 +142,13 @@ impl ThermalHazard {
         for i in 0..NODES {
             whole[i] = 0.5 / self.temperature.energy * thresholds[i] * thresholds[i];
         }
-        match self.stiffness {
+        match &self.stiffness {
             Stiffness::Equal(stiffness) => whole.iter_mut().for_each(|whole| *whole *= stiffness),
             Stiffness::PerThreshold(factor) => {
                 whole.iter_mut().zip(&thresholds).for_each(|(whole, h)| *whole *= factor * h);
+            }
+            Stiffness::Tabulated(table) => {
+                whole.iter_mut().zip(&thresholds).for_each(|(whole, h)| *whole *= table.at(*h));
             }
         }
         let terms = match self.temperature.barrier {

@@ -2,7 +2,7 @@
 
 use super::MasterEquation;
 use super::parameters::Named;
-use crate::contacts::{Start, Stiffness};
+use crate::contacts::Start;
 use crate::law::{EIGHTH_ORDER, SurvivalDerivative};
 use crate::life::{LawDerivatives, Life, LifeDerivative, StartingContacts};
 use crate::monitor::{Monitor, Part};
@@ -27,8 +27,7 @@ impl MasterEquation {
     pub(super) fn life_changes(&self, names: &[&str], monitor: &mut dyn Monitor) -> Result<Vec<LifeChange>> {
         let named = names.iter().map(|name| self.named(name)).collect::<Result<Vec<_>>>()?;
         let by_laws = named.iter().map(|named| self.law_derivative(*named)).collect::<Result<Vec<_>>>()?;
-        let closed = !self.contacts.rules.are_time_dependent()
-            && matches!(self.contacts.stiffness, Stiffness::Equal(_));
+        let closed = !self.contacts.rules.are_time_dependent() && self.contacts.stiffness.is_equal();
         if closed {
             let by_laws = by_laws.into_iter().flatten().collect();
             return self.closed_changes(&named, by_laws, monitor);

@@ -45,7 +45,7 @@ pub use transport::{Slider, StepResponse, Trace, Transport};
 
 use std::sync::Arc;
 
-use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
+use crate::contacts::{Ageing, Contacts, Initial, Start};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
 use crate::monitor::{Monitor, Part, Watch, fits};
@@ -237,8 +237,7 @@ impl MasterEquation {
 
     /// Total force per unit of the carried force of a life: N_c⟨k⟩, or N_c κ.
     fn stiffness(&self) -> f64 {
-        let (Stiffness::Equal(per_contact) | Stiffness::PerThreshold(per_contact)) = self.contacts.stiffness;
-        self.contacts.count * per_contact
+        self.contacts.count * self.contacts.stiffness.unit()
     }
 
     /// Steady sliding.

@@ -92,7 +92,7 @@ impl RenewalSolution {
             narrow_fraction,
         };
         let kept = (first.survival().curve(), reformed.survival());
-        let onsets = [first.reattachment(), reformed.reattachment()];
+        let onsets = [first, reformed].map(|life| [life.reattachment(), life.kinks_of_stiffness()].concat());
         let onsets = [onsets[0].as_slice(), onsets[1].as_slice()];
         let solution = solve(first.breaking(), reformed.breaking(), kept, onsets, end, accuracy, monitor)
             .map_err(|error| error.under("thresholds"))?;

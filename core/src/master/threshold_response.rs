@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::force_after_break::force_kernel;
 use super::pull::{Pull, at};
 use super::renewal::RenewalSolution;
-use crate::contacts::{Start, Stiffness};
+use crate::contacts::Start;
 use crate::law::SharedLaw;
 use crate::life::{Layer, Life, LifeDerivative, StartingContacts};
 use crate::monitor::{Monitor, Part, Watch};
@@ -282,11 +282,7 @@ impl Pull {
             let expected = "time-independent contacts: with others a threshold alone does not tell when a contact breaks";
             return Err(Error::invalid(rule, expected, "a response to thresholds"));
         }
-        if let Stiffness::PerThreshold(_) = contacts.stiffness {
-            let expected = "contacts of equal stiffness";
-            return Err(Error::invalid("stiffness.per_threshold", expected, "k = κ x_s"));
-        }
-        Ok(())
+        contacts.have_equal_stiffness()
     }
 
     /// The force of contacts that have all just re-formed.

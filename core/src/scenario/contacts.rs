@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Ageing, Delay, Law, Temperature, positive};
-use crate::contacts::Stiffness;
+use crate::contacts::{Stiffness, StiffnessTable};
 use crate::error::not_negative;
 use crate::law::{Root, SharedLaw};
 use crate::{Error, Result, contacts};
@@ -17,10 +17,17 @@ use crate::{Error, Result, contacts};
 #[schemars(extend(
     "oneOf" = [
         { "required": ["thresholds"] },
-        { "required": ["areas"], "not": { "anyOf": [{ "required": ["stiffness"] }, { "required": ["stiffness_per_threshold"] }] } },
+        { "required": ["areas"], "not": { "anyOf": [
+            { "required": ["stiffness"] }, { "required": ["stiffness_per_threshold"] }, { "required": ["stiffness_of_threshold"] },
+        ] } },
     ],
     "not" = { "anyOf": [
         { "required": ["stiffness", "stiffness_per_threshold"] },
+        { "required": ["stiffness", "stiffness_of_threshold"] },
+        { "required": ["stiffness_per_threshold", "stiffness_of_threshold"] },
+        { "required": ["stiffness_of_threshold", "temperature"] },
+        { "required": ["stiffness_of_threshold", "ageing"] },
+        { "required": ["stiffness_of_threshold", "delay"] },
         { "required": ["background_force", "background_coefficient"] },
     ] },
     "dependentRequired" = { "background_coefficient": ["normal_load"] },
@@ -37,6 +44,10 @@ pub struct Contacts {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length^2"))]
     pub stiffness_per_threshold: Option<f64>,
+    /// Stiffnesses k(x_s) from a table against the threshold, for contacts without temperature, ageing and delay; instead of
+    /// `contacts.stiffness`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness_of_threshold: Option<StiffnessOfThreshold>,
     /// Normal load carried by the interface, or by each cell of `[interface]`, a force, above 0; if given, friction coefficients
     /// are reported in addition to forces.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -73,6 +84,50 @@ pub struct Contacts {
     pub delay: Option<Delay>,
 }
 
+/// The stiffness of contacts against their threshold: linear between the rows of a table, constant beyond its ends.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{ "required": ["file"] }, { "required": ["threshold", "stiffness"] }]))]
+pub struct StiffnessOfThreshold {
+    /// CSV with columns `threshold,stiffness`; its path is relative to the scenario.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Thresholds x_s of the table, in increasing order, instead of a file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 2), extend("x-dimension" = "length"))]
+    pub threshold: Option<Vec<f64>>,
+    /// Stiffness k of a contact with each of these thresholds, 0 or above, at least one above 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force/length"))]
+    pub stiffness: Option<Vec<f64>>,
+}
+
+impl StiffnessOfThreshold {
+    fn build(&self) -> Result<Stiffness> {
+        let (threshold, stiffness) = match (&self.file, &self.threshold, &self.stiffness) {
+            (None, Some(threshold), Some(stiffness)) => (threshold, stiffness),
+            (Some(_), None, None) => {
+                return Err(Error::invalid("file", "a table read from it", "an unread file"));
+            }
+            (Some(_), ..) => {
+                return Err(Error::invalid("file", "either a file, or threshold and stiffness", "both"));
+            }
+            (None, None, _) => {
+                return Err(Error::invalid("threshold", "thresholds of the table, or a file", "none"));
+            }
+            (None, Some(_), None) => {
+                return Err(Error::invalid("stiffness", "a stiffness for each threshold", "none"));
+            }
+        };
+        if threshold.len() != stiffness.len() {
+            let expected = format!("{} stiffnesses, one for each threshold", threshold.len());
+            return Err(Error::invalid("stiffness", expected, stiffness.len()));
+        }
+        let rows = threshold.iter().copied().zip(stiffness.iter().copied()).collect();
+        StiffnessTable::new(rows).map(Stiffness::Tabulated)
+    }
+}
+
 /// Contacts of area A with stiffness k = modulus √A and strength f_s = strength A.
 ///
 /// They break at x_s = f_s/k = (strength/modulus) √A, so that k = κ x_s with κ = modulus²/strength.
@@ -95,6 +150,7 @@ impl Default for Contacts {
             count: 1.0,
             stiffness: None,
             stiffness_per_threshold: None,
+            stiffness_of_threshold: None,
             normal_load: None,
             background_force: None,
             background_coefficient: None,
@@ -172,21 +228,32 @@ impl Contacts {
     }
 
     fn stiffness(&self) -> Result<Stiffness> {
-        match (self.stiffness, self.stiffness_per_threshold) {
-            (None, None) => Ok(Stiffness::Equal(1.0)),
-            (Some(k), None) => positive("stiffness", k).map(Stiffness::Equal),
-            (None, Some(kappa)) => positive("stiffness_per_threshold", kappa).map(Stiffness::PerThreshold),
-            (Some(_), Some(_)) => {
+        match (self.stiffness, self.stiffness_per_threshold, &self.stiffness_of_threshold) {
+            (None, None, None) => Ok(Stiffness::Equal(1.0)),
+            (Some(k), None, None) => positive("stiffness", k).map(Stiffness::Equal),
+            (None, Some(kappa), None) => {
+                positive("stiffness_per_threshold", kappa).map(Stiffness::PerThreshold)
+            }
+            (None, None, Some(table)) => table.build().map_err(|e| e.under("stiffness_of_threshold")),
+            (Some(_), Some(_), None) => {
                 let expected = "either stiffness or stiffness_per_threshold";
                 Err(Error::invalid("stiffness_per_threshold", expected, "both"))
+            }
+            (_, _, Some(_)) => {
+                let expected = "one of stiffness, stiffness_per_threshold and stiffness_of_threshold";
+                Err(Error::invalid("stiffness_of_threshold", expected, "another one beside it"))
             }
         }
     }
 
     fn refuse_stiffness(&self) -> Result<()> {
-        let given =
-            [("stiffness", self.stiffness), ("stiffness_per_threshold", self.stiffness_per_threshold)];
-        match given.iter().find_map(|&(key, value)| Some((key, value?))) {
+        let number = |value: Option<f64>| value.map(|value| value.to_string());
+        let given = [
+            ("stiffness", number(self.stiffness)),
+            ("stiffness_per_threshold", number(self.stiffness_per_threshold)),
+            ("stiffness_of_threshold", self.stiffness_of_threshold.as_ref().map(|_| "a table".to_owned())),
+        ];
+        match given.into_iter().find_map(|(key, value)| Some((key, value?))) {
             Some((key, value)) => {
                 Err(Error::invalid(key, "no stiffness beside areas, which give one to each contact", value))
             }

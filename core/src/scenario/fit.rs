@@ -287,7 +287,7 @@ impl Fit {
         let (names, priors) = (self.names(&keys)?, self.priors(&keys)?);
         let mut measured = Vec::new();
         let contacts = &model.contacts;
-        let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
+        let stiffness = contacts.count * contacts.stiffness.mean(contacts.thresholds.as_ref());
         for (c, curve) in self.curves().iter().enumerate() {
             let found = curve.measurement(self.average, stiffness);
             let mut found = found.map_err(|error| self.of_curve(c, error).under("fit"))?;

@@ -7,10 +7,11 @@ use crate::Error;
 
 /// Names of arguments, and of fields of them, with their keys. The first that fits counts. No table of a scenario is called like an
 /// argument, so that keys are left as they are.
-const KEYS: [(&str, &str); 20] = [
+const KEYS: [(&str, &str); 21] = [
     ("thresholds", "contacts.thresholds"),
     ("reforming", "contacts.reforming"),
     ("stiffness.per_threshold", "contacts.stiffness_per_threshold"),
+    ("stiffness.of_threshold", "contacts.stiffness_of_threshold"),
     ("temperature", "contacts.temperature"),
     ("ageing", "contacts.ageing"),
     ("delay", "contacts.delay"),

@@ -65,7 +65,7 @@ pub use crate::ensemble::Disorder;
 pub use crate::shape::Edges;
 pub use block::Block;
 pub use compare::Compare;
-pub use contacts::{Areas, Contacts};
+pub use contacts::{Areas, Contacts, StiffnessOfThreshold};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
 pub use figure::{Figure, FigureFormat};

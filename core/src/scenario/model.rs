@@ -68,7 +68,7 @@ impl Model {
     /// N_c⟨k⟩, the stiffness of all contacts together, force per length.
     pub fn stiffness(&self) -> f64 {
         let Contacts { count, stiffness, thresholds, .. } = &self.contacts;
-        count * stiffness.of(thresholds.mean())
+        count * stiffness.mean(thresholds.as_ref())
     }
 
     /// Number of contacts for which the scatter of the force is shown: that of the ensemble, or `contacts.count`.

@@ -26,8 +26,10 @@ impl Scenario {
         add("contacts.count", "count", &mut contacts.count);
         match (&mut contacts.stiffness_per_threshold, &contacts.areas) {
             (Some(factor), _) => add("contacts.stiffness_per_threshold", "stiffness_per_threshold", factor),
-            (None, None) => add("contacts.stiffness", "stiffness", contacts.stiffness.get_or_insert(1.0)),
-            (None, Some(_)) => {}
+            (None, None) if contacts.stiffness_of_threshold.is_none() => {
+                add("contacts.stiffness", "stiffness", contacts.stiffness.get_or_insert(1.0));
+            }
+            (None, _) => {}
         }
         if let Some(force) = &mut contacts.background_force {
             add("contacts.background_force", BACKGROUND, force);

@@ -99,14 +99,14 @@ fn check_many(interface: &Interface, model: &Model) -> Result<()> {
             "one",
         );
     }
-    if matches!(contacts.stiffness, Stiffness::PerThreshold(_)) {
-        let found = "stiffness that grows with the threshold";
-        return refused(
-            "contacts.stiffness_per_threshold",
-            "equal stiffness",
-            "κ is the same for every contact",
-            found,
-        );
+    let key = match contacts.stiffness {
+        Stiffness::Equal(_) => None,
+        Stiffness::PerThreshold(_) => Some("contacts.stiffness_per_threshold"),
+        Stiffness::Tabulated(_) => Some("contacts.stiffness_of_threshold"),
+    };
+    if let Some(key) = key {
+        let found = "stiffness that depends on the threshold";
+        return refused(key, "equal stiffness", "κ is the same for every contact", found);
     }
     if model.ensemble.is_some() {
         return refused(

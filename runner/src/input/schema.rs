@@ -91,6 +91,7 @@ fn combinations() -> Vec<Value> {
                 key("interface.coupling.half_space"),
                 key("ensemble.size"),
                 key("contacts.stiffness_per_threshold"),
+                key("contacts.stiffness_of_threshold"),
                 key("contacts.background_force"),
                 key("contacts.background_coefficient"),
                 edge.clone(),

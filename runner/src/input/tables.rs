@@ -17,6 +17,14 @@ pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Faul
             read.map_err(|fault| fault.under(&format!("{key}.file")))?;
         }
     }
+    if let Some(table) = &mut scenario.contacts.stiffness_of_threshold
+        && let Some(file) = table.file.take_if(|_| table.threshold.is_none() && table.stiffness.is_none())
+    {
+        let columns = place(folder, &file).and_then(|path| read(&path, &[&["threshold", "stiffness"]]));
+        let key = "contacts.stiffness_of_threshold.file";
+        let [threshold, stiffness] = exactly(columns.map_err(|fault| fault.under(key))?);
+        (table.threshold, table.stiffness) = (Some(threshold), Some(stiffness));
+    }
     if let Some(compare) = &mut scenario.compare
         && let Some(file) = compare.file.take_if(|_| compare.position.is_none() && compare.force.is_none())
     {

@@ -319,12 +319,11 @@ fn stiffness(contacts: &Contacts) -> Result<f64> {
             format!("no {rule} where contacts are coupled one by one: these do not depend on time");
         return Err(Error::invalid(rule, expected, "one"));
     }
-    match contacts.stiffness {
-        Stiffness::Equal(unit) => Ok(unit),
-        Stiffness::PerThreshold(factor) => {
-            let expected = "contacts of equal stiffness where they are coupled one by one";
-            Err(Error::invalid("stiffness.per_threshold", expected, factor))
-        }
+    let expected = "contacts of equal stiffness where they are coupled one by one";
+    match &contacts.stiffness {
+        Stiffness::Equal(unit) => Ok(*unit),
+        Stiffness::PerThreshold(factor) => Err(Error::invalid("stiffness.per_threshold", expected, factor)),
+        Stiffness::Tabulated(_) => Err(Error::invalid("stiffness.of_threshold", expected, "a table")),
     }
 }
 

@@ -126,7 +126,7 @@ impl Diffusing {
             potential: maturing.potential(),
             levels: [1, 2].map(|fine| MovingGrid::new(cells * fine, FINEST)),
             temperature: contacts.rules.temperature,
-            stiffness: contacts.stiffness,
+            stiffness: contacts.stiffness.clone(),
             time: scale * scale / maturing.diffusion,
             age_fraction: (SHARE * coarser).min(0.5),
             reach: REACH * coarser * scale,
@@ -278,7 +278,7 @@ impl Diffusing {
     }
 
     fn is_equal(&self) -> bool {
-        matches!(self.stiffness, Stiffness::Equal(_))
+        self.stiffness.is_equal()
     }
 
     /// Surviving contacts and their thermal breaking; not computed for equal stiffness, where nothing depends

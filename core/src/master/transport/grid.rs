@@ -8,9 +8,7 @@ use std::ops::Deref;
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 
 use super::panels::{LabelPanel, panels_within};
-use crate::contacts::{
-    Barrier, Contacts, Label, NodalLabels, Rank, Stiffness, Temperature, ThresholdEvolution,
-};
+use crate::contacts::{Barrier, Contacts, Label, NodalLabels, Rank, Temperature, ThresholdEvolution};
 use crate::law::{Law, SharedLaw};
 use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, Nodal, RULE, gauss_points, series_at};
@@ -193,10 +191,7 @@ impl Folds {
                 (fraction.min(0.5 * smooth), fraction.min(1.0), DEEPEST)
             }
         };
-        let power = match contacts.stiffness {
-            Stiffness::Equal(_) => 2.0,
-            Stiffness::PerThreshold(_) => 3.0,
-        };
+        let power = if contacts.stiffness.is_equal() { 2.0 } else { 3.0 };
         Self { unit: 0.5 * contacts.stiffness.of(1.0) / temperature.energy, power, deepest, most, octaves }
     }
 
@@ -332,6 +327,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::contacts::Stiffness;
     use crate::law::{Lognormal, Point, Rectangular, SharedLaw};
 
     #[test]
@@ -342,8 +338,10 @@ mod tests {
             [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe].map(|barrier| (law, barrier))
         }) {
             for stiffness in [Stiffness::Equal(2.0), Stiffness::PerThreshold(2.0)] {
-                let contacts =
-                    Contacts { stiffness, ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap())) };
+                let contacts = Contacts {
+                    stiffness: stiffness.clone(),
+                    ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap()))
+                };
                 let temperature = Temperature { energy: 1e-6, attempt_rate: 1.0, barrier };
                 let evolution = ThresholdEvolution::of(&contacts).unwrap();
                 let grid = LabelGrid::new(&contacts, &temperature, evolution, 1e-6);

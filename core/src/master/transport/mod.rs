@@ -38,7 +38,7 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::contacts::{Ageing, Contacts, Initial, Rules, Start, Stiffness, ThresholdEvolution};
+use crate::contacts::{Ageing, Contacts, Initial, Rules, Start, ThresholdEvolution};
 use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
@@ -221,7 +221,7 @@ impl Transport {
         let numbered = |(number, (seed, cells))| (Seed { number: Some(number), ..seed }, cells);
         let (seeds, cells): (Vec<_>, Vec<_>) =
             (0..).zip(reforming(contacts, tolerance)).map(numbered).unzip();
-        let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
+        let stiffness = contacts.stiffness.unit();
         let mean = contacts.thresholds.mean();
         Ok(Self {
             model: Arc::new(model(contacts, strength, &seeds, tolerance, monitor)?),

@@ -137,7 +137,7 @@ impl RankedThresholds {
             octaves: evolution.octaves(),
             evolution,
             mean: contacts.thresholds.mean(),
-            stiffness: contacts.stiffness,
+            stiffness: contacts.stiffness.clone(),
             thermal,
             atoms,
         }
@@ -149,7 +149,7 @@ impl RankedThresholds {
         self.thermal.is_none()
             && self.atoms.is_empty()
             && self.octaves.is_empty()
-            && matches!(self.stiffness, Stiffness::Equal(_))
+            && self.stiffness.is_equal()
     }
 
     /// Whether no threshold falls with age.
@@ -261,7 +261,7 @@ impl RankedThresholds {
 
     /// Stiffness that these contacts gain from one age to another.
     fn stiffening(&self, left: &SurvivingRanks, age: f64, older: f64) -> f64 {
-        if self.evolution.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
+        if self.evolution.is_constant() || self.stiffness.is_equal() {
             return 0.0;
         }
         self.measure(left, older).1 - self.measure(left, age).1
@@ -401,10 +401,7 @@ impl RankedThresholds {
     /// The surviving fraction, and its stiffness.
     pub(super) fn measure(&self, left: &SurvivingRanks, age: f64) -> (f64, f64) {
         let top = self.top(left);
-        let aged = match self.stiffness {
-            Stiffness::Equal(_) => None,
-            Stiffness::PerThreshold(_) => Some(self.evolution.at(age)),
-        };
+        let aged = (!self.stiffness.is_equal()).then(|| self.evolution.at(age));
         let touched = self.touched(left, aged.as_ref());
         let count = (self.untouched(left, top) + touched[0]) / left.newborn;
         let stiffness = if aged.is_some() {

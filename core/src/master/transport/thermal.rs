@@ -133,11 +133,11 @@ impl ThermalBreaking {
         // Only contacts inside the blur see errors.
         let allowed = (tolerance / blur).min(ROUGH);
         let separable = temperature.barrier == Barrier::Elastic
-            && matches!(contacts.stiffness, Stiffness::Equal(_))
+            && contacts.stiffness.is_equal()
             && contacts.rules.ageing.is_none();
         Self {
             temperature,
-            stiffness: contacts.stiffness,
+            stiffness: contacts.stiffness.clone(),
             separable,
             most_change: RULES.map(|rule| most_change(rule, SHARE * allowed)),
             most_missed: ONE_NODE * SHARE * allowed,
@@ -295,7 +295,7 @@ impl ThermalBreaking {
             let thresholds = moment.aged.thresholds_of(labels);
             // −ΔE/T of each barrier in units that depend on x and h only; one loop for each, which vectorises.
             let catastrophe = |h: f64| (1.0 - x / h) * (1.0 - x / h).abs().sqrt();
-            match (self.temperature.barrier, self.stiffness) {
+            match (self.temperature.barrier, &self.stiffness) {
                 (Barrier::Elastic, Stiffness::Equal(_)) => {
                     add_rates(&mut sum, &thresholds, (x, time), |h| unit * ((h - x) * (h + x)));
                 }
@@ -313,6 +313,10 @@ impl ThermalBreaking {
                 }
                 (Barrier::Catastrophe, Stiffness::PerThreshold(_)) => {
                     add_rates(&mut sum, &thresholds, (x, time), |h| unit * (h * h * h) * catastrophe(h));
+                }
+                (_, Stiffness::Tabulated(table)) => {
+                    let exponent = |h: f64| -self.temperature.exponent(x, h, table.at(h));
+                    add_rates(&mut sum, &thresholds, (x, time), exponent);
                 }
             }
         }

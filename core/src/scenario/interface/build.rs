@@ -176,7 +176,7 @@ impl Interface {
         match self.contacts {
             PerCell::One => Ok(self.springs()?.mean_field_coupling()),
             PerCell::Many => {
-                let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
+                let stiffness = contacts.count * contacts.stiffness.mean(contacts.thresholds.as_ref());
                 Ok(stiffness / (stiffness + self.connection))
             }
         }
