@@ -40,6 +40,8 @@ pub fn read<M: DrivenInterface>(
         mean_waiting: mean,
         waiting_variation: variation,
         largest: largest.map(|(at, magnitude)| read_largest(found, at, magnitude)).transpose()?,
+        wave_speed: interface.wave_speed(),
+        fastest_front: interface.wave_speed().map(|_| fastest_front(found)).transpose()?.flatten(),
         dissipated_breaks: sum(found, "dissipated_breaks")?,
         dissipated_slip: sum(found, "dissipated_slip")?,
     })
@@ -49,6 +51,17 @@ pub fn read<M: DrivenInterface>(
 fn sum(found: &mut Found<'_>, name: &str) -> Result<Option<f64>> {
     let values = found.of_events(name)?.unwrap_or_default();
     Ok((!values.is_empty()).then(|| values.iter().sum()))
+}
+
+/// The speed of the fastest front, if there are any.
+fn fastest_front(found: &mut Found<'_>) -> Result<Option<f64>> {
+    let mut fastest = None;
+    for name in ["front_speed_left", "front_speed_right"] {
+        let speeds = found.of_events(name)?.unwrap_or_default();
+        let known = speeds.iter().copied().filter(|speed| speed.is_finite());
+        fastest = known.chain(fastest).reduce(f64::max);
+    }
+    Ok(fastest)
 }
 
 /// The event with the index `at`.
