@@ -319,8 +319,8 @@ impl Deformable {
 ///     "overdamped"; None for cells with a mass.
 /// viscosity
 ///     The drag on a moving cell, force per velocity; with it events have durations. Time-dependent contacts require
-///     it, with slip="overdamped", or a mass: η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it is more
-///     than ten times as fast as the drive.
+///     it, with slip="overdamped", or a mass: η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it
+///     is more than ten times as fast as the drive.
 /// mass
 ///     The mass M of a cell. Cells then follow M d²X_j/dt² + η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j at the
 ///     velocity of the drive, and disturbances travel as waves. Athermal contacts are loaded and unloaded; a cell over
@@ -400,7 +400,10 @@ impl Interface {
             coupling,
             edges: convert::word("edges", edges)?,
             loading: convert::word("loading", loading)?,
-            slip: slip.or(mass.is_none().then_some("reset")).map(|slip| convert::word("slip", slip)).transpose()?,
+            slip: slip
+                .or(mass.is_none().then_some("reset"))
+                .map(|slip| convert::word("slip", slip))
+                .transpose()?,
             mass,
             viscosity,
             disorder: disorder.map(|disorder| scales(disorder, seed.0)).transpose()?,
@@ -444,7 +447,8 @@ impl Interface {
         Deformable::plain(slf.as_super()).own.mass
     }
 
-    /// The speed of long waves between neighbours, sqrt(K_int/M), in cells per time; None without mass and on a half-space.
+    /// The speed of long waves between neighbours, sqrt(K_int/M), in cells per time; None without a mass and on a
+    /// half-space.
     #[getter]
     fn wave_speed(slf: &Bound<'_, Self>) -> Option<f64> {
         Deformable::plain(slf.as_super()).own.wave_speed()

@@ -386,7 +386,7 @@ fn lattice(events: usize) -> Outcome {
         dissipated_breaks: None,
         dissipated_slip: None,
         wave_speed: None,
-        fastest_front: None,
+        front_speed: None,
     };
     let mut outcome = timed(InterfaceNumbers { catalogue });
     let numbers = |count: usize| (1..=count).map(|i| i as f64).collect::<Vec<_>>();

@@ -33,8 +33,8 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
         lines.push(("magnitudes", magnitudes_text(catalogue, law)));
     }
     if let Some(waves) = catalogue.wave_speed {
-        let front = catalogue.fastest_front.map_or(String::new(), |front| {
-            format!("; fastest front {}, {} of it", cells(front), digits(front / waves))
+        let front = catalogue.front_speed.map_or(String::new(), |front| {
+            format!("; front of the largest event {}, {} of it", cells(front), digits(front / waves))
         });
         lines.push(("wave speed", format!("{}{front}", cells(waves))));
     }

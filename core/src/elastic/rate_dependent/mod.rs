@@ -75,7 +75,11 @@ impl RateDependentInterfaceParameters {
             positive(key, value)?;
         }
         not_negative("mass", self.mass)?;
-        if self.mass > 0.0 { not_negative("viscosity", self.viscosity) } else { positive("viscosity", self.viscosity) }?;
+        if self.mass > 0.0 {
+            not_negative("viscosity", self.viscosity)
+        } else {
+            positive("viscosity", self.viscosity)
+        }?;
         if (0.0..=1.0).contains(&self.slip_fraction) {
             return Ok(());
         }
@@ -177,7 +181,13 @@ impl RateDependentInterface {
             CellLoading::Edge => shape.first_row(),
         };
         let RateDependentInterfaceParameters {
-            connection, mass, viscosity, tolerance, slip_fraction, area, ..
+            connection,
+            mass,
+            viscosity,
+            tolerance,
+            slip_fraction,
+            area,
+            ..
         } = setting;
         let equation = EquationOfMotion {
             connection,
@@ -205,7 +215,12 @@ impl RateDependentInterface {
         let mut interface = Self {
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
             coupling,
-            begun: Stored { connection: 0.0, coupling: 0.0, kinetic: 0.0, contacts: ContactEnergies::default() },
+            begun: Stored {
+                connection: 0.0,
+                coupling: 0.0,
+                kinetic: 0.0,
+                contacts: ContactEnergies::default(),
+            },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
             slips: Slips::new(number, slip_fraction, area, mass > 0.0),

@@ -142,7 +142,10 @@ impl Slips {
             // A cell that was fast before its friction began to fall slips from the beginning of the step.
             if was > fast && is > fast { 0.0 } else { crossing(was, is, fast) }
         };
-        let falls = |j: usize| !self.inertial || now.cells[j].force < before.cells[j].force;
+        let falls = |j: usize| {
+            let [was, is] = [&before.cells[j], &now.cells[j]];
+            !self.inertial || (is.force < was.force && is.position > was.position)
+        };
         let slips = |j: usize| now.cells[j].velocity > fast && (self.slipping[j] || falls(j));
         let change = |j: &usize| slips(*j) != self.slipping[*j];
         let mut changed: Vec<(usize, f64)> =

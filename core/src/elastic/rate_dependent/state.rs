@@ -72,8 +72,18 @@ impl RateDependentInterface {
     /// # Errors
     /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
     pub fn restore(&mut self, state: RateDependentInterfaceState) -> Result<()> {
-        let RateDependentInterfaceState { time, drive, pace, work, arrest, cells, slips, rates, estimators, error } =
-            state;
+        let RateDependentInterfaceState {
+            time,
+            drive,
+            pace,
+            work,
+            arrest,
+            cells,
+            slips,
+            rates,
+            estimators,
+            error,
+        } = state;
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));

@@ -275,10 +275,7 @@ fn rate_dependent(
                 let first = (cell * ensemble.size()) as u64;
                 let CellStart::Initial(initial) = start else { return Err(no_steady_ensemble()) };
                 Box::new(
-                    ensemble
-                        .build(contacts, initial.clone())?
-                        .numbered_from(first)
-                        .in_time_with(monitor)?,
+                    ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time_with(monitor)?,
                 )
             }
             None => Box::new(match alike.entry([energy, velocity]) {

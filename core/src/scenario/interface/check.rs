@@ -156,7 +156,8 @@ impl Interface {
     fn moving(&self, rule: Option<&str>, few: bool) -> Result<()> {
         match (self.mass, self.slip, rule) {
             (Some(_), Some(slip), _) => {
-                let expected = "none beside interface.mass: cells with a mass follow their equation of motion";
+                let expected =
+                    "none beside interface.mass: cells with a mass follow their equation of motion";
                 let found = if slip == CellSlip::Reset { "reset" } else { "overdamped" };
                 return Err(Error::invalid("slip", expected, found));
             }

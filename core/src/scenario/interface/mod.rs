@@ -41,19 +41,19 @@ pub struct Interface {
     /// lattice.
     #[serde(default)]
     pub loading: CellLoading,
-    /// Slip rule of unstable cells: `"reset"` or `"overdamped"`; only the latter with time-dependent contacts; not used for
-    /// cells with a mass and for contacts coupled one by one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = "reset"))]
-    pub slip: Option<CellSlip>,
     /// Mass M of a cell, above 0: cells then follow their equation of motion in time, at the velocity of the drive, disturbances
     /// travel as waves, and athermal contacts are loaded and unloaded. It takes the place of `slip`, which is then not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time^2/length"))]
     pub mass: Option<f64>,
+    /// Slip rule of unstable cells: `"reset"` or `"overdamped"`; only the latter with time-dependent contacts; not used for
+    /// cells with a mass and for contacts coupled one by one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "reset"))]
+    pub slip: Option<CellSlip>,
     /// Viscous drag on a moving cell, force per velocity, above 0: events then have durations, and fronts have speeds;
-    /// required with time-dependent contacts of cells without mass. With the value G a²/(2 c_s) it is the radiation damping of
-    /// a half-space.
+    /// required with time-dependent contacts of cells without mass. With the value G a²/c_s it is the radiation damping of a
+    /// half-space.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time/length"))]
     pub viscosity: Option<f64>,

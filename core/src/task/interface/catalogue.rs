@@ -41,7 +41,9 @@ pub fn read<M: DrivenInterface>(
         waiting_variation: variation,
         largest: largest.map(|(at, magnitude)| read_largest(found, at, magnitude)).transpose()?,
         wave_speed: interface.wave_speed(),
-        fastest_front: interface.wave_speed().map(|_| fastest_front(found)).transpose()?.flatten(),
+        front_speed: largest
+            .filter(|_| interface.wave_speed().is_some())
+            .map_or(Ok(None), |(at, _)| front_speed(found, at))?,
         dissipated_breaks: sum(found, "dissipated_breaks")?,
         dissipated_slip: sum(found, "dissipated_slip")?,
     })
@@ -53,15 +55,14 @@ fn sum(found: &mut Found<'_>, name: &str) -> Result<Option<f64>> {
     Ok((!values.is_empty()).then(|| values.iter().sum()))
 }
 
-/// The speed of the fastest front, if there are any.
-fn fastest_front(found: &mut Found<'_>) -> Result<Option<f64>> {
-    let mut fastest = None;
+/// The speed of the faster front of the event with the index `at`, if it has one.
+fn front_speed(found: &mut Found<'_>, at: usize) -> Result<Option<f64>> {
+    let mut faster = None;
     for name in ["front_speed_left", "front_speed_right"] {
-        let speeds = found.of_events(name)?.unwrap_or_default();
-        let known = speeds.iter().copied().filter(|speed| speed.is_finite());
-        fastest = known.chain(fastest).reduce(f64::max);
+        let speed = found.of_events(name)?.map(|speeds| speeds[at]);
+        faster = speed.filter(|speed| speed.is_finite()).into_iter().chain(faster).reduce(f64::max);
     }
-    Ok(fastest)
+    Ok(faster)
 }
 
 /// The event with the index `at`.

@@ -33,9 +33,9 @@ pub struct Catalogue {
     /// Speed of long waves along the cells, in cells per time; absent for cells without mass and on a half-space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wave_speed: Option<f64>,
-    /// Speed of the fastest front of all events, in cells per time; absent without wave speed and without fronts.
+    /// Speed of the faster front of the largest event, in cells per time; absent without wave speed and without fronts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fastest_front: Option<f64>,
+    pub front_speed: Option<f64>,
     /// Energy dissipated by breaks in all events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipated_breaks: Option<f64>,
