@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 
 use asperity::block::{self, Block, Drive, Loading};
 use asperity::contacts::{Ageing, Contacts, Rules};
-use asperity::elastic::coupling::neighbours;
+use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
     CellLoading, CellSlip, Coupling, Curves, Event, Interface, InterfaceParameters, RateDependentInterface,
-    RateDependentInterfaceParameters,
+    RateDependentInterfaceParameters, Slipped,
 };
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
@@ -111,7 +111,6 @@ fn a_pulse_travels_as_the_modes_of_the_chain_say() {
         (worst, (energy.imbalance() / energy.work).abs())
     };
     let [(rough, drift), (fine, small)] = [1e-4, 1e-6].map(off);
-    println!("positions {rough:e} {fine:e}, energy {drift:e} {small:e}");
     // A step is wrong by the tolerance, and errors of a method of second order add up to the power 2/3 of it.
     assert!(rough < 2e-2 && fine < rough / 10.0, "{rough:e} {fine:e}");
     // The method damps waves of periods near the step; no energy enters.
@@ -131,7 +130,6 @@ fn one_cell_over_ageing_contacts_is_the_block_in_time() {
     let slip = &run.slips[0];
     let events = driven(&mut cell, slip.after.drive, velocity);
     assert_eq!(events.len(), 1);
-    let energy = [events[0].dissipated_breaks, slip.energy.breaks];
     println!(
         "{} {} {} {energy:?}",
         events[0].drive - slip.before.drive,
@@ -158,7 +156,6 @@ fn one_cell_over_athermal_contacts_is_the_block_along_its_drive() {
     let mut cell = RateDependentInterface::new(vec![athermal(1.0)], chain(1, 1.0), parameters).unwrap();
     // Slowly to the slip, which begins later by some v^{2/3}, and until its swings have died out.
     let events = driven(&mut cell, slip.before.drive + 0.1, 1e-4);
-    println!("{events:?} {slip:?}");
     assert_eq!(events.len(), 1);
     near(events[0].drive, slip.before.drive, 5e-3);
     near(events[0].dissipated_breaks, slip.energy.breaks, 5e-3);
@@ -170,97 +167,156 @@ fn one_cell_over_athermal_contacts_is_the_block_along_its_drive() {
     assert!(energy.kinetic.abs() < 1e-5, "{energy:?}");
 }
 
-/// Speeds, in cells per time, of the front that starts at the weak end of a chain: overdamped, and with these masses. The more
-/// cells are weak, the lower the force on the others when slip begins, which is returned, too.
-fn speeds(weak: usize, viscosity: f64, masses: &[f64]) -> (f64, f64, Vec<f64>) {
-    const CELLS: usize = 100;
-    const CONNECTION: f64 = 0.2;
-    let scales: Vec<f64> = (0..CELLS).map(|j| if j < weak { 0.7 } else { 1.0 }).collect();
-    let curves = Curves::new(&solved(1.0, 1e-8), CELLS).unwrap().scaled(scales.clone()).unwrap();
-    let athermal_setting = InterfaceParameters {
-        slip: CellSlip::Overdamped,
-        viscosity: Some(viscosity),
-        ..InterfaceParameters::new(CONNECTION, 1e-3)
+#[test]
+fn a_cell_of_single_contacts_moves_as_one_that_follows_the_master_equation() {
+    let size = 10_000;
+    let rests = |contacts| {
+        let setting = setting(1.0, 1.0, 0.3, 1e-4);
+        let mut cell = RateDependentInterface::new(vec![contacts], chain(1, 1.0), setting).unwrap();
+        driven(&mut cell, 1.75, 1e-3);
+        cell.positions()[0]
     };
-    let mut overdamped = Interface::new(Box::new(curves), chain(CELLS, STIFFNESS), athermal_setting).unwrap();
-    let large = |events: &[Event]| events.iter().copied().find(|event| event.cells == CELLS);
-    let mut catalogue: Vec<Event> = Vec::new();
-    while large(&catalogue).is_none() {
-        let next = overdamped.drive() + 0.1;
-        overdamped.run(next, &mut |event, _| catalogue.push(*event)).unwrap();
-    }
-    let first = large(&catalogue).unwrap();
-    let with_mass = |mass: &f64| {
-        let cells = scales.iter().map(|&scale| athermal(scale)).collect();
-        let setting = setting(CONNECTION, *mass, viscosity, 1e-4);
-        let mut interface = RateDependentInterface::new(cells, chain(CELLS, STIFFNESS), setting).unwrap();
-        let events = driven(&mut interface, first.drive + 0.1, 2e-4);
-        let energy = interface.energy();
-        assert!(energy.imbalance().abs() < 1e-3 * energy.work, "{energy:?}");
-        println!(
-            "{weak} {mass} {:?}",
-            events.iter().map(|e| (e.drive, e.cells, e.front_speed_right)).collect::<Vec<_>>()
-        );
-        large(&events).map_or(f64::NAN, |event| event.front_speed_right)
-    };
-    (first.force_before / CELLS as f64, first.front_speed_right, masses.iter().map(with_mass).collect())
+    // The drive at the slip scatters as N^{−2/3}, the force as N^{−1/2} at most: four of these.
+    near(rests(followed(size, 0)), rests(athermal(1.0)), 4.0 / (size as f64).sqrt());
 }
 
+/// K_int of chains with fronts.
 const STIFFNESS: f64 = 25.0;
+const CONNECTION: f64 = 0.2;
+const VISCOSITY: f64 = 1.0;
+
+/// Scale factors of a chain with so many weak cells at one end.
+fn weak_end(cells: usize, weak: usize) -> Vec<f64> {
+    (0..cells).map(|j| if j < weak { 0.7 } else { 1.0 }).collect()
+}
+
+fn cells(scales: &[f64]) -> Vec<Box<dyn RateDependentContacts>> {
+    scales.iter().map(|&scale| athermal(scale)).collect()
+}
+
+/// The drive and the speed, in cells per time, of the overdamped front that starts at the weak end of a chain; the fewer cells
+/// are weak, the higher the force on the others when slip begins.
+fn overdamped(scales: &[f64]) -> (f64, f64) {
+    let curves = Curves::new(&solved(1.0, 1e-8), scales.len()).unwrap().scaled(scales.to_vec()).unwrap();
+    let setting = InterfaceParameters {
+        slip: CellSlip::Overdamped,
+        viscosity: Some(VISCOSITY),
+        ..InterfaceParameters::new(CONNECTION, 1e-3)
+    };
+    let mut interface = Interface::new(Box::new(curves), chain(scales.len(), STIFFNESS), setting).unwrap();
+    let mut catalogue: Vec<Event> = Vec::new();
+    loop {
+        interface.run(interface.drive() + 0.1, &mut |event, _| catalogue.push(*event)).unwrap();
+        if let Some(event) = catalogue.iter().find(|event| event.cells == scales.len()) {
+            return (event.drive, event.front_speed_right);
+        }
+    }
+}
+
+/// The speed of the same front with a mass, and its drive.
+fn inertial(scales: &[f64], mass: f64, until: f64) -> (f64, f64) {
+    let setting = setting(CONNECTION, mass, VISCOSITY, 1e-4);
+    let coupling = chain(scales.len(), STIFFNESS);
+    let mut interface = RateDependentInterface::new(cells(scales), coupling, setting).unwrap();
+    let events = driven(&mut interface, until, 2e-4);
+    let energy = interface.energy();
+    // Steps are right to 1e-4, times forces of the order of 1 in a hundred cells.
+    assert!(energy.imbalance().abs() < 1e-3 * energy.work, "{energy:?}");
+    let front = events.iter().find(|event| event.cells == scales.len()).unwrap();
+    (front.drive, front.front_speed_right)
+}
 
 #[test]
 fn fronts_with_a_mass_are_overdamped_ones_contracted_by_the_speed_of_waves() {
+    // A front X(ξ = j − vt) on a chain, as a continuum, obeys (K − Mv²)X'' + ηvX' + f − F = 0. With lengths contracted by
+    // √(1 − v²/c²), c² = K/M, this is the equation without mass of a front of the speed u = v/√(1 − v²/c²). Here u comes from the
+    // solver of quasistatic interfaces, which shares the curve F(X) alone.
     let mut before = 0.0;
-    for weak in [20, 12, 6, 3] {
-        let masses = [0.05, 0.25, 1.0];
-        let begun = std::time::Instant::now();
-        let (stress, slow, fronts) = speeds(weak, 1.0, &masses);
-        for (mass, front) in masses.iter().zip(&fronts) {
+    for weak in [12, 3] {
+        let scales = weak_end(100, weak);
+        let (drive, slow) = overdamped(&scales);
+        assert!(slow > before, "fronts are the faster the higher the force before them");
+        before = slow;
+        for mass in [0.25, 1.0, 16.0] {
+            let (at, front) = inertial(&scales, mass, drive + 0.1);
             let waves = (STIFFNESS / mass).sqrt();
             let contracted = slow / (1.0 + (slow / waves).powi(2)).sqrt();
             println!(
-                "{weak} stress {stress:.3} overdamped {slow:.3} waves {waves:.3}: {front:.3}, expected {contracted:.3} {:?}",
-                begun.elapsed()
+                "{weak} weak, waves {waves}: {front:.4}, expected {contracted:.4}, X_T {at:.4} {drive:.4}"
             );
+            // The drive goes on as slip begins, which makes all fronts faster by some per cent; that of mass 16 is contracted
+            // to a width of two cells, at which a chain is no continuum.
+            near(front / contracted, 1.0, if mass < 10.0 { 0.03 } else { 0.15 });
+            assert!(front < waves);
+            near(at, drive, 1e-3);
         }
-        let _ = before;
-        before = slow;
     }
 }
 
 #[test]
-fn an_edge_drives_precursors_that_stop_and_fronts_slower_than_waves() {
-    let (cells, stiffness, mass) = (30, 4.0, 0.04);
-    for name in ["followed", "master", "ageing"] {
-        let scale = |j: usize| 1.0 + 0.08 * ((7 * j * j) as f64).sin();
-        let scaled = |cell: Box<dyn RateDependentContacts>, j: usize| -> Box<dyn RateDependentContacts> {
-            Box::new(Scaled::new(cell, scale(j)).unwrap())
-        };
-        let contacts: Vec<_> = (0..cells)
-            .map(|j| match name {
-                "followed" => followed(200, (200 * j) as u64),
-                "master" => athermal(scale(j)),
-                _ => scaled(ageing(0.05, 1e-4), j),
-            })
-            .collect();
-        let begun = std::time::Instant::now();
-        let edge =
-            RateDependentInterfaceParameters { loading: CellLoading::Edge, ..setting(0.5, mass, 0.05, 1e-3) };
-        let mut interface = RateDependentInterface::new(contacts, chain(cells, stiffness), edge).unwrap();
-        let events = driven(&mut interface, 60.0, 1e-3);
-        let energy = interface.energy();
-        for event in events.iter().filter(|e| e.cells > 4).take(12) {
-            println!(
-                "{name} X_T {:.3} cells {} at {} speed {:.3} {:.3}",
-                event.drive, event.cells, event.epicentre, event.front_speed_left, event.front_speed_right
-            );
-        }
-        println!(
-            "{name} {} events {:e} of {:?} {:?}",
-            events.len(),
-            energy.imbalance(),
-            energy,
-            begun.elapsed()
-        );
+fn an_edge_drives_precursors_that_stop() {
+    let (number, mass) = (30, 0.04);
+    let scales: Vec<f64> = (0..number).map(|j| 1.0 + 0.08 * f64::from(7 * j * j).sin()).collect();
+    let edge =
+        RateDependentInterfaceParameters { loading: CellLoading::Edge, ..setting(0.5, mass, 0.05, 1e-3) };
+    let mut interface = RateDependentInterface::new(cells(&scales), chain(30, 4.0), edge).unwrap();
+    let (mut ends, mut events) = (Vec::new(), Vec::new());
+    let mut each = |event: &Event, slipped: &[Slipped]| {
+        events.push(*event);
+        ends.extend(slipped.iter().map(|own| own.cell).max());
+    };
+    interface.run(40.0, 1e-3, &mut each).unwrap();
+    // Each stops inside the chain, and later ones reach farther.
+    let third = events.len() / 3;
+    let farthest = |range: std::ops::Range<usize>| ends[range].iter().copied().max();
+    println!("{} {:?} {:?}", events.len(), farthest(0..third), farthest(2 * third..ends.len()));
+    assert!(events.len() > 10 && ends.iter().all(|end| *end < 29));
+    assert!(farthest(0..third) < farthest(2 * third..ends.len()));
+    // Waves of √(K/M) = 10 cells per time.
+    let speeds = events.iter().flat_map(|event| [event.front_speed_left, event.front_speed_right]);
+    assert!(speeds.filter(|speed| speed.is_finite()).all(|speed| speed < 10.0));
+    let energy = interface.energy();
+    assert!(energy.imbalance().abs() < 1e-4 * energy.work, "{energy:?}");
+}
+
+#[test]
+fn a_sheet_of_equal_rows_is_a_chain_and_all_continue_from_their_states() {
+    let scales = weak_end(24, 6);
+    let rows: Vec<f64> = scales.iter().chain(&scales).chain(&scales).copied().collect();
+    let ring = || neighbours(Shape::Chain(24), Edges::Periodic, STIFFNESS).unwrap();
+    let sheet = neighbours(Shape::Square([3, 24]), Edges::Periodic, STIFFNESS).unwrap();
+    let setting = setting(CONNECTION, 0.25, 0.2, 1e-4);
+    let make =
+        |scales: &[f64], coupling| RateDependentInterface::new(cells(scales), coupling, setting).unwrap();
+    let mut one = make(&scales, ring());
+    let mut three = make(&rows, sheet);
+    driven(&mut one, 4.3, 1e-2);
+    driven(&mut three, 4.3, 1e-2);
+    let (chain, sheet) = (one.positions(), three.positions());
+    assert!(chain.iter().any(|x| *x > 1.0));
+    // Linear systems are solved to another order of rounding.
+    for (j, x) in sheet.iter().enumerate() {
+        near(*x, chain[j % 24], 1e-6);
     }
+    let mut resumed = make(&scales, ring());
+    resumed.restore(one.state()).unwrap();
+    assert_eq!(resumed.velocities(), one.velocities());
+    assert!(one.velocities().iter().any(|v| *v < 0.0), "none swings back");
+    for interface in [&mut one, &mut resumed] {
+        driven(interface, 4.5, 1e-2);
+    }
+    assert_eq!(resumed.positions(), one.positions());
+    assert_eq!(resumed.energy(), one.energy());
+}
+
+#[test]
+fn the_energy_closes_on_a_half_space_whose_waves_are_damped() {
+    let scales = weak_end(32, 8);
+    let coupling = half_space(Shape::Chain(32), Edges::Open, 5.0, 1.0).unwrap();
+    let mut interface =
+        RateDependentInterface::new(cells(&scales), coupling, setting(CONNECTION, 0.5, 0.3, 1e-4)).unwrap();
+    let events = driven(&mut interface, 4.5, 1e-3);
+    let energy = interface.energy();
+    assert!(!events.is_empty() && energy.slip > 0.0 && energy.breaks > 1.0, "{energy:?}");
+    assert!(energy.imbalance().abs() < 1e-3 * energy.work, "{energy:?}");
 }
