@@ -70,7 +70,7 @@ impl Deformable {
     /// points
     ///     The number of points of the trace, including both ends.
     /// velocity
-    ///     The velocity of the drive, above 0; required for time-dependent contacts.
+    ///     The velocity of the drive, above 0; required for time-dependent contacts and for cells with a mass.
     /// tolerance
     ///     The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default; for
     ///     time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
