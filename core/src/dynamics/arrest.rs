@@ -124,7 +124,7 @@ impl SliderMotion {
         end.iter().enumerate().filter_map(shorter).reduce(f64::min)
     }
 
-    /// Cells that have come to rest stand.
+    /// Cells with a mass that have come to rest stand.
     fn stand(&mut self) {
         for cell in &mut self.cells {
             if cell.velocity < 0.0 && !cell.known.may_turn {

@@ -96,7 +96,7 @@ impl SliderMotion {
         let (rest, position) = (duration - time, drive.after(duration));
         let second =
             ImplicitStage { equation, from: &middle, drive: position, duration: rest, rates, accuracy };
-        let Some(end) = solver.solve(&second, watch)? else { return Ok(None) };
+        let Some(mut end) = solver.solve(&second, watch)? else { return Ok(None) };
         let error_of = |j: usize| {
             let velocities = [&from[j], &middle[j], &end[j]].map(|cell| cell.velocity);
             let of_position = error(duration, velocities).abs();
@@ -114,6 +114,10 @@ impl SliderMotion {
             of_position.max(time * error(duration, [start[j], one, two]).abs())
         };
         let error = (0..number).map(error_of).fold(0.0, f64::max);
+        if equation.arrest == Arrest::Stand && equation.mass == 0.0 {
+            let standing = end.iter_mut().filter(|cell| !cell.known.may_turn);
+            standing.for_each(|cell| cell.velocity = cell.velocity.max(0.0));
+        }
         let (work, viscous) = work_and_drag(equation, [from, &middle, &end], drive, duration);
         Ok(Some(TrBdf2Step { end, middle, error, work, viscous }))
     }

@@ -158,8 +158,8 @@ impl CoupledCells<'_> {
             by = (0..number).map(right).collect();
             self.respond(&holding, &mut by);
         }
-        for (_, (by, guess)) in by.iter_mut().zip(guesses).enumerate().filter(|(j, _)| !may_turn(*j)) {
-            *by = (guess.advance + *by).max(0.0) - guess.advance;
+        for (j, by) in by.iter_mut().enumerate().filter(|(j, _)| !may_turn(*j)) {
+            *by = (guesses[j].advance + *by).max(0.0) - guesses[j].advance;
         }
         Correction { by, stands }
     }
