@@ -133,7 +133,7 @@ def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
 
 
 def test_cells_with_a_mass_carry_waves_and_slip() -> None:
-    """Fronts are slower than waves, cells swing back, energies add up; a protocol moves cells as a drive does."""
+    """Fronts are slower than waves, cells swing back, and energies add up."""
     chain = asp.Interface(
         CONTACTS, [30], neighbours=25.0, connection=0.2, mass=0.25, viscosity=0.15, disorder=WEAK
     )
