@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 44] = shipped![
+const SHIPPED: [Shipped; 45] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -52,6 +52,7 @@ const SHIPPED: [Shipped; 44] = shipped![
     "precursors-edge.toml",
     "half-space-512.toml",
     "front-ageing.toml",
+    "front-waves.toml",
     "hold-chain.toml",
     "renormalised.toml",
     "renormalised-cells.toml",

@@ -159,6 +159,7 @@ fn row(name: &str, coupling: Box<dyn Coupling>) {
         connection: 0.5,
         loading: CellLoading::Uniform,
         slip: CellSlip::Overdamped,
+        mass: 0.0,
         viscosity: None,
         drive_tolerance: 1e-6,
         area: None,

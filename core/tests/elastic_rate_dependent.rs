@@ -58,6 +58,7 @@ fn setting(connection: f64, viscosity: f64, tolerance: f64) -> RateDependentInte
     RateDependentInterfaceParameters {
         connection,
         loading,
+        mass: 0.0,
         viscosity,
         tolerance,
         slip_fraction: 0.0,

@@ -75,6 +75,7 @@ fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> RateDependentInte
     let setting = RateDependentInterfaceParameters {
         connection: 0.2,
         loading: CellLoading::Uniform,
+        mass: 0.0,
         viscosity: 0.1,
         tolerance: 1e-2,
         slip_fraction: 0.01,
@@ -180,6 +181,7 @@ fn a_state_of_something_else_is_refused() {
     let setting = RateDependentInterfaceParameters {
         connection: 0.2,
         loading: CellLoading::Uniform,
+        mass: 0.0,
         viscosity: 0.1,
         tolerance: 1e-2,
         slip_fraction: 0.0,

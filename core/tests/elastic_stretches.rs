@@ -71,6 +71,7 @@ fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> RateDependentI
     let setting = RateDependentInterfaceParameters {
         connection: 1e6,
         loading: CellLoading::Uniform,
+        mass: 0.0,
         viscosity: 1.0,
         tolerance: 1e-4,
         slip_fraction: 0.0,

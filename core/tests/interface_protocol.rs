@@ -40,6 +40,7 @@ fn chain(scales: &[f64], connection: f64) -> Scenario {
         disorder: Some(Scales { scale: Some(scales.to_vec()), ..Scales::default() }),
         drive_tolerance: 1e-6,
         catalogue_from: 0.0,
+        mass: None,
         slip_rates: None,
     };
     let contacts = scenario::Contacts {

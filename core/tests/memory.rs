@@ -126,6 +126,7 @@ fn table(shape: Shape, coupling: scenario::Elasticity) -> scenario::Interface {
         disorder: None,
         drive_tolerance: 1e-3,
         catalogue_from: 0.0,
+        mass: None,
         slip_rates: None,
     }
 }

@@ -85,6 +85,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         disorder: None,
         drive_tolerance: 1e-3,
         catalogue_from: 0.0,
+        mass: None,
         slip_rates: None,
     };
     table.fits(&contacts(&point(1.0), &point(0.0)), None, false, monitor.memory())?;

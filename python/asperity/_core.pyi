@@ -676,7 +676,7 @@ class Deformable(Description):
         points
             The number of points of the trace, including both ends.
         velocity
-            The velocity of the drive, above 0; required for time-dependent contacts.
+            The velocity of the drive, above 0; required for time-dependent contacts and for cells with a mass.
         tolerance
             The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default; for
             time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
@@ -1568,11 +1568,16 @@ class Interface(Deformable):
     loading
         "uniform", or "edge" if the drive pulls only the first cell or row.
     slip
-        The slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
+        The slip rule: "reset" (the default), by which all contacts of an unstable cell break and re-form, or
+        "overdamped"; None for cells with a mass.
     viscosity
         The drag on a moving cell, force per velocity; with it events have durations. Time-dependent contacts require
-        it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it is more
-        than ten times as fast as the drive.
+        it, with slip="overdamped", or a mass: η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it
+        is more than ten times as fast as the drive.
+    mass
+        The mass M of a cell. Cells then follow M d²X_j/dt² + η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j at the
+        velocity of the drive, and disturbances travel as waves. Athermal contacts are loaded and unloaded; a cell over
+        time-dependent contacts that would go back stands.
     disorder
         The standard deviation of the scale factors of cells, which multiply all lengths of their contacts and are
         drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
@@ -1613,8 +1618,9 @@ class Interface(Deformable):
         half_space: tuple[_Number, _Number] | None = None,
         edges: Literal["open", "periodic"] = "open",
         loading: Literal["uniform", "edge"] = "uniform",
-        slip: Literal["reset", "overdamped"] = "reset",
+        slip: Literal["reset", "overdamped"] | None = None,
         viscosity: _Number | None = None,
+        mass: _Number | None = None,
         disorder: _Number | ArrayLike | None = None,
         seed: _Seed = 1,
         drive_tolerance: _Number = 1e-06,
@@ -1639,6 +1645,10 @@ class Interface(Deformable):
         """The loading, "uniform" or "edge"."""
 
     @property
+    def mass(self, /) -> float | None:
+        """The mass of a cell, or None."""
+
+    @property
     def quenched(self, /) -> bool:
         """Whether these keep their thresholds."""
 
@@ -1647,8 +1657,8 @@ class Interface(Deformable):
         """The number of contacts in each cell where they are followed one by one, or None."""
 
     @property
-    def slip(self, /) -> Literal["reset", "overdamped"]:
-        """The slip rule, "reset" or "overdamped"."""
+    def slip(self, /) -> Literal["reset", "overdamped"] | None:
+        """The slip rule, "reset" or "overdamped"; None for cells with a mass."""
 
     def stretch_density(
         self,
@@ -1696,6 +1706,12 @@ class Interface(Deformable):
     @property
     def viscosity(self, /) -> float | None:
         """The drag on a moving cell, force per velocity, or None."""
+
+    @property
+    def wave_speed(self, /) -> float | None:
+        """The speed of long waves between neighbours, sqrt(K_int/M), in cells per time; None without a mass and on a
+        half-space.
+        """
 
 @final
 class Lattice(Deformable):

@@ -120,6 +120,8 @@ class InterfaceEnergy(NamedTuple):
     """The change of the elastic energy of the slider, ½XᵀAX."""
     elastic: float
     """The change of the elastic energy of the contacts, Σ½kx²."""
+    kinetic: float
+    """The change of the kinetic energy of cells with a mass, Σ½MẊ²."""
     strengthening: float
     """What ageing brought that makes stretched contacts stiffer, ∫Σ½x²dk: beside the work, not of it."""
     breaks: float

@@ -70,7 +70,7 @@ impl Deformable {
     /// points
     ///     The number of points of the trace, including both ends.
     /// velocity
-    ///     The velocity of the drive, above 0; required for time-dependent contacts.
+    ///     The velocity of the drive, above 0; required for time-dependent contacts and for cells with a mass.
     /// tolerance
     ///     The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default; for
     ///     time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
@@ -315,11 +315,16 @@ impl Deformable {
 /// loading
 ///     "uniform", or "edge" if the drive pulls only the first cell or row.
 /// slip
-///     The slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
+///     The slip rule: "reset" (the default), by which all contacts of an unstable cell break and re-form, or
+///     "overdamped"; None for cells with a mass.
 /// viscosity
 ///     The drag on a moving cell, force per velocity; with it events have durations. Time-dependent contacts require
-///     it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it is more
-///     than ten times as fast as the drive.
+///     it, with slip="overdamped", or a mass: η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips while it
+///     is more than ten times as fast as the drive.
+/// mass
+///     The mass M of a cell. Cells then follow M d²X_j/dt² + η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j at the
+///     velocity of the drive, and disturbances travel as waves. Athermal contacts are loaded and unloaded; a cell over
+///     time-dependent contacts that would go back stands.
 /// disorder
 ///     The standard deviation of the scale factors of cells, which multiply all lengths of their contacts and are
 ///     drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
@@ -356,10 +361,10 @@ impl Interface {
     #[pyo3(
         signature = (
             contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges: "Literal['open', 'periodic']" = "open",
-            loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped']" = "reset", viscosity = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
+            loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped'] | None" = None, viscosity = None, mass = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
             drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional"
         ),
-        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
+        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip=None, viscosity=None, mass=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
     fn new(
         contacts: &Bound<'_, Contacts>,
@@ -370,8 +375,9 @@ impl Interface {
         half_space: Option<(f64, f64)>,
         edges: &str,
         loading: &str,
-        slip: &str,
+        slip: Option<&str>,
         viscosity: Option<f64>,
+        mass: Option<f64>,
         disorder: Option<&Bound<'_, PyAny>>,
         seed: Seed,
         drive_tolerance: f64,
@@ -394,7 +400,11 @@ impl Interface {
             coupling,
             edges: convert::word("edges", edges)?,
             loading: convert::word("loading", loading)?,
-            slip: Some(convert::word("slip", slip)?),
+            slip: slip
+                .or(mass.is_none().then_some("reset"))
+                .map(|slip| convert::word("slip", slip))
+                .transpose()?,
+            mass,
             viscosity,
             disorder: disorder.map(|disorder| scales(disorder, seed.0)).transpose()?,
             drive_tolerance,
@@ -423,11 +433,25 @@ impl Interface {
         typed::LoadingWord(if edge { "edge" } else { "uniform" })
     }
 
-    /// The slip rule, "reset" or "overdamped".
+    /// The slip rule, "reset" or "overdamped"; None for cells with a mass.
     #[getter]
-    fn slip(slf: &Bound<'_, Self>) -> typed::CellSlipWord {
-        let overdamped = Deformable::plain(slf.as_super()).own.slip == Some(CellSlip::Overdamped);
-        typed::CellSlipWord(if overdamped { "overdamped" } else { "reset" })
+    fn slip(slf: &Bound<'_, Self>) -> Option<typed::CellSlipWord> {
+        let own = &Deformable::plain(slf.as_super()).own;
+        let word = |slip| if slip == CellSlip::Overdamped { "overdamped" } else { "reset" };
+        own.slip.map(|slip| typed::CellSlipWord(word(slip)))
+    }
+
+    /// The mass of a cell, or None.
+    #[getter]
+    fn mass(slf: &Bound<'_, Self>) -> Option<f64> {
+        Deformable::plain(slf.as_super()).own.mass
+    }
+
+    /// The speed of long waves between neighbours, sqrt(K_int/M), in cells per time; None without a mass and on a
+    /// half-space.
+    #[getter]
+    fn wave_speed(slf: &Bound<'_, Self>) -> Option<f64> {
+        Deformable::plain(slf.as_super()).own.wave_speed()
     }
 
     /// The drag on a moving cell, force per velocity, or None.
@@ -631,6 +655,7 @@ impl Lattice {
             loading: CellLoading::Uniform,
             slip: None,
             viscosity: None,
+            mass: None,
             disorder: None,
             drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
             catalogue_from: 0.0,
@@ -673,6 +698,7 @@ pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
     given(into, "loading", (own.loading == CellLoading::Edge).then_some("edge"))?;
     given(into, "slip", (own.slip == Some(CellSlip::Overdamped)).then_some("overdamped"))?;
     given(into, "viscosity", own.viscosity)?;
+    given(into, "mass", own.mass)?;
     let tolerance = own.drive_tolerance;
     given(into, "drive_tolerance", (tolerance != scenario::Interface::DRIVE_TOLERANCE).then_some(tolerance))?;
     if let Some(scales) = &own.disorder {

@@ -205,7 +205,7 @@ pub fn unrelaxed_interface(
     if surface.own.contacts == PerCell::One {
         return coupled_contacts(surface, model, monitor.memory());
     }
-    match velocity.filter(|_| model.contacts.rules.are_time_dependent()) {
+    match velocity.filter(|_| surface.own.moves_in_time(&model.contacts)) {
         Some(velocity) => rate_dependent_cells(surface, &model, velocity, monitor),
         None => athermal_cells(surface, model, monitor),
     }

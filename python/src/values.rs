@@ -158,8 +158,8 @@ pub fn energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<BlockEne
 
 /// The energy balance of an interface.
 pub fn interface_energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<InterfaceEnergy<'py>> {
-    let EnergyBalance { work, spring, coupling, elastic, strengthening, breaks, slip, .. } = *energy;
-    let parts = (work, spring, coupling, elastic, strengthening, breaks, slip, energy.imbalance());
+    let EnergyBalance { work, spring, coupling, elastic, kinetic, strengthening, breaks, slip, .. } = *energy;
+    let parts = (work, spring, coupling, elastic, kinetic, strengthening, breaks, slip, energy.imbalance());
     INTERFACE_ENERGY.get(py)?.call1(parts).map(InterfaceEnergy)
 }
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 CONTACTS = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1))
+WEAK = [0.7] * 6 + [1.0] * 24
 OFC = Path(__file__).parents[2] / "scenarios" / "ofc.toml"
 
 
@@ -129,6 +130,31 @@ def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
     assert type(interface)(**interface.parameters) == interface
     assert interface.replace(connection=3.0) != interface
     assert interface.contacts == CONTACTS
+
+
+def test_cells_with_a_mass_carry_waves_and_slip() -> None:
+    """Fronts are slower than waves, cells swing back, and energies add up."""
+    chain = asp.Interface(
+        CONTACTS, [30], neighbours=25.0, connection=0.2, mass=0.25, viscosity=0.15, disorder=WEAK
+    )
+    assert (chain.mass, chain.wave_speed, chain.slip) == (0.25, 10.0, None)
+    result = chain.drive(4.5, velocity=1e-3, slip_rates=2000)
+    assert result.events["cells"].max() == 30
+    assert result.summary["catalogue"]["wave_speed"] == 10.0
+    assert 0.0 < result.summary["catalogue"]["front_speed"] < 10.0
+    assert result["slip_rate"].min() < 0.0
+    followed = chain.follow([asp.Step(1e-3, distance=4.5)])
+    # Steps end at other points of output, and are right to 1e-4.
+    assert followed.events["drive"] == pytest.approx(result.events["drive"], abs=1e-4)
+    simulation = chain.simulation(velocity=1e-3)
+    simulation.advance(4.5)
+    energy = simulation.energy
+    assert energy.kinetic >= 0.0
+    assert abs(energy.imbalance) < 1e-3 * energy.work
+    with pytest.raises(ValueError, match=r"drive\.velocity: expected a velocity above 0"):
+        chain.drive(4.5)
+    with pytest.raises(ValueError, match=r"interface\.slip: expected none beside interface\.mass"):
+        asp.Interface(CONTACTS, [30], neighbours=25.0, connection=0.2, mass=0.25, slip="overdamped")
 
 
 def test_cells_of_contacts_that_age_slip_as_a_block_does() -> None:

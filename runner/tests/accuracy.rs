@@ -134,6 +134,7 @@ fn interfaces_in_time() {
     let setting = RateDependentInterfaceParameters {
         connection: 0.5,
         loading: CellLoading::Edge,
+        mass: 0.0,
         viscosity: 0.5,
         tolerance: 1e-4,
         slip_fraction: 0.0,

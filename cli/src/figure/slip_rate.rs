@@ -1,5 +1,5 @@
 //! `slip_rate`: the velocity of the cells of a chain over time, and step by step, which shows how events grow, with a
-//! logarithmic colour scale.
+//! logarithmic colour scale, and the waves that start with the largest event.
 
 use std::sync::Arc;
 
@@ -10,6 +10,7 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::render::Scene;
 
+use super::curve::{Point, line};
 use super::field::{self, Field, bar};
 use super::style::{self, Page, Plots};
 use super::ticks;
@@ -31,7 +32,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let colours: Vec<f64> =
         rates.values.iter().map(|rate| rate.max(10_f64.powf(ends.0)).log10().min(ends.1)).collect();
     let panel = |along: &Variable, words: &str| {
-        panel((&colours, cells), ends, along, &style::axis(outcome, words, along))
+        let (mut plots, layout) = panel((&colours, cells), ends, along, &style::axis(outcome, words, along));
+        plots.extend(waves(outcome, cells, (time, along)).map(|waves| line(waves, style::BLUE, 1.4, None)));
+        (plots, layout)
     };
     let (over_time, time_axes) = panel(time, "Time t");
     let (by_step, step_axes) = panel(step, "Step of the computation");
@@ -49,6 +52,23 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_col_width(2, BAR)
         .with_spacing(6.0);
     Some(ticks::panels(figure, vec![over_time, by_step, scale], vec![time_axes, step_axes, scale_axes]))
+}
+
+/// Where long waves are that start with the largest event, for cells with a wave speed: cells, and values of `along` at the
+/// times of their arrival.
+fn waves(outcome: &Outcome, cells: usize, (time, along): (&Variable, &Variable)) -> Option<Vec<Point>> {
+    let catalogue = outcome.summary.numbers.catalogue()?;
+    let (speed, event) = (catalogue.wave_speed?, catalogue.largest?.event - 1);
+    let start = *outcome.record.values("event_time")?.get(event)?;
+    let epicentre = outcome.record.values("event_epicentre")?.get(event)? + 0.5;
+    let arrival = |cell: f64| {
+        let at = start + (cell - epicentre).abs() / speed;
+        let next = time.values.partition_point(|&time| time <= at);
+        let (before, after) = (next.checked_sub(1)?, Some(next).filter(|&next| next < time.values.len())?);
+        let share = (at - time.values[before]) / (time.values[after] - time.values[before]);
+        Some((cell, along.values[before] + share * (along.values[after] - along.values[before])))
+    };
+    Some((0..=2 * cells).filter_map(|half| arrival(0.5 * half as f64)).collect())
 }
 
 /// The highest velocity of the drive from one step to the next.

@@ -1,5 +1,5 @@
 //! `space_time`: the forces along a chain during the drive, or over the time of a protocol, the cells that slip, and the fronts
-//! of the largest event.
+//! of the largest event, with the waves that start with it.
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
@@ -12,7 +12,7 @@ use kuva::render::render::Scene;
 use super::advance::Advance;
 use super::curve::{Point, line};
 use super::field::{self, Field, bar, scale};
-use super::style::{self, BLACK, ORANGE, Page, Plots, RED};
+use super::style::{self, BLACK, BLUE, ORANGE, Page, Plots, RED};
 use super::ticks;
 
 /// Smallest fraction of the cells in an event that is drawn.
@@ -148,6 +148,12 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
             let rounded = style::digits((1e3 * speed).round() / 1e3);
             words.push(format!("{rounded} cells per time to the {name}"));
         }
+    }
+    if let Some(speed) = outcome.summary.numbers.catalogue()?.wave_speed {
+        let ends = [0.0, epicentre, cells as f64];
+        let wave = ends.map(|cell: f64| (cell, first + (cell - epicentre).abs() / speed)).to_vec();
+        plots.push(line(wave, BLUE, 1.6, None));
+        words.push(format!("waves (blue) {}", style::digits((1e3 * speed).round() / 1e3)));
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
     let speeds = if words.is_empty() { String::new() } else { format!(": {}", words.join(", ")) };

@@ -385,6 +385,8 @@ fn lattice(events: usize) -> Outcome {
         largest: None,
         dissipated_breaks: None,
         dissipated_slip: None,
+        wave_speed: None,
+        front_speed: None,
     };
     let mut outcome = timed(InterfaceNumbers { catalogue });
     let numbers = |count: usize| (1..=count).map(|i| i as f64).collect::<Vec<_>>();

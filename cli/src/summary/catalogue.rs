@@ -9,6 +9,7 @@ use super::{digits, with_error, with_unit};
 pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, String)> {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let drive = |number| value(number, Quantity::Length);
+    let cells = |speed: f64| format!("{} cells per time", digits(speed));
     let from = if catalogue.from > 0.0 {
         format!(" from X_T = {} on", drive(catalogue.from))
     } else {
@@ -30,6 +31,12 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
     }
     if let Some(law) = &catalogue.law {
         lines.push(("magnitudes", magnitudes_text(catalogue, law)));
+    }
+    if let Some(waves) = catalogue.wave_speed {
+        let front = catalogue.front_speed.map_or(String::new(), |front| {
+            format!("; front of the largest event {}, {} of it", cells(front), digits(front / waves))
+        });
+        lines.push(("wave speed", format!("{}{front}", cells(waves))));
     }
     if let (Some(breaks), Some(slip)) = (catalogue.dissipated_breaks, catalogue.dissipated_slip) {
         let energy = |number| value(number, Quantity::Energy);

@@ -1,16 +1,16 @@
 //! Arrest: the end of the motion of a cell whose contacts would pull it back.
 
-use super::{DriveMotion, EquationOfMotion, MotionStepControl, SliderMotion, SlidingCell};
+use super::{DriveMotion, EquationOfMotion, MotionStepControl, SliderMotion, SlidingCell, StageSolver};
 use crate::Result;
 use crate::monitor::Monitor;
 
 /// Fraction of the tolerance by which the pull may be short of the friction without a move back.
 const SLACK: f64 = 1e-3;
 
-/// Rule for a cell whose contacts would pull it back. Time-dependent contacts cannot move backward.
+/// Rule for a cell whose contacts would pull it back, and cannot be moved backward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrest {
-    /// The cell stays at its position.
+    /// A cell stays at its position, where its kinetic energy is 0, unless its contacts may turn.
     Stand,
     /// A single cell that stops at X_2 moves back, without inertia, to the equilibrium on the straight unloading line of its
     /// contacts, X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'). It moves on when the spring has brought it back to X_2. Until
@@ -25,9 +25,14 @@ impl EquationOfMotion {
         self.connection * (drive - cell.position) - cell.force
     }
 
-    /// Stiffness K + F' of spring and contacts.
-    pub fn resistance(&self, cell: &SlidingCell) -> f64 {
-        self.connection + cell.known.tangent
+    /// Stiffness K_0j + A_jj + F' of spring, coupling and contacts against the displacement of cell j alone.
+    pub fn resistance(&self, j: usize, cell: &SlidingCell, coupling: f64) -> f64 {
+        self.connection(j) + coupling + cell.known.tangent
+    }
+
+    /// Stiffness K + F' of spring and contacts of a single cell.
+    pub fn resistance_alone(&self, cell: &SlidingCell) -> f64 {
+        self.resistance(0, cell, 0.0)
     }
 
     /// Displacement X − X_2 ≤ 0 of a cell at rest on its unloading line; 0 if it is not unloaded.
@@ -39,7 +44,7 @@ impl EquationOfMotion {
         if !(cell.velocity == 0.0 && excess < 0.0) {
             return 0.0;
         }
-        let resistance = self.resistance(cell);
+        let resistance = self.resistance_alone(cell);
         // Below, B resists the motion forward; above, the motion back.
         let highest = ((excess + 2.0 * self.background) / resistance).min(0.0);
         cell.back.clamp(excess / resistance, highest)
@@ -51,13 +56,12 @@ impl EquationOfMotion {
         if cell.velocity > 0.0 || excess >= 0.0 {
             return self.background;
         }
-        let left = excess - self.resistance(cell) * self.unloaded(cell, drive);
+        let left = excess - self.resistance_alone(cell) * self.unloaded(cell, drive);
         (self.background + left).clamp(-self.background, self.background)
     }
 
-    /// Distance within which spring and contacts stop a cell with a velocity.
-    fn stopping_distance(&self, cell: &SlidingCell, velocity: f64) -> f64 {
-        let resistance = self.resistance(cell);
+    /// Distance within which forces of this stiffness stop a cell with a velocity.
+    fn stopping_distance(&self, resistance: f64, velocity: f64) -> f64 {
         velocity * (self.viscosity + (self.mass * resistance).sqrt()) / resistance
     }
 
@@ -85,7 +89,7 @@ impl SliderMotion {
             return false;
         }
         let cell = &self.cells[0];
-        let slack = SLACK * self.control.tolerance * self.equation.resistance(cell);
+        let slack = SLACK * self.control.tolerance * self.equation.resistance_alone(cell);
         self.equation.excess(cell, self.drive) < -slack
     }
 
@@ -101,19 +105,41 @@ impl SliderMotion {
 
     /// The factor by which a step must be shortened that ends with a backward velocity too large for the tolerance. The factor
     /// comes from the zero of the velocity, taken as linear in time.
-    pub(super) fn before_turning(&self, end: &[SlidingCell]) -> Option<f64> {
-        if self.equation.arrest == Arrest::Stand {
+    pub(super) fn before_turning(&self, end: &[SlidingCell], solver: &dyn StageSolver) -> Option<f64> {
+        let equation = &self.equation;
+        // Cells that stand without a mass stop wherever the forces are in balance.
+        if equation.arrest == Arrest::Stand && equation.mass == 0.0 {
             return None;
         }
-        let (before, after) = (self.cells[0].velocity, end[0].velocity);
-        let back = self.equation.stopping_distance(&end[0], -after);
-        (back > self.control.tolerance)
-            .then(|| (before / (before - after)).clamp(MotionStepControl::SHRINK, 0.9))
+        let shorter = |(j, cell): (usize, &SlidingCell)| {
+            let (before, after) = (self.cells[j].velocity, cell.velocity);
+            if after >= 0.0 || cell.known.may_turn {
+                return None;
+            }
+            let resistance = equation.resistance(j, cell, solver.self_stiffness(j));
+            let back = equation.stopping_distance(resistance, -after);
+            (back > self.control.tolerance)
+                .then(|| (before / (before - after)).clamp(MotionStepControl::SHRINK, 0.9))
+        };
+        end.iter().enumerate().filter_map(shorter).reduce(f64::min)
+    }
+
+    /// Cells with a mass that have come to rest stand.
+    fn stand(&mut self) {
+        for cell in &mut self.cells {
+            if cell.velocity < 0.0 && !cell.known.may_turn {
+                self.energies.arrest += self.equation.kinetic(cell);
+                cell.velocity = 0.0;
+            }
+        }
     }
 
     /// Moves a cell that has come to rest back to the equilibrium behind X_2. The excess energy is dissipated.
     pub(super) fn arrest(&mut self, drive: f64) {
-        if self.equation.arrest == Arrest::Stand || self.cells[0].velocity > 0.0 {
+        if self.equation.arrest == Arrest::Stand {
+            return self.stand();
+        }
+        if self.cells[0].velocity > 0.0 {
             return;
         }
         self.cells[0].velocity = 0.0;
@@ -121,7 +147,7 @@ impl SliderMotion {
         let excess = (self.equation.excess(&self.cells[0], drive) + 2.0 * background).min(0.0);
         // The net force, without the background force, falls linearly to 0 along the unloading line: its work is half of
         // force × distance.
-        self.energies.arrest += 0.5 * excess * excess / self.equation.resistance(&self.cells[0]);
+        self.energies.arrest += 0.5 * excess * excess / self.equation.resistance_alone(&self.cells[0]);
         self.cells[0].back = self.equation.unloaded(&self.cells[0], drive);
         self.energies.background -= background * self.cells[0].back;
     }
@@ -130,7 +156,7 @@ impl SliderMotion {
     pub(super) fn rest(&mut self, drive: DriveMotion, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         let (equation, cell, tolerance) = (self.equation, &self.cells[0], self.control.tolerance);
         let short = -equation.excess(cell, drive.position);
-        let resistance = equation.resistance(cell);
+        let resistance = equation.resistance_alone(cell);
         let behind = short / resistance;
         // Limits the error of the energies by the trapezoidal rule, which is of second order in the displacement.
         let most = (tolerance * behind).sqrt();
@@ -153,7 +179,7 @@ impl SliderMotion {
                 let moved = (rested.back - equation.unloaded(cell, drive.position)).abs();
                 // Too long if the spring exceeds the contacts at its end, or if the cell has moved too far on
                 // the unloading line.
-                let shorter = if excess > tolerance * equation.resistance(&rested) {
+                let shorter = if excess > tolerance * equation.resistance_alone(&rested) {
                     Some(short / (short + excess))
                 } else {
                     (moved > 2.0 * most).then(|| most / moved)

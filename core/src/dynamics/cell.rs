@@ -69,12 +69,14 @@ pub struct KnownContacts {
     pub energies: Option<ContactEnergies>,
     /// Whether the contacts may lag behind their cell.
     pub may_lag: bool,
+    /// Whether they may be moved backward.
+    pub may_turn: bool,
 }
 
 impl KnownContacts {
     fn of(contacts: &dyn RateDependentContacts, force: f64) -> Self {
-        let (tangent, may_lag) = (contacts.tangent(), contacts.is_constant_at_rest());
-        Self { force, tangent, energies: None, may_lag }
+        let (may_lag, may_turn) = (contacts.is_constant_at_rest(), contacts.may_turn());
+        Self { force, tangent: contacts.tangent(), energies: None, may_lag, may_turn }
     }
 }
 
@@ -153,7 +155,7 @@ impl SlidingCell {
     ) -> Self {
         let (known, lag) = (KnownContacts::of(contacts.as_ref(), force), ContactLag::default());
         // A quotient of differences below the accuracy would be noise.
-        let (slope, trend) = if advance > accuracy {
+        let (slope, trend) = if advance.abs() > accuracy {
             let slope = (force - self.force) / advance;
             (slope, self.trend.next(slope - self.slope, advance))
         } else {

@@ -47,11 +47,20 @@ impl EquationOfMotion {
         if cell < self.connected { self.connection } else { 0.0 }
     }
 
-    /// Acceleration Ẍ of a cell without coupling to others; 0 without mass.
-    pub fn acceleration(&self, cell: &SlidingCell, drive: f64) -> f64 {
+    /// Acceleration Ẍ of cell j, on which the others act with the force `coupling`; 0 without mass, and of a cell at rest that
+    /// would go back but stands.
+    pub fn acceleration(&self, j: usize, cell: &SlidingCell, drive: f64, coupling: f64) -> f64 {
         if self.mass == 0.0 {
             return 0.0;
         }
-        (self.excess(cell, drive) - self.viscosity * cell.velocity) / self.mass
+        let pull = self.connection(j) * (drive - cell.position) + coupling;
+        let free = (pull - cell.force - self.viscosity * cell.velocity) / self.mass;
+        let stands = self.arrest == Arrest::Stand && cell.velocity == 0.0 && !cell.known.may_turn;
+        if stands { free.max(0.0) } else { free }
+    }
+
+    /// Kinetic energy ½MẊ² of a cell.
+    pub fn kinetic(&self, cell: &SlidingCell) -> f64 {
+        0.5 * self.mass * cell.velocity * cell.velocity
     }
 }

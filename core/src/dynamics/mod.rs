@@ -4,16 +4,15 @@
 //!
 //! Cell j is at X_j. A spring K_0j connects it to the drive X_T, which moves at a constant velocity in a step. The stiffness
 //! matrix A of the slider couples the cells, and F_j is the friction of the contacts. A background force only shifts forces
-//! and the zero of X_T, except at rest ([`Arrest::Unload`]). A deformable interface has many cells and M = 0. A block is
-//! one cell, which may have a mass.
+//! and the zero of X_T, except at rest ([`Arrest::Unload`]). A deformable interface has many cells, a block is one cell.
 //!
 //! Without mass and drag, M = η = 0, the forces are in balance at every time ([`EquationOfMotion::is_quasistatic`]): each stage
 //! ends in balance, and the path between is straight, which again gives second order. Where no balance follows continuously,
 //! the motion ends with an error.
 //!
 //! A step ([`tr_bdf2`]) is implicit in friction, springs and coupling, so that it may be as long as a stick phase. Its two stages
-//! are solved by a [`StageSolver`]: [`OneCell`] for a block, and a solver for coupled cells in `elastic`. Contacts move forward
-//! only; [`Arrest`] is the rule for a cell that they would pull back.
+//! are solved by a [`StageSolver`]: [`OneCell`] for a block, and a solver for coupled cells in `elastic`. Time-dependent contacts
+//! move forward only, and [`Arrest`] is the rule for a cell that they would pull back; cells over other contacts swing back.
 
 mod arrest;
 mod cell;
@@ -65,7 +64,7 @@ pub struct MotionEnergies {
     pub work: f64,
     /// Dissipated by viscous drag, ∫ηẊ² dt of each cell.
     pub viscous: Vec<f64>,
-    /// Dissipated when a slider moves back after its arrest.
+    /// Dissipated when a slider moves back after its arrest, and by cells that stand instead.
     pub arrest: f64,
     /// Dissipated by the background force, ∫B|dX|.
     pub background: f64,
@@ -140,7 +139,7 @@ impl SliderMotion {
                 duration *= MotionStepControl::SHRINK;
                 continue;
             };
-            let shorter = self.control.shorter(step.error).or_else(|| self.before_turning(&step.end));
+            let shorter = self.control.shorter(step.error).or_else(|| self.before_turning(&step.end, solver));
             if let Some(factor) = shorter {
                 duration *= factor;
                 continue;

@@ -39,6 +39,16 @@ pub trait StageSolver {
     /// # Errors
     /// Those of the contacts; stopped by the monitor.
     fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>>;
+
+    /// Forces −(AX)_j on the cells by their coupling; 0 for a single cell.
+    fn coupling_forces(&mut self, cells: &[SlidingCell]) -> Vec<f64> {
+        vec![0.0; cells.len()]
+    }
+
+    /// Stiffness A_jj of the coupling against the displacement of one cell alone; 0 for a single cell.
+    fn self_stiffness(&self, _cell: usize) -> f64 {
+        0.0
+    }
 }
 
 impl ImplicitStage<'_> {
@@ -70,7 +80,7 @@ impl SliderMotion {
     ) -> Result<Option<TrBdf2Step>> {
         let (equation, from, accuracy) = (&self.equation, &self.cells, self.control.stage_accuracy());
         let (number, time) = (from.len(), GAMMA * duration);
-        let start: Vec<f64> = from.iter().map(|cell| equation.acceleration(cell, drive.position)).collect();
+        let start = self.accelerations(solver, drive.position);
         // First stage: the trapezoidal rule to the fraction γ of the step. Second stage: the backward
         // difference formula of second order to its end.
         let trapezoidal = |j: usize| StageRates::trapezoidal(duration, from[j].velocity, start[j]);
@@ -93,18 +103,34 @@ impl SliderMotion {
             if equation.mass == 0.0 {
                 return of_position;
             }
+            // The acceleration of a cell that comes to rest jumps; `before_turning` limits the error of its velocity.
+            if equation.arrest == Arrest::Stand && velocities[2] <= 0.0 && !from[j].known.may_turn {
+                return of_position;
+            }
             let [one, two] = [(&first, velocities[1]), (&second, velocities[2])]
                 .map(|(stage, velocity)| stage.rates[j].acceleration(velocity));
-            // An error of the velocity becomes an error of the position within about 1/ω = √(M/(K + F')).
-            let time = (equation.mass / equation.resistance(&from[j])).sqrt();
+            // An error of the velocity becomes an error of the position within about 1/ω = √(M/(K + A_jj + F')).
+            let time = (equation.mass / equation.resistance(j, &from[j], solver.self_stiffness(j))).sqrt();
             of_position.max(time * error(duration, [start[j], one, two]).abs())
         };
         let error = (0..number).map(error_of).fold(0.0, f64::max);
-        if equation.arrest == Arrest::Stand {
-            end.iter_mut().for_each(|cell| cell.velocity = cell.velocity.max(0.0));
+        if equation.arrest == Arrest::Stand && equation.mass == 0.0 {
+            let standing = end.iter_mut().filter(|cell| !cell.known.may_turn);
+            standing.for_each(|cell| cell.velocity = cell.velocity.max(0.0));
         }
         let (work, viscous) = work_and_drag(equation, [from, &middle, &end], drive, duration);
         Ok(Some(TrBdf2Step { end, middle, error, work, viscous }))
+    }
+
+    /// Accelerations Ẍ_j of all cells.
+    fn accelerations(&self, solver: &mut dyn StageSolver, drive: f64) -> Vec<f64> {
+        let (equation, cells) = (&self.equation, &self.cells);
+        if equation.mass == 0.0 {
+            return vec![0.0; cells.len()];
+        }
+        let coupling = solver.coupling_forces(cells);
+        let of = |(j, cell): (usize, &SlidingCell)| equation.acceleration(j, cell, drive, coupling[j]);
+        cells.iter().enumerate().map(of).collect()
     }
 }
 

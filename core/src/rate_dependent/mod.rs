@@ -3,10 +3,12 @@
 //! In contrast to a [`crate::population::Population`], every displacement takes a time, and contacts change at rest, too.
 
 mod error;
+mod population_in_time;
 mod state;
 mod stretch_interval;
 
 pub use error::ErrorEstimator;
+pub use population_in_time::PopulationInTime;
 pub use state::ContactsState;
 pub use stretch_interval::{StretchInterval, binned};
 
@@ -49,7 +51,12 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// The distribution of the stretches of the attached contacts.
     fn stretches(&self) -> Vec<StretchInterval>;
 
-    /// Moves by `by` ≥ 0 at constant velocity in the time `during` > 0.
+    /// Whether they may be moved backward, too.
+    fn may_turn(&self) -> bool {
+        false
+    }
+
+    /// Moves by `by` at constant velocity in the time `during` > 0; `by` ≥ 0 unless they may turn.
     ///
     /// # Errors
     /// Accuracy not reached; a stop by the monitor, after which the contacts are invalid.

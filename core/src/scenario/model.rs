@@ -134,6 +134,11 @@ impl Task<'_> {
                     (_, CellLoading::Edge) => refused(
                         "none with interface.loading = \"edge\": no spring carries it in cells away from the edge",
                     ),
+                    (PerCell::Many, _)
+                        if interface.mass.is_some() && model.contacts.rules.first().is_none() =>
+                    {
+                        refused("none of athermal contacts with interface.mass, whose cells swing back")
+                    }
                     (PerCell::Many, CellLoading::Uniform) => Ok(()),
                 }
             }

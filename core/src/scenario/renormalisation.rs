@@ -122,6 +122,9 @@ fn check_many(interface: &Interface, model: &Model) -> Result<()> {
     if interface.viscosity.is_some() {
         return refused("interface.viscosity", "none", "slides end in the same places without", "one");
     }
+    if interface.mass.is_some() {
+        return refused("interface.mass", "none", "they are in balance between slides", "one");
+    }
     match &interface.disorder {
         Some(Scales { std: Some(_), .. }) => Ok(()),
         disorder => {

@@ -247,6 +247,7 @@ fn cells() -> Interface {
         disorder: Some(Scales { std: Some(0.1), ..Scales::default() }),
         drive_tolerance: Interface::DRIVE_TOLERANCE,
         catalogue_from: 0.0,
+        mass: None,
         slip_rates: None,
     }
 }

@@ -6,7 +6,8 @@ use crate::contacts::Contacts;
 impl Scenario {
     /// The keys without effect, each with the reason.
     pub(super) fn without_effect(&self, contacts: &Contacts) -> Vec<String> {
-        let timeless = contacts.rules.first().is_none();
+        let inertial = self.interface.as_ref().is_some_and(|own| own.mass.is_some());
+        let timeless = contacts.rules.first().is_none() && !inertial;
         let tables =
             [self.velocities(timeless), self.initial_stretches(), self.simulation(), self.pictures()];
         tables.into_iter().flatten().map(|(key, reason)| format!("{key}: {reason}")).collect()

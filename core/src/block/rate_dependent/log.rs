@@ -101,7 +101,7 @@ impl SlidingBlock {
         // After an arrest the slider is behind the position of its contacts, on their unloading line.
         let back = equation.unloaded(cell, drive);
         // The background force holds it there until the spring has gained 2B.
-        let slides = back < 0.0 && back <= equation.excess(cell, drive) / equation.resistance(cell);
+        let slides = back < 0.0 && back <= equation.excess(cell, drive) / equation.resistance_alone(cell);
         let velocity = if slides { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
         let position = cell.position + back;
         let spring_force = stiffness * (drive - position) + equation.background;

@@ -48,7 +48,7 @@ impl Guess {
 
     /// Leaves the contacts where they were at the beginning of the stage, if the cell hardly moves; whether it does.
     fn lag(&mut self, from: &SlidingCell, advance: f64, most: f64) -> bool {
-        let lags = from.known.may_lag && from.lag.by + advance <= most;
+        let lags = from.known.may_lag && (from.lag.by + advance).abs() <= most;
         if lags {
             let (force, slope) = (from.force_at(advance), from.known.tangent);
             *self = Self { advance, force, slope, moved: None };
@@ -80,7 +80,7 @@ impl Guess {
 }
 
 impl StageSolver for CoupledCells<'_> {
-    /// The advances at whose end η Ẋ = pulls − F. Cells that would go back stand.
+    /// The advances at whose end M Ẍ + η Ẋ = pulls − F. Cells that would go back stand, unless their contacts may turn.
     fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>> {
         let mut guesses: Vec<Guess> =
             stage.from.iter().map(|from| Guess::none(from, stage.duration)).collect();
@@ -98,6 +98,17 @@ impl StageSolver for CoupledCells<'_> {
             advance(stage, &mut guesses, &by, watch)?;
         }
         Ok(None)
+    }
+
+    fn coupling_forces(&mut self, cells: &[SlidingCell]) -> Vec<f64> {
+        let positions: Vec<f64> = cells.iter().map(|cell| cell.position).collect();
+        let mut forces = vec![0.0; positions.len()];
+        self.0.forces(&positions, &mut forces);
+        forces
+    }
+
+    fn self_stiffness(&self, cell: usize) -> f64 {
+        self.0.self_stiffness(cell)
     }
 }
 
@@ -124,10 +135,11 @@ impl CoupledCells<'_> {
     /// The correction by which the residual vanishes where slopes do not change.
     fn correct(&mut self, stage: &ImplicitStage<'_>, guesses: &[Guess]) -> Correction {
         let (number, excess) = (guesses.len(), self.excess(stage, guesses));
-        let stand = |(guess, excess): (&Guess, &f64)| guess.advance == 0.0 && *excess <= 0.0;
-        let stands: Vec<bool> = guesses.iter().zip(&excess).map(stand).collect();
+        let may_turn = |j: usize| stage.from[j].known.may_turn;
+        let stand = |j: usize| !may_turn(j) && guesses[j].advance == 0.0 && excess[j] <= 0.0;
+        let stands: Vec<bool> = (0..number).map(stand).collect();
         let held = |j: usize| stage.stiffness(j) + stage.from[j].known.tangent;
-        // Active-set method for the condition that cells move forward only: a cell at rest that is pushed
+        // Active-set method for the condition that contacts move forward only: a cell at rest that is pushed
         // back is fixed by a very stiff spring, so that the system keeps its size and its symmetry.
         let spring = |j: usize| {
             if stands[j] {
@@ -146,8 +158,10 @@ impl CoupledCells<'_> {
             by = (0..number).map(right).collect();
             self.respond(&holding, &mut by);
         }
-        let forward = |(by, guess): (&f64, &Guess)| (guess.advance + by).max(0.0) - guess.advance;
-        Correction { by: by.iter().zip(guesses).map(forward).collect(), stands }
+        for (j, by) in by.iter_mut().enumerate().filter(|(j, _)| !may_turn(*j)) {
+            *by = (guesses[j].advance + *by).max(0.0) - guesses[j].advance;
+        }
+        Correction { by, stands }
     }
 }
 

@@ -1,10 +1,14 @@
 //! A deformable interface over time-dependent contacts. The drive moves at a velocity, and the cells follow
 //!
-//! η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t],
+//! M Ẍ_j + η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t],
 //!
-//! integrated by the module `dynamics`. Cells move forward only; a cell that its contacts would pull back stays at rest.
+//! integrated by the module `dynamics`. Cells over time-dependent contacts move forward only; one that would go back stays at
+//! rest. Athermal contacts ([`crate::rate_dependent::PopulationInTime`]) are loaded and unloaded.
 //! Contacts age while cells stick. In contrast to quasistatic motion there is no search for a balance: where friction falls
-//! faster than the force of the springs, cells accelerate, and η limits their velocity.
+//! faster than the force of the springs, cells accelerate, and η or M limits their velocity.
+//!
+//! With a mass, disturbances travel as waves. On a chain of springs K_int, ω² = (4K_int/M) sin²(q/2), of speed √(K_int/M) cells
+//! per time at long wavelengths, which no signal exceeds.
 
 mod coupled;
 mod scaled;
@@ -34,7 +38,9 @@ pub struct RateDependentInterfaceParameters {
     pub connection: f64,
     /// Which cells have such a spring.
     pub loading: CellLoading,
-    /// η, viscous force on a cell per velocity, above 0; it limits the velocity of slip.
+    /// M, mass of a cell, 0 or above.
+    pub mass: f64,
+    /// η, viscous force on a cell per velocity, 0 or above; mass or viscosity limit the velocity of slip.
     pub viscosity: f64,
     /// Tolerance of a step in time: the largest error of the position of a cell, a length.
     pub tolerance: f64,
@@ -51,6 +57,7 @@ impl RateDependentInterfaceParameters {
         Self {
             connection,
             loading: CellLoading::default(),
+            mass: 0.0,
             viscosity,
             tolerance,
             slip_fraction: 0.0,
@@ -62,12 +69,17 @@ impl RateDependentInterfaceParameters {
     fn check(&self) -> Result<()> {
         for (key, value) in [
             ("connection", self.connection),
-            ("viscosity", self.viscosity),
             ("tolerance", self.tolerance),
             ("area", self.area.unwrap_or(1.0)),
         ] {
             positive(key, value)?;
         }
+        not_negative("mass", self.mass)?;
+        if self.mass > 0.0 {
+            not_negative("viscosity", self.viscosity)
+        } else {
+            positive("viscosity", self.viscosity)
+        }?;
         if (0.0..=1.0).contains(&self.slip_fraction) {
             return Ok(());
         }
@@ -142,6 +154,7 @@ pub struct RateDependentInterface {
 struct Stored {
     connection: f64,
     coupling: f64,
+    kinetic: f64,
     contacts: ContactEnergies,
 }
 
@@ -168,12 +181,18 @@ impl RateDependentInterface {
             CellLoading::Edge => shape.first_row(),
         };
         let RateDependentInterfaceParameters {
-            connection, viscosity, tolerance, slip_fraction, area, ..
+            connection,
+            mass,
+            viscosity,
+            tolerance,
+            slip_fraction,
+            area,
+            ..
         } = setting;
         let equation = EquationOfMotion {
             connection,
             connected,
-            mass: 0.0,
+            mass,
             viscosity,
             background: 0.0,
             arrest: Arrest::Stand,
@@ -196,10 +215,15 @@ impl RateDependentInterface {
         let mut interface = Self {
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
             coupling,
-            begun: Stored { connection: 0.0, coupling: 0.0, contacts: ContactEnergies::default() },
+            begun: Stored {
+                connection: 0.0,
+                coupling: 0.0,
+                kinetic: 0.0,
+                contacts: ContactEnergies::default(),
+            },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
-            slips: Slips::new(number, slip_fraction, area),
+            slips: Slips::new(number, slip_fraction, area, mass > 0.0),
             rates: None,
             path: (drive, drive),
         };
@@ -311,17 +335,19 @@ impl RateDependentInterface {
         event::record(events, self.slips.area)
     }
 
-    /// Energies since the beginning; `slip` is the energy dissipated by viscous drag, ∫Σ ηẊ_j² dt, also between slips.
+    /// Energies since the beginning; `slip` is the energy dissipated by viscous drag, ∫Σ ηẊ_j² dt, also between slips, and
+    /// by cells that come to rest.
     pub fn energy(&self) -> EnergyBalance {
         let (begun, now) = (self.begun, self.stored());
         EnergyBalance {
             work: self.motion.energies.work,
             spring: now.connection - begun.connection,
             coupling: now.coupling - begun.coupling,
+            kinetic: now.kinetic - begun.kinetic,
             elastic: now.contacts.elastic - begun.contacts.elastic,
             strengthening: now.contacts.strengthening - begun.contacts.strengthening,
             breaks: now.contacts.lost - begun.contacts.lost,
-            slip: self.motion.energies.viscous.iter().sum(),
+            slip: self.motion.energies.viscous.iter().sum::<f64>() + self.motion.energies.arrest,
             ..EnergyBalance::default()
         }
     }
@@ -489,6 +515,7 @@ impl RateDependentInterface {
         Stored {
             connection: (0..positions.len()).map(spring).sum(),
             coupling: self.coupling_energy,
+            kinetic: self.motion.cells.iter().map(|cell| equation.kinetic(cell)).sum(),
             contacts: self.motion.cells.iter().fold(ContactEnergies::default(), add),
         }
     }

@@ -57,6 +57,10 @@ impl RateDependentContacts for Scaled {
         self.contacts.is_constant_at_rest()
     }
 
+    fn may_turn(&self) -> bool {
+        self.contacts.may_turn()
+    }
+
     fn steady_velocity(&self) -> Option<f64> {
         self.contacts.steady_velocity().map(|velocity| self.scale * velocity)
     }

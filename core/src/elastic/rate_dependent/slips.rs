@@ -33,6 +33,9 @@ pub(super) struct MotionSnapshot {
 /// An event begins with a cell that slips where no other event is beside it. Cells that begin to slip beside a cell of an
 /// event that is not over belong to it, and make one event of all that are beside them. It is over when none of its cells
 /// slips any more.
+///
+/// Cells with a mass move with every wave that passes. They begin to slip only where their friction falls as well, as breaks
+/// lower it faster than contacts are stretched.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Slips {
     /// Fraction of the contacts of a cell that breaks in the smallest event.
@@ -41,6 +44,9 @@ pub(super) struct Slips {
     /// Area of a cell, if it has one.
     #[serde(skip)]
     pub area: Option<f64>,
+    /// Whether cells have a mass.
+    #[serde(skip)]
+    inertial: bool,
     /// Whether a cell slips.
     slipping: Vec<bool>,
     /// The number of the event that a cell belongs to.
@@ -117,9 +123,9 @@ impl OpenEvent {
 }
 
 impl Slips {
-    pub fn new(cells: usize, fraction: f64, area: Option<f64>) -> Self {
+    pub fn new(cells: usize, fraction: f64, area: Option<f64>, inertial: bool) -> Self {
         let (slipping, member) = (vec![false; cells], vec![None; cells]);
-        Self { fraction, area, slipping, member, events: Vec::new(), next: 0 }
+        Self { fraction, area, inertial, slipping, member, events: Vec::new(), next: 0 }
     }
 
     /// Updates the events after a step between two snapshots, at a velocity of the drive.
@@ -131,8 +137,17 @@ impl Slips {
         coupling: &dyn Coupling,
     ) {
         let fast = SLIP_VELOCITY * velocity;
-        let share = |j: usize| crossing(before.cells[j].velocity, now.cells[j].velocity, fast);
-        let change = |j: &usize| (now.cells[*j].velocity > fast) != self.slipping[*j];
+        let share = |j: usize| {
+            let [was, is] = [before, now].map(|look| look.cells[j].velocity);
+            // A cell that was fast before its friction began to fall slips from the beginning of the step.
+            if was > fast && is > fast { 0.0 } else { crossing(was, is, fast) }
+        };
+        let falls = |j: usize| {
+            let [was, is] = [&before.cells[j], &now.cells[j]];
+            !self.inertial || (is.force < was.force && is.position > was.position)
+        };
+        let slips = |j: usize| now.cells[j].velocity > fast && (self.slipping[j] || falls(j));
+        let change = |j: &usize| slips(*j) != self.slipping[*j];
         let mut changed: Vec<(usize, f64)> =
             (0..self.slipping.len()).filter(change).map(|j| (j, share(j))).collect();
         // In the order of time: the event of a cell depends on which of its neighbours slip at that moment.
@@ -256,8 +271,8 @@ impl Slips {
 
     /// Restores the state of an interface of the same parameters.
     pub fn resume(&mut self, kept: Self) {
-        let Self { fraction, area, .. } = *self;
-        *self = Self { fraction, area, ..kept };
+        let Self { fraction, area, inertial, .. } = *self;
+        *self = Self { fraction, area, inertial, ..kept };
     }
 }
 
@@ -290,7 +305,7 @@ mod tests {
 
     fn ended(velocities: &[[f64; 9]], fraction: f64) -> Vec<(Event, Vec<Slipped>)> {
         let coupling = neighbours(Shape::Chain(9), Edges::Open, 1.0).unwrap();
-        let mut slips = Slips::new(9, fraction, None);
+        let mut slips = Slips::new(9, fraction, None, false);
         let mut all = Vec::new();
         for pair in looks(velocities).windows(2) {
             slips.pass(&pair[0], &pair[1], 1.0, coupling.as_ref());

@@ -16,6 +16,8 @@ pub struct RateDependentInterfaceState {
     drive: f64,
     pace: f64,
     work: f64,
+    /// Dissipated by cells that came to rest.
+    arrest: f64,
     cells: Vec<CellState>,
     slips: Slips,
     rates: Option<SlipRates>,
@@ -56,6 +58,7 @@ impl RateDependentInterface {
             drive: self.motion.drive,
             pace: self.motion.control.next,
             work: self.motion.energies.work,
+            arrest: self.motion.energies.arrest,
             cells: cells.collect(),
             slips: self.slips.clone(),
             rates: self.rates.clone(),
@@ -69,8 +72,18 @@ impl RateDependentInterface {
     /// # Errors
     /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
     pub fn restore(&mut self, state: RateDependentInterfaceState) -> Result<()> {
-        let RateDependentInterfaceState { time, drive, pace, work, cells, slips, rates, estimators, error } =
-            state;
+        let RateDependentInterfaceState {
+            time,
+            drive,
+            pace,
+            work,
+            arrest,
+            cells,
+            slips,
+            rates,
+            estimators,
+            error,
+        } = state;
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
@@ -89,7 +102,7 @@ impl RateDependentInterface {
             estimator.restore(kept)?;
         }
         (motion.time, motion.drive, motion.error) = (time, drive, error);
-        (motion.control.next, motion.energies.work) = (pace, work);
+        (motion.control.next, motion.energies.work, motion.energies.arrest) = (pace, work, arrest);
         self.slips.resume(slips);
         let most = self.rates.as_ref().map(SlipRates::most);
         self.rates = rates.zip(most).map(|(rates, most)| rates.with_most(most));

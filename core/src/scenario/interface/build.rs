@@ -16,7 +16,7 @@ use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
 use crate::monitor::{Aside, Monitor, report};
 use crate::population::Population;
-use crate::rate_dependent::RateDependentContacts;
+use crate::rate_dependent::{PopulationInTime, RateDependentContacts};
 use crate::{Error, Result};
 
 /// How the contacts of cells in time are at the start.
@@ -77,8 +77,9 @@ impl Interface {
         elastic::Interface::new(cells, self.elasticity()?, self.setting(length))
     }
 
-    /// Cells whose contacts are time-dependent. They are solved by transport with a `tolerance`, or are those of an `ensemble`:
-    /// `size` contacts in each cell, the first ones in the first cell. `step` is the tolerance of a step of a cell, a length.
+    /// Cells that move in time. Time-dependent contacts are solved by transport with a `tolerance`, athermal ones by the master
+    /// equation, or they are those of an `ensemble`: `size` contacts in each cell, the first ones in the first cell. `step` is the
+    /// tolerance of a step of a cell, a length.
     ///
     /// # Errors
     /// What transport, the ensemble, cells and couplings refuse; an ensemble in steady sliding.
@@ -94,52 +95,22 @@ impl Interface {
         let scales =
             self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
         let scales = scales.map_err(|e| e.under("interface"))?;
-        // Cells of the same temperature, and, in steady sliding, of the same velocity, share one solution, which takes long to
-        // compute.
-        let mut alike: HashMap<[Option<u64>; 2], Transport> = HashMap::new();
-        let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
-            report(monitor, 0.0)?;
-            let contacts = cooler(contacts, scale);
-            let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
-            // A cell of the scale s slides at v/s in its own units.
-            let velocity = match start {
-                CellStart::Initial(_) => None,
-                CellStart::Steady(velocity) => Some((velocity / scale).to_bits()),
-            };
-            let cell: Box<dyn RateDependentContacts> = match ensemble {
-                Some(ensemble) => {
-                    let first = (cell * ensemble.size()) as u64;
-                    let CellStart::Initial(initial) = start else { return Err(no_steady_ensemble()) };
-                    Box::new(
-                        ensemble
-                            .build(contacts, initial.clone())?
-                            .numbered_from(first)
-                            .in_time_with(monitor)?,
-                    )
-                }
-                None => Box::new(match alike.entry([energy, velocity]) {
-                    Entry::Occupied(known) => known.get().clone(),
-                    Entry::Vacant(new) => {
-                        let solution = match start {
-                            CellStart::Initial(initial) => {
-                                Transport::new_with(contacts, initial, tolerance, monitor)?
-                            }
-                            CellStart::Steady(velocity) => {
-                                Transport::steady_with(&contacts, velocity / scale, tolerance, monitor)?
-                            }
-                        };
-                        new.insert(solution).clone()
-                    }
-                }),
-            };
+        let cells = match start {
+            CellStart::Initial(initial) if !contacts.rules.are_time_dependent() => {
+                self.athermal_in_time(contacts, initial, tolerance, ensemble, monitor)?
+            }
+            _ => rate_dependent(contacts, &scales, start, tolerance, ensemble, monitor)?,
+        };
+        let scaled = |(cell, &scale): (_, &f64)| -> Result<Box<dyn RateDependentContacts>> {
             Ok(Box::new(Scaled::new(cell, scale)?))
         };
-        let cells = scales.iter().enumerate().map(&mut cell).collect::<Result<_>>()?;
+        let cells = cells.into_iter().zip(&scales).map(scaled).collect::<Result<_>>()?;
         let elastic::InterfaceParameters { connection, loading, area, .. } = self.setting(1.0);
         let setting = RateDependentInterfaceParameters {
             connection,
             loading,
-            viscosity: self.viscosity.unwrap_or(f64::NAN),
+            mass: self.mass.unwrap_or(0.0),
+            viscosity: self.viscosity.unwrap_or(if self.mass.is_some() { 0.0 } else { f64::NAN }),
             tolerance: step,
             slip_fraction: ensemble.map_or(0.0, |_| Block::SLIP_FRACTION),
             area,
@@ -219,6 +190,29 @@ impl Interface {
         (0..self.size()).map(cell).collect()
     }
 
+    /// Athermal contacts of each cell, in units of its scale.
+    fn athermal_in_time(
+        &self,
+        contacts: &Contacts,
+        initial: &Initial,
+        tolerance: f64,
+        ensemble: Option<&Ensemble>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Box<dyn RateDependentContacts>>> {
+        let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
+        let in_time = |population: Box<dyn Population>| -> Box<dyn RateDependentContacts> {
+            Box::new(PopulationInTime::new(population, stiffness))
+        };
+        if let Some(ensemble) = ensemble {
+            let drawn = self.drawn(&ensemble.build(contacts.clone(), initial.clone())?, monitor)?;
+            return Ok(drawn.into_iter().map(in_time).collect());
+        }
+        let aside = &mut Aside { fraction: 0.0, monitor };
+        let equation = MasterEquation::new_with(contacts.clone(), initial, aside)?;
+        let population = equation.population_with(tolerance, aside)?;
+        Ok((0..self.size()).map(|_| in_time(population.copy())).collect())
+    }
+
     fn elasticity(&self) -> Result<Box<dyn elastic::Coupling>> {
         self.coupling.build(self.shape()?, self.edges)
     }
@@ -253,6 +247,55 @@ impl Interface {
             }
         }
     }
+}
+
+/// Time-dependent contacts of cells of these scales, in units of these.
+fn rate_dependent(
+    contacts: &Contacts,
+    scales: &[f64],
+    start: CellStart<'_>,
+    tolerance: f64,
+    ensemble: Option<&Ensemble>,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<Box<dyn RateDependentContacts>>> {
+    // Cells of the same temperature, and, in steady sliding, of the same velocity, share one solution, which takes long to
+    // compute.
+    let mut alike: HashMap<[Option<u64>; 2], Transport> = HashMap::new();
+    let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
+        report(monitor, 0.0)?;
+        let contacts = cooler(contacts, scale);
+        let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
+        // A cell of the scale s slides at v/s in its own units.
+        let velocity = match start {
+            CellStart::Initial(_) => None,
+            CellStart::Steady(velocity) => Some((velocity / scale).to_bits()),
+        };
+        let cell: Box<dyn RateDependentContacts> = match ensemble {
+            Some(ensemble) => {
+                let first = (cell * ensemble.size()) as u64;
+                let CellStart::Initial(initial) = start else { return Err(no_steady_ensemble()) };
+                Box::new(
+                    ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time_with(monitor)?,
+                )
+            }
+            None => Box::new(match alike.entry([energy, velocity]) {
+                Entry::Occupied(known) => known.get().clone(),
+                Entry::Vacant(new) => {
+                    let solution = match start {
+                        CellStart::Initial(initial) => {
+                            Transport::new_with(contacts, initial, tolerance, monitor)?
+                        }
+                        CellStart::Steady(velocity) => {
+                            Transport::steady_with(&contacts, velocity / scale, tolerance, monitor)?
+                        }
+                    };
+                    new.insert(solution).clone()
+                }
+            }),
+        };
+        Ok(cell)
+    };
+    scales.iter().enumerate().map(&mut cell).collect()
 }
 
 /// The error of single contacts that are to begin in steady sliding.

@@ -15,6 +15,8 @@ const BYTES_PER_CELL: f64 = 192.0;
 const BYTES_PER_CELL_OF_A_CHAIN: f64 = 336.0;
 /// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
 const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
+/// Bytes that an athermal cell takes that moves in time, with the branches on which it turns.
+const BYTES_PER_INERTIAL_CELL: f64 = 5e5;
 /// Factor for an estimate of the error: two further solutions, with half the step and with a larger tolerance.
 const WITH_ERROR: f64 = 3.0;
 /// Bytes that a cell of few contacts takes, and each of them.
@@ -29,6 +31,10 @@ impl Interface {
     /// The first invalid value, with its full path.
     pub fn check(&self, contacts: &Contacts, drive: &Drive, ensemble: Option<&Ensemble>) -> Result<()> {
         onwards(drive).map_err(|e| e.under("drive"))?;
+        if self.mass.is_some() && drive.velocity.is_none() {
+            let expected = "a velocity above 0, since interface.mass makes cells move in time";
+            return Err(Error::invalid("drive.velocity", expected, "none"));
+        }
         self.check_cells(contacts, ensemble)
     }
 
@@ -37,8 +43,8 @@ impl Interface {
     /// # Errors
     /// As [`Self::check`]; contacts that are not time-dependent.
     pub fn check_in_time(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
-        if !contacts.rules.are_time_dependent() {
-            let expected = "[drive] where contacts are not time-dependent: between events their cells are in balance at every velocity";
+        if !self.moves_in_time(contacts) {
+            let expected = "[drive] where contacts are not time-dependent and cells have no mass: between events their cells are in balance at every velocity";
             return Err(Error::invalid("protocol", expected, "[[protocol]] with [interface]"));
         }
         self.check_cells(contacts, ensemble)
@@ -52,9 +58,9 @@ impl Interface {
         self.values().map_err(|e| e.under("interface"))?;
         self.check_slip_rates(contacts).map_err(|e| e.under("interface"))?;
         match (self.contacts, contacts.rules.first()) {
-            (PerCell::Many, None) => self.many(ensemble, BYTES_PER_ENSEMBLE),
-            (PerCell::Many, Some(rule)) => {
-                self.aged(rule, ensemble.is_some()).map_err(|e| e.under("interface"))?;
+            (PerCell::Many, None) if self.mass.is_none() => self.many(ensemble, BYTES_PER_ENSEMBLE),
+            (PerCell::Many, rule) => {
+                self.moving(rule, ensemble.is_some()).map_err(|e| e.under("interface"))?;
                 self.many(ensemble, BYTES_PER_ENSEMBLE_IN_TIME)
             }
             (PerCell::One, None) => self.one(contacts, ensemble),
@@ -91,12 +97,13 @@ impl Interface {
     /// Upper limit of the bytes per cell, including its coupling.
     fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> f64 {
         let few = |[cell, contact]: [f64; 2], ensemble: &Ensemble| cell + contact * ensemble.size() as f64;
-        match (self.contacts, contacts.rules.are_time_dependent(), ensemble) {
+        match (self.contacts, self.moves_in_time(contacts), ensemble) {
             (PerCell::One, ..) => BYTES_PER_CONTACT,
             (PerCell::Many, false, None) => match (self.coupling, &self.cells[..]) {
                 (Elasticity::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
                 _ => BYTES_PER_CELL,
             },
+            (PerCell::Many, true, None) if !contacts.rules.are_time_dependent() => BYTES_PER_INERTIAL_CELL,
             (PerCell::Many, true, None) => BYTES_PER_CELL_IN_TIME * if with_error { WITH_ERROR } else { 1.0 },
             (PerCell::Many, false, Some(ensemble)) => few(BYTES_PER_ENSEMBLE, ensemble),
             (PerCell::Many, true, Some(ensemble)) => few(BYTES_PER_ENSEMBLE_IN_TIME, ensemble),
@@ -106,8 +113,8 @@ impl Interface {
     /// Refuses a record of slip rates of cells that do not move in time, or of one step.
     fn check_slip_rates(&self, contacts: &Contacts) -> Result<()> {
         let Some(steps) = self.slip_rates else { return Ok(()) };
-        if !contacts.rules.are_time_dependent() {
-            let expected = "none where contacts are not time-dependent: their cells have no steps in time";
+        if !self.moves_in_time(contacts) {
+            let expected = "none where contacts are not time-dependent and cells have no mass: their cells have no steps in time";
             return Err(Error::invalid("slip_rates", expected, steps));
         }
         if steps < 2 {
@@ -130,6 +137,7 @@ impl Interface {
         };
         self.coupling.check(self.contacts).map_err(|e| e.under("coupling"))?;
         self.viscosity.map(|viscosity| positive("viscosity", viscosity)).transpose()?;
+        self.mass.map(|mass| positive("mass", mass)).transpose()?;
         positive("drive_tolerance", self.drive_tolerance)?;
         not_negative("catalogue_from", self.catalogue_from).map(drop)
     }
@@ -144,10 +152,25 @@ impl Interface {
         ensemble.map_or(Ok(()), |ensemble| self.few(ensemble, bytes))
     }
 
-    /// What cells need whose contacts a rule makes time-dependent, be they few or not.
-    fn aged(&self, rule: &str, few: bool) -> Result<()> {
+    /// What cells need that have a mass or whose contacts a rule makes time-dependent, be they few or not.
+    fn moving(&self, rule: Option<&str>, few: bool) -> Result<()> {
+        match (self.mass, self.slip, rule) {
+            (Some(_), Some(slip), _) => {
+                let expected =
+                    "none beside interface.mass: cells with a mass follow their equation of motion";
+                let found = if slip == CellSlip::Reset { "reset" } else { "overdamped" };
+                return Err(Error::invalid("slip", expected, found));
+            }
+            (None, _, Some(rule)) => self.aged(rule)?,
+            _ => {}
+        }
+        if few { Ok(()) } else { size::check_anywhere("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
+    }
+
+    /// What cells without mass need whose contacts a rule makes time-dependent.
+    fn aged(&self, rule: &str) -> Result<()> {
         let reason = format!(
-            "since contacts.{rule} makes contacts time-dependent: that alone limits how fast cells slip"
+            "since contacts.{rule} makes contacts time-dependent: that or a mass limits how fast cells slip"
         );
         if self.viscosity.is_none() {
             return Err(Error::invalid("viscosity", format!("a viscosity above 0, {reason}"), "none"));
@@ -156,7 +179,7 @@ impl Interface {
             let expected = format!("\"overdamped\" with a viscosity, {reason}");
             return Err(Error::invalid("slip", expected, "reset"));
         }
-        if few { Ok(()) } else { size::check_anywhere("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
+        Ok(())
     }
 
     /// Checks an interface of ensembles, with the bytes per cell and per contact.
@@ -165,7 +188,7 @@ impl Interface {
             let expected = "the number of contacts followed in each cell of the interface";
             return Err(Error::invalid("ensemble.size", expected, "none"));
         };
-        if self.slip.unwrap_or_default() == CellSlip::Reset {
+        if self.mass.is_none() && self.slip.unwrap_or_default() == CellSlip::Reset {
             let expected = "\"overdamped\" beside [ensemble], where balance is lost at every break: in a reset all \
                             contacts of a cell would break with its first one";
             return Err(Error::invalid("interface.slip", expected, "reset"));
@@ -178,6 +201,7 @@ impl Interface {
         let given = [
             ("slip", self.slip.is_some(), "re-form when the slide is over", "a rule of slip"),
             ("viscosity", self.viscosity.is_some(), "do not depend on time", "one"),
+            ("mass", self.mass.is_some(), "do not move in time", "one"),
             ("disorder", self.disorder.is_some(), "draw their thresholds from contacts.thresholds", "one"),
             ("loading", self.loading == CellLoading::Edge, "are all pulled by the drive", "edge"),
         ];

@@ -7,6 +7,7 @@ mod scales;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::contacts::Contacts;
 use crate::elastic::coupling::Elasticity;
 use crate::elastic::{CellLoading, CellSlip};
 use crate::shape::{Edges, Shape};
@@ -40,13 +41,19 @@ pub struct Interface {
     /// lattice.
     #[serde(default)]
     pub loading: CellLoading,
+    /// Mass M of a cell, above 0: cells then follow their equation of motion in time, at the velocity of the drive, disturbances
+    /// travel as waves, and athermal contacts are loaded and unloaded. It takes the place of `slip`, which is then not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time^2/length"))]
+    pub mass: Option<f64>,
     /// Slip rule of unstable cells: `"reset"` or `"overdamped"`; only the latter with time-dependent contacts; not used for
-    /// contacts coupled one by one.
+    /// cells with a mass and for contacts coupled one by one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "reset"))]
     pub slip: Option<CellSlip>,
     /// Viscous drag on a moving cell, force per velocity, above 0: events then have durations, and fronts have speeds;
-    /// required with time-dependent contacts.
+    /// required with time-dependent contacts of cells without mass. With the value G a²/c_s it is the radiation damping of a
+    /// half-space.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force*time/length"))]
     pub viscosity: Option<f64>,
@@ -63,7 +70,7 @@ pub struct Interface {
     #[schemars(extend("minimum" = 0, "x-dimension" = "length"))]
     pub catalogue_from: f64,
     /// Largest number of steps in time at which the velocity of every cell is stored, 2 or more, evenly numbered among all steps,
-    /// which are short in events; without it none is. Only with time-dependent contacts.
+    /// which are short in events; without it none is. Only with time-dependent contacts or a mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 2))]
     pub slip_rates: Option<usize>,
@@ -92,6 +99,20 @@ impl Interface {
     /// Number of cells.
     pub fn size(&self) -> usize {
         self.cells.iter().fold(1, |size, &side| size.saturating_mul(side))
+    }
+
+    /// Whether cells move in time, by an equation of motion: those with a mass, and those over time-dependent contacts.
+    pub fn moves_in_time(&self, contacts: &Contacts) -> bool {
+        self.mass.is_some() || contacts.rules.are_time_dependent()
+    }
+
+    /// Speed of long waves along a chain or a lattice with springs between neighbours, √(K_int/M), in cells per time; `None`
+    /// without mass and on a half-space, whose waves have no common speed.
+    pub fn wave_speed(&self) -> Option<f64> {
+        match (self.coupling, self.mass) {
+            (Elasticity::Neighbours { stiffness }, Some(mass)) => Some((stiffness / mass).sqrt()),
+            _ => None,
+        }
     }
 
     fn shape(&self) -> Result<Shape> {

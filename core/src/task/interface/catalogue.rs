@@ -40,6 +40,10 @@ pub fn read<M: DrivenInterface>(
         mean_waiting: mean,
         waiting_variation: variation,
         largest: largest.map(|(at, magnitude)| read_largest(found, at, magnitude)).transpose()?,
+        wave_speed: interface.wave_speed(),
+        front_speed: largest
+            .filter(|_| interface.wave_speed().is_some())
+            .map_or(Ok(None), |(at, _)| front_speed(found, at))?,
         dissipated_breaks: sum(found, "dissipated_breaks")?,
         dissipated_slip: sum(found, "dissipated_slip")?,
     })
@@ -49,6 +53,16 @@ pub fn read<M: DrivenInterface>(
 fn sum(found: &mut Found<'_>, name: &str) -> Result<Option<f64>> {
     let values = found.of_events(name)?.unwrap_or_default();
     Ok((!values.is_empty()).then(|| values.iter().sum()))
+}
+
+/// The speed of the faster front of the event with the index `at`, if it has one.
+fn front_speed(found: &mut Found<'_>, at: usize) -> Result<Option<f64>> {
+    let mut faster = None;
+    for name in ["front_speed_left", "front_speed_right"] {
+        let speed = found.of_events(name)?.map(|speeds| speeds[at]);
+        faster = speed.filter(|speed| speed.is_finite()).into_iter().chain(faster).reduce(f64::max);
+    }
+    Ok(faster)
 }
 
 /// The event with the index `at`.

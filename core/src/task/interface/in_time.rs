@@ -1,4 +1,4 @@
-//! Cells with time-dependent contacts as an interface that is driven at a velocity, or along a protocol.
+//! Cells that move in time as an interface that is driven at a velocity, or along a protocol.
 
 use crate::elastic::{
     Event, LoadPointSegment, RateDependentInterface, RateDependentInterfaceState, SlipRates, Slipped,
@@ -14,7 +14,7 @@ use super::cells::{from_slide_to_slide, mean, slipped};
 use super::model::DrivenInterface;
 use crate::task::finite_size_tolerance;
 
-/// Cells with time-dependent contacts, coupled by the elasticity of the slider.
+/// Cells that move in time, coupled by the elasticity of the slider.
 #[derive(Debug)]
 pub struct DrivenRateDependentCells {
     /// The cells.
@@ -117,6 +117,8 @@ pub fn cells_in_time(
     let relative =
         ensemble.map_or(tolerance, |ensemble| finite_size_tolerance(ensemble.size()).max(tolerance));
     let step = relative * contacts.thresholds.mean();
+    // The stretches of athermal contacts in steady sliding are initial ones.
+    let steady = steady.filter(|_| contacts.rules.are_time_dependent());
     let start = steady.map_or(CellStart::Initial(initial), CellStart::Steady);
     interface.in_time(contacts, start, tolerance, step, ensemble, monitor)
 }

@@ -135,7 +135,7 @@ pub(super) fn run(
             let points = output_points(task, interface, driven.origin());
             drive(model, &points, (interface, units), driven, storage, monitor)
         }
-        PerCell::Many if contacts.rules.are_time_dependent() => {
+        PerCell::Many if interface.moves_in_time(contacts) => {
             let (motion, part) = (LoadPointMotion::of(task)?, &mut Part::new(monitor, 0.0, 0.0));
             let driven = DrivenRateDependentCells::of(model, interface, motion, part)?;
             let points = output_points(task, interface, driven.origin());
@@ -185,7 +185,7 @@ fn drive<D: DrivenInterface>(
 /// The accuracy of the forces of cells, from the estimated error `force` of one cell.
 fn accuracy(model: &Model, force: f64) -> ForceAccuracy {
     let in_time = ForceAccuracy::in_time(model, force);
-    if model.contacts.rules.are_time_dependent() {
+    if model.interface.as_ref().is_some_and(|own| own.moves_in_time(&model.contacts)) {
         return in_time;
     }
     ForceAccuracy::new(model, in_time.error, in_time.life)

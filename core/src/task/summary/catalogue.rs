@@ -30,6 +30,12 @@ pub struct Catalogue {
     /// The largest event; absent if there are no events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub largest: Option<Largest>,
+    /// Speed of long waves along the cells, in cells per time; absent for cells without mass and on a half-space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wave_speed: Option<f64>,
+    /// Speed of the faster front of the largest event, in cells per time; absent without wave speed and without fronts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub front_speed: Option<f64>,
     /// Energy dissipated by breaks in all events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipated_breaks: Option<f64>,
