@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 44] = shipped![
+const SHIPPED: [Shipped; 45] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -44,6 +44,7 @@ const SHIPPED: [Shipped; 44] = shipped![
     "fit.toml",
     "fit-steady.toml",
     "stick-slip-ageing.toml",
+    "slow-slip.toml",
     "stability.toml",
     "sweep-stability.toml",
     "sweep-critical-stiffness.toml",

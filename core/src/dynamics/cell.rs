@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lag::{ContactLag, ContactMove};
 use crate::Result;
+use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
 use crate::monitor::Watch;
 use crate::rate_dependent::RateDependentContacts;
@@ -65,6 +66,8 @@ impl SlopeTrend {
 pub struct KnownContacts {
     pub force: f64,
     pub tangent: f64,
+    /// Friction of the contacts that are free.
+    pub free: FreeFriction,
     /// Energies and breaks; `None` until the step is accepted.
     pub energies: Option<ContactEnergies>,
     /// Whether the contacts may lag behind their cell.
@@ -74,7 +77,7 @@ pub struct KnownContacts {
 impl KnownContacts {
     fn of(contacts: &dyn RateDependentContacts, force: f64) -> Self {
         let (tangent, may_lag) = (contacts.tangent(), contacts.is_constant_at_rest());
-        Self { force, tangent, energies: None, may_lag }
+        Self { force, tangent, free: contacts.free_friction(), energies: None, may_lag }
     }
 }
 

@@ -52,6 +52,7 @@ impl EquationOfMotion {
         if self.mass == 0.0 {
             return 0.0;
         }
-        (self.excess(cell, drive) - self.viscosity * cell.velocity) / self.mass
+        let viscosity = self.viscosity + cell.known.free.viscosity;
+        (self.excess(cell, drive) - viscosity * cell.velocity) / self.mass
     }
 }

@@ -104,6 +104,7 @@ pub(super) fn of_layers(
         breaking: Kernel::new(falls, breakpoints),
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
+        waiting: None,
         stiffness: contacts.stiffness.weight(law.mean()),
         error: ROUNDING,
     }

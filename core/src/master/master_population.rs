@@ -444,6 +444,7 @@ impl Population for MasterPopulation {
         let BranchEnergies { elastic, lost, broken } = self.branch_energies();
         let stiffness = self.interface.stiffness;
         ContactEnergies {
+            sliding: 0.0,
             elastic: stiffness * elastic,
             lost: stiffness * (self.lost + lost),
             strengthening: 0.0,

@@ -11,6 +11,7 @@ pub use state::ContactsState;
 pub use stretch_interval::{StretchInterval, binned};
 
 use crate::Result;
+use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
 
@@ -24,11 +25,16 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Time t.
     fn time(&self) -> f64;
 
-    /// Force F.
+    /// Force F. It contains the constant friction force of free contacts in motion forward, but not what their viscosity adds.
     fn force(&self) -> f64;
 
     /// Instantaneous tangent dF/dX, the stiffness of the attached contacts.
     fn tangent(&self) -> f64;
+
+    /// Friction force and viscosity of the contacts that are free.
+    fn free_friction(&self) -> FreeFriction {
+        FreeFriction::default()
+    }
 
     /// Energies and breaks.
     fn energies(&self) -> ContactEnergies;
