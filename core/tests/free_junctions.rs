@@ -117,8 +117,7 @@ fn the_ensemble_agrees_within_four_errors() {
         let velocity = 0.7;
         let pull = at(&contacts, velocity).pull(6.0).unwrap();
         let positions: Vec<f64> = (1..=12).map(|k| 0.5 * f64::from(k)).collect();
-        let ensemble =
-            Ensemble::new(contacts, initial(&point(0.0)), 40_000, 7, Disorder::Annealed).unwrap();
+        let ensemble = Ensemble::new(contacts, initial(&point(0.0)), 40_000, 7, Disorder::Annealed).unwrap();
         let found = ensemble.pull_at(velocity, &positions).unwrap();
         for (i, &x) in positions.iter().enumerate() {
             let apart = (found.force[i] - pull.force(x)).abs() / found.error[i];

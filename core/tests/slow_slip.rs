@@ -45,7 +45,7 @@ fn slow_slip_follows_from_re_forming() {
     let mut seen = 0;
     for moment in slide.trace[peak..].iter().filter(|m| m.time < slip.after.time) {
         let slow = (FRICTION * moment.free / TIME + STIFFNESS * velocity) / (STIFFNESS + 1.0 - moment.free);
-        if moment.velocity < 2.0 * slow && (0.3..0.9).contains(&moment.free) {
+        if moment.velocity < 2.0 * slow && (0.3..0.8).contains(&moment.free) {
             // The drag γV is a part γ/(Kτ) = 1 % of the balance, and what still breaks is less.
             assert!((moment.velocity / slow - 1.0).abs() < 0.05, "{moment:?}, not {slow}");
             seen += 1;
@@ -67,9 +67,9 @@ fn the_energy_balance_closes() {
     let both: [&dyn RateDependentContacts; 2] = [&cohorts, &ensemble];
     for contacts in both {
         for slip in [Slip::Damped { damping: 0.05 }, Slip::Inertial { mass: 1.0, damping: 0.1 }] {
-            let slide = block(slip).follow(contacts, &drive(0.02, 1500.0), &[1500.0], 1e-5).unwrap();
+            let slide = block(slip).follow(contacts, &drive(0.1, 150.0), &[150.0], 1e-4).unwrap();
             let balance = slide.energy;
-            // Steps are of second order, with an error of 1e-5 of the position each.
+            // Steps are of second order, with an error of 1e-4 of the position each.
             let apart = balance.imbalance().abs() / balance.work;
             assert!(balance.background > 0.0 && apart < 5e-3, "{slip:?}: {apart:e} {balance:?}");
         }

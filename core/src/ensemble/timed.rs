@@ -246,12 +246,11 @@ impl<'a> Follow<'a> {
     /// One contact from t = 0 to the last mark, unless the monitor asks to stop.
     fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut TimedChunk, watch: &Watch<'_>) {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
-        let mut draws =
-            TimedDraws {
-                breaking: draws(Purpose::Breaking),
-                diffusion: draws(Purpose::Diffusion),
-                free: draws(Purpose::FreeTimes),
-            };
+        let mut draws = TimedDraws {
+            breaking: draws(Purpose::Breaking),
+            diffusion: draws(Purpose::Diffusion),
+            free: draws(Purpose::FreeTimes),
+        };
         // Alternating renewal process: attached until the break, free for the delay.
         let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
@@ -278,13 +277,7 @@ impl<'a> Follow<'a> {
     }
 
     /// A free contact: returns when it re-forms, and the next mark.
-    fn wait(
-        &self,
-        broken: f64,
-        next: usize,
-        draws: &mut TimedDraws,
-        chunk: &mut TimedChunk,
-    ) -> (f64, usize) {
+    fn wait(&self, broken: f64, next: usize, draws: &mut TimedDraws, chunk: &mut TimedChunk) -> (f64, usize) {
         chunk.breaks += 1;
         let Rules { ref delay, free_friction, .. } = self.ensemble.contacts.rules;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.ensemble.contacts.stiffness;

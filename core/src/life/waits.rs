@@ -149,7 +149,8 @@ impl<'a> Convolution<'a> {
         for atom in self.waits.atoms.iter().filter(|atom| atom.position <= u) {
             add(atom.position, atom.weight);
         }
-        let together = self.life.breaking.atoms().map(|atom| atom.weight * self.waits.density(u - atom.position));
+        let together =
+            self.life.breaking.atoms().map(|atom| atom.weight * self.waits.density(u - atom.position));
         sums[0] += together.sum::<f64>();
         sums
     }
@@ -201,7 +202,8 @@ impl Life {
         let sizes = [1.0 / self.mean(), 1.0, scale.max(friction), scale * scale, scale * scale, doomed];
         let limits = sizes.map(|size| (RESOLUTION * size.max(f64::MIN_POSITIVE) * self.mean(), size));
         let found = Piecewise::resolve_each(value, &edges, &limits);
-        let mut kernels = found.into_iter().zip(breakpoints).map(|(curve, breaks)| Kernel::new(curve, breaks));
+        let mut kernels =
+            found.into_iter().zip(breakpoints).map(|(curve, breaks)| Kernel::new(curve, breaks));
         let mut next = || kernels.next().expect("as many as there are curves");
         Self {
             breaking: next(),

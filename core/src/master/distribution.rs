@@ -75,7 +75,8 @@ impl RenewalSolution {
             let age = position - birth.position - delay.position;
             delay.weight * birth.weight * formed.stretch_density(x, age, watch)
         };
-        let pairs = delays.iter().flat_map(|delay| self.solution.atoms.iter().map(move |birth| (delay, birth)));
+        let pairs =
+            delays.iter().flat_map(|delay| self.solution.atoms.iter().map(move |birth| (delay, birth)));
         let single: f64 = pairs.map(together).sum();
         self.first.stretch_density(x, position, watch)
             + single

@@ -128,7 +128,8 @@ impl DynamicStiffness {
         lives.iter_mut().for_each(|life| life.weight /= all);
         let (delay, friction) = (contacts.rules.delay.clone(), contacts.rules.free_friction);
         if friction.viscosity > 0.0 {
-            let expected = "free contacts without viscosity, with which the dynamic stiffness has no upper limit";
+            let expected =
+                "free contacts without viscosity, with which the dynamic stiffness has no upper limit";
             return Err(Error::invalid("free_friction.viscosity", expected, friction.viscosity));
         }
         let friction = friction.force;

@@ -114,7 +114,10 @@ impl MasterEquation {
             }
             Named::Number("velocity") => {
                 let friction = rules.free_friction.viscosity > 0.0;
-                rules.temperature.is_some() || rules.ageing.is_some() || rules.delay.law().is_some() || friction
+                rules.temperature.is_some()
+                    || rules.ageing.is_some()
+                    || rules.delay.law().is_some()
+                    || friction
             }
             _ => true,
         };

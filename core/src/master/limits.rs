@@ -50,7 +50,11 @@ impl Limits {
             }
             (None, None) => Some(newborn),
         };
-        Ok(Self { fast: if rules.delay.is_none() { newborn } else { free }, slow, viscosity: viscosity(contacts) })
+        Ok(Self {
+            fast: if rules.delay.is_none() { newborn } else { free },
+            slow,
+            viscosity: viscosity(contacts),
+        })
     }
 }
 

@@ -70,7 +70,8 @@ impl FreeTimes {
         let points = |age: f64| -> f64 {
             atoms.iter().filter(|atom| atom.position > age).map(|atom| atom.weight).sum()
         };
-        let within: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).chain(edges.clone()).collect();
+        let within: Vec<f64> =
+            zones.iter().flat_map(|zone| [zone.low, zone.high]).chain(edges.clone()).collect();
         let table = |of: &dyn Fn(f64) -> f64| {
             Piecewise::resolve(of, &within, longest, Resolution::Mean(RESOLUTION * law.mean()))
         };

@@ -400,7 +400,12 @@ impl Transport {
                 (self.time, self.position) = (begun + now, origin + history.position(now));
             }
             if let Some((_, later)) = rest.split_first().filter(|(time, _)| **time == stop) {
-                trace.push((self.time, self.position), velocity_at(stop), self.reading(), (self.stiffness, self.friction));
+                trace.push(
+                    (self.time, self.position),
+                    velocity_at(stop),
+                    self.reading(),
+                    (self.stiffness, self.friction),
+                );
                 rest = later;
             }
         }

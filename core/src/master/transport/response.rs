@@ -60,7 +60,8 @@ impl Transport {
         }
         let viscosity = contacts.rules.free_friction.viscosity;
         if viscosity > 0.0 {
-            let expected = "0 where the response of steady sliding is computed: a step has no limit with a viscosity";
+            let expected =
+                "0 where the response of steady sliding is computed: a step has no limit with a viscosity";
             return Err(Error::invalid("free_friction.viscosity", expected, viscosity));
         }
         let mut steady =
