@@ -563,7 +563,7 @@ class Contacts(Description):
         background_coefficient: _Number | None = None,
         temperature: Temperature | None = None,
         ageing: Ageing | None = None,
-        delay: _Number | _AnyLaw = 0.0,
+        delay: _Number | _AnyLaw | None = None,
         free_friction: _Number = 0.0,
         free_viscosity: _Number = 0.0,
     ) -> Contacts: ...

@@ -136,7 +136,7 @@ impl Contacts {
     #[pyo3(signature = (
         thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
         stiffness_per_threshold = None, normal_load = None, background_force = None, background_coefficient = None,
-        temperature = None, ageing = None, delay = AnyDelay::default(), free_friction = 0.0, free_viscosity = 0.0
+        temperature = None, ageing = None, delay = None, free_friction = 0.0, free_viscosity = 0.0
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -151,7 +151,7 @@ impl Contacts {
         background_coefficient: Option<f64>,
         temperature: Option<&Bound<'_, Temperature>>,
         ageing: Option<&Bound<'_, Ageing>>,
-        delay: AnyDelay,
+        delay: Option<AnyDelay>,
         free_friction: f64,
         free_viscosity: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
@@ -168,7 +168,7 @@ impl Contacts {
             reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
             temperature: temperature.map(Temperature::plain),
             ageing: ageing.map(Ageing::plain),
-            delay: Some(delay.0).filter(|delay| *delay != scenario::Delay::Time(0.0)),
+            delay: delay.map(|delay| delay.0).filter(|delay| *delay != scenario::Delay::Time(0.0)),
             free_friction: Some(friction).filter(|friction| !friction.is_none()),
         };
         contacts.build().map_err(|e| error::core(e.under("contacts")))?;
@@ -307,12 +307,6 @@ pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyR
 
 /// A delay as an argument: a time, or a distribution of times.
 struct AnyDelay(scenario::Delay);
-
-impl Default for AnyDelay {
-    fn default() -> Self {
-        Self(scenario::Delay::Time(0.0))
-    }
-}
 
 impl<'py> FromPyObject<'_, 'py> for AnyDelay {
     type Error = PyErr;
