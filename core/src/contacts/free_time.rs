@@ -1,10 +1,8 @@
-//! The time for which a broken contact is free, and the friction force on it meanwhile.
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+//! The time for which a broken contact is free.
 
 use crate::law::{Law, SharedLaw};
 use crate::random::Stream;
+use crate::rate_dependent::FreeFriction;
 use crate::{Error, Result};
 
 /// The time for which a broken contact is free before it re-forms.
@@ -98,47 +96,17 @@ fn check_law(law: &dyn Law) -> Result<()> {
     }
 }
 
-/// The friction force of a free contact, which slides: f + ηv against the motion at the velocity v, and at rest what the balance
-/// of forces asks for, up to f.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct FreeFriction {
-    /// Friction force f of a free contact, 0 or above, against the motion.
-    #[schemars(extend("minimum" = 0, "x-dimension" = "force"))]
-    pub force: f64,
-    /// Viscosity η of a free contact, a force per velocity, 0 or above.
-    #[schemars(extend("minimum" = 0, "x-dimension" = "force*time/length"))]
-    pub viscosity: f64,
-}
-
-impl FreeFriction {
-    /// Whether free contacts carry nothing.
-    pub fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-
-    /// The same of this number of contacts.
-    #[must_use]
-    pub fn scaled(self, number: f64) -> Self {
-        Self { force: number * self.force, viscosity: number * self.viscosity }
-    }
-
-    /// The force at a velocity; at rest as after a motion forward.
-    pub fn at(&self, velocity: f64) -> f64 {
-        (if velocity < 0.0 { -self.force } else { self.force }) + self.viscosity * velocity
-    }
-
-    pub(super) fn check(&self, delay: &FreeTime) -> Result<()> {
-        for (name, value) in [("force", self.force), ("viscosity", self.viscosity)] {
-            if !(value.is_finite() && value >= 0.0) {
-                let error = Error::invalid(name, "a finite number, 0 or above", value);
-                return Err(error.under("free_friction"));
-            }
+/// Refuses numbers that are no friction, and a friction where no contact is free.
+pub(super) fn check_friction(friction: FreeFriction, delay: &FreeTime) -> Result<()> {
+    for (name, value) in [("force", friction.force), ("viscosity", friction.viscosity)] {
+        if !(value.is_finite() && value >= 0.0) {
+            let error = Error::invalid(name, "a finite number, 0 or above", value);
+            return Err(error.under("free_friction"));
         }
-        if !self.is_none() && delay.is_none() {
-            let expected = "a delay beside free_friction: without it no contact is free";
-            return Err(Error::invalid("free_friction", expected, "none"));
-        }
-        Ok(())
     }
+    if !friction.is_none() && delay.is_none() {
+        let expected = "a delay beside free_friction: without it no contact is free";
+        return Err(Error::invalid("free_friction", expected, "none"));
+    }
+    Ok(())
 }

@@ -5,9 +5,10 @@ mod ageing;
 mod free_time;
 mod temperature;
 
+pub use crate::rate_dependent::FreeFriction;
 pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
 pub(crate) use ageing::{Label, NodalLabels, Rank, ThresholdTrajectory};
-pub use free_time::{FreeFriction, FreeTime};
+pub use free_time::FreeTime;
 pub use temperature::{Barrier, Temperature};
 
 use std::sync::Arc;
@@ -106,7 +107,7 @@ impl Rules {
             ageing.check(newborn).map_err(|e| e.under(ageing.name()).under("ageing"))?;
         }
         self.delay.check()?;
-        self.free_friction.check(&self.delay)
+        free_time::check_friction(self.free_friction, &self.delay)
     }
 }
 

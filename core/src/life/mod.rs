@@ -38,7 +38,7 @@ use layer::PointMass;
 pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};
 pub use moving::moving;
 
-use waits::Waiting;
+use waits::DelayedLife;
 
 pub use crate::numerics::piecewise::{Piecewise, Resolution};
 pub use crate::numerics::volterra::Kernel;
@@ -94,7 +94,7 @@ pub struct Life {
     /// The advance for which contacts are free before they form.
     wait: f64,
     /// Contacts that are free for a time of a distribution before they form.
-    waiting: Option<Waiting>,
+    waiting: Option<DelayedLife>,
     /// Mean stiffness of a contact, per unit stiffness.
     stiffness: f64,
     /// Estimated error of survival, and of the carried force per mean life and mean stiffness.

@@ -26,7 +26,7 @@ pub(super) struct Waits {
 
 /// Contacts that form after a wait.
 #[derive(Debug, Clone)]
-pub(super) struct Waiting {
+pub(super) struct DelayedLife {
     /// Their life from forming on.
     pub(super) formed: Arc<Life>,
     pub(super) waits: Waits,
@@ -216,7 +216,7 @@ impl Life {
             wait: 0.0,
             stiffness: self.stiffness,
             error: self.error + ROUNDING,
-            waiting: Some(Waiting { formed: Arc::new(self), waits }),
+            waiting: Some(DelayedLife { formed: Arc::new(self), waits }),
         }
     }
 }

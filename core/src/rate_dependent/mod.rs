@@ -3,15 +3,16 @@
 //! In contrast to a [`crate::population::Population`], every displacement takes a time, and contacts change at rest, too.
 
 mod error;
+mod free_friction;
 mod state;
 mod stretch_interval;
 
 pub use error::ErrorEstimator;
+pub use free_friction::FreeFriction;
 pub use state::ContactsState;
 pub use stretch_interval::{StretchInterval, binned};
 
 use crate::Result;
-use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
 

@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::formed::FormedInStep;
-use super::free_contacts::{FreeAfter, FreeTimes, Interval};
+use super::free_contacts::{FreeAfter, FreeTimes, StepInterval};
 use super::path::GAUSS;
 use crate::contacts::FreeTime;
 use crate::numerics::compensated::Compensated;
@@ -30,12 +29,18 @@ pub(super) struct BirthMoments {
 
 /// A finished step.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub(super) struct BreakHistory {
-    pub(super) start: f64,
-    pub(super) duration: f64,
+struct BreakHistory {
+    start: f64,
+    duration: f64,
     /// N at its start, without simultaneous breaks.
     before: f64,
-    pub(super) fraction: BrokenFraction,
+    fraction: BrokenFraction,
+}
+
+impl BreakHistory {
+    fn interval(&self) -> StepInterval {
+        StepInterval { start: self.start, duration: self.duration }
+    }
 }
 
 /// Contacts that broke simultaneously.
@@ -168,8 +173,9 @@ impl Broken {
 
     /// What contacts that broke before a step contribute to those that form in it; `None` with one delay for all.
     pub(super) fn free_before(&self, start: f64, duration: f64) -> Option<FreeAfter> {
-        let (times, now) = (self.times.as_ref()?, Interval { start, duration });
-        let one_by_one = self.past.iter().map(|past| times.free(past, now));
+        let (times, now) = (self.times.as_ref()?, StepInterval { start, duration });
+        let one_by_one =
+            self.past.iter().map(|past| times.free(past.interval(), |s| past.fraction.rate(s), now));
         let parted = self.parted.iter().map(|broken| {
             let FreeAfter { end, integral } = times.free_of(broken.time, now);
             FreeAfter { end: broken.mass * end, integral: broken.mass * integral }
@@ -188,8 +194,8 @@ impl Broken {
         let (Some(times), Some(before)) = (&self.times, before) else {
             return self.births_after_delay(start, duration, fraction);
         };
-        let now = BreakHistory { start, duration, before: 0.0, fraction };
-        let after = before.plus(times.free(&now, Interval { start, duration }));
+        let now = StepInterval { start, duration };
+        let after = before.plus(times.free(now, |s| fraction.rate(s), now));
         // Contacts that are free at the start, and break in the step, less those that are free after it.
         let free = self.one_by_one();
         let mass = (free + fraction.end - after.end).max(0.0);
@@ -274,9 +280,9 @@ impl Broken {
         }
     }
 
-    /// What forms in a step, where it does not follow from what broke a delay before.
-    pub(super) fn formed(&self, formed: &FormedInStep) -> Option<BrokenFraction> {
-        self.times.as_ref().map(|_| formed.fraction())
+    /// Whether free times are those of a distribution: what forms does not follow from what broke a delay before.
+    pub(super) fn is_spread(&self) -> bool {
+        self.times.is_some()
     }
 
     /// Times after a kink of the breaking rate at which the rate of formation has one.

@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use super::broken::BreakHistory;
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
@@ -42,7 +41,7 @@ impl FreeAfter {
 
 /// A step in time.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Interval {
+pub(super) struct StepInterval {
     pub(super) start: f64,
     pub(super) duration: f64,
 }
@@ -92,7 +91,9 @@ impl FreeTimes {
 
     /// Of contacts that broke in a past step, or up to the end of the present one, those that are free, relative to the start
     /// of the present step `now`.
-    pub(super) fn free(&self, past: &BreakHistory, now: Interval) -> FreeAfter {
+    ///
+    /// `rate` is dN/ds at the fraction s of the past step.
+    pub(super) fn free(&self, past: StepInterval, rate: impl Fn(f64) -> f64, now: StepInterval) -> FreeAfter {
         let mut sum = FreeAfter::default();
         let begun = past.start - now.start;
         // Ages at the end of the step.
@@ -116,7 +117,7 @@ impl FreeTimes {
                 for (node, weight) in GAUSS_3 {
                     let old = ends[0] + part * (k as f64 + 0.5 * (1.0 + node));
                     let s = (now.duration - begun - old) / past.duration;
-                    let broken = 0.5 * part * weight * past.fraction.rate(s) / past.duration;
+                    let broken = 0.5 * part * weight * rate(s) / past.duration;
                     let before = (old - now.duration).max(0.0);
                     sum.end += broken * self.left.value(old);
                     sum.integral += broken * (self.after.value(before) - self.after.value(old));
@@ -127,7 +128,7 @@ impl FreeTimes {
     }
 
     /// The same of a unit of contacts that broke together at `time`, and do not re-form together.
-    pub(super) fn free_of(&self, time: f64, now: Interval) -> FreeAfter {
+    pub(super) fn free_of(&self, time: f64, now: StepInterval) -> FreeAfter {
         let before = (now.start - time).max(0.0);
         let old = before + now.duration;
         let integral = self.after_spread.value(before) - self.after_spread.value(old);

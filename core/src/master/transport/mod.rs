@@ -482,7 +482,7 @@ impl Transport {
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
         // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
-        let (before, formed) = (self.pace.last(), stage.broken.formed(&trial.formed));
+        let (before, formed) = (self.pace.last(), stage.broken.is_spread().then(|| trial.formed.fraction()));
         if !self.pace.judge(path.duration, (trial.fraction, formed), trial.formed.deaths) {
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
