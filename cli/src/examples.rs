@@ -44,6 +44,7 @@ const SHIPPED: [Shipped; 45] = shipped![
     "fit.toml",
     "fit-steady.toml",
     "stick-slip-ageing.toml",
+    "slow-slip.toml",
     "stability.toml",
     "sweep-stability.toml",
     "sweep-critical-stiffness.toml",

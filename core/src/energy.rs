@@ -5,7 +5,7 @@ use std::ops::{Add, AddAssign, Mul, Sub};
 use serde::{Deserialize, Serialize};
 
 /// Energies and number of breaks of a population of contacts, each summed on its own. The work done on the contacts is the
-/// change of `elastic` − `strengthening` + `lost`.
+/// change of `elastic` − `strengthening` + `lost` + `sliding`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactEnergies {
     /// Present elastic energy Σ ½k x².
@@ -15,6 +15,9 @@ pub struct ContactEnergies {
     /// Energy ∫Σ ½x² dk since the beginning, supplied by ageing that makes stretched contacts stiffer (k = κ x_s with the
     /// present threshold); negative if they weaken, 0 for athermal contacts.
     pub strengthening: f64,
+    /// Energy dissipated by the constant friction force f of free contacts since the beginning, Σ∫f|dX|.
+    #[serde(default)]
+    pub sliding: f64,
     /// Breaks since the beginning, per contact.
     pub broken: f64,
 }
@@ -43,7 +46,7 @@ pub struct EnergyBalance {
     pub slip: f64,
     /// Dissipated by viscous damping of a block, ∫γẊ² dt.
     pub viscous: f64,
-    /// Dissipated by the background force, ∫B|dX|.
+    /// Dissipated by the background force, ∫B|dX|, and by the constant friction force of free contacts.
     #[serde(default)]
     pub background: f64,
 }

@@ -41,6 +41,8 @@ pub enum Purpose {
     SamplePaths = 10,
     /// Chains of draws from a posterior.
     Posterior = 11,
+    /// The times for which a contact is free after its breaks.
+    FreeTimes = 12,
 }
 
 /// A stream of random words, addressed by seed, purpose and index.

@@ -63,7 +63,7 @@ fn the_work_is_found_again() {
             Contacts { reforming: gaussian(0.2, 0.05), ..of(aged(strengthening())) },
             DAMPED,
         ),
-        ("delay", of(Rules { delay: 2.0, ..warm() }), INERTIAL),
+        ("delay", of(Rules { delay: 2.0.into(), ..warm() }), INERTIAL),
         ("identical", Contacts { thresholds: point(1.0), ..of(warm()) }, INERTIAL),
         ("per threshold", per_threshold(of(ageing(strengthening(), warm()))), INERTIAL),
     ];

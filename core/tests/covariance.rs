@@ -203,7 +203,7 @@ fn what_does_not_renew_completely_is_refused() {
     let (law, zero) = (gaussian(1.0, 0.1), point(0.0));
     let initial = Initial { law: zero.clone(), start: Start::Conditional };
     let mut contacts = Contacts::new(law, zero);
-    contacts.rules.delay = 0.5;
+    contacts.rules.delay = 0.5.into();
     let pull = MasterEquation::at(contacts, &initial, 1.0).unwrap().pull_with(2.0, 1e-8, &mut ()).unwrap();
     let error = pull.covariance(&[1.0], 1.0).unwrap_err().to_string();
     assert!(error.contains("delay"), "{error}");

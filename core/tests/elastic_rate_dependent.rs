@@ -276,7 +276,7 @@ fn the_work_is_found_again() {
         Contacts { stiffness: Stiffness::PerThreshold(1.0), ..of(Rules { ageing, ..warm.clone() }, 0.2) };
     let cases = [
         ("logarithmic", 0.6, Contacts { reforming: gaussian(0.2, 0.05), ..logarithmic() }),
-        ("delay", 0.4, of(Rules { delay: 2.0, ..warm }, 0.2)),
+        ("delay", 0.4, of(Rules { delay: 2.0.into(), ..warm }, 0.2)),
         ("per threshold", 0.6, stiffening),
     ];
     let (scales, way, tolerance) = (&WEAK[2..4], 4.5, 1e-3);

@@ -48,7 +48,7 @@ fn samples() -> Vec<Sample> {
     let mut samples: Vec<Sample> = kinds().into_iter().filter(|kind| other(kind.name)).map(of).collect();
     let strengthening = samples.iter().find(|sample| sample.name == "logarithmic").unwrap().clone();
     let lumps = Arc::new(Mixture::new(vec![(0.2, point(1.0)), (0.8, gaussian(1.0, 0.1))]).unwrap());
-    let rules = Rules { delay: 2.0, ..strengthening.contacts.rules.clone() };
+    let rules = Rules { delay: 2.0.into(), ..strengthening.contacts.rules.clone() };
     let contacts = Contacts { rules, ..Contacts::new(lumps, point(0.0)) };
     samples.push(Sample { name: "lumps", contacts, ..strengthening });
     samples

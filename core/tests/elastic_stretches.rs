@@ -62,7 +62,7 @@ const WAY: f64 = 2.7;
 /// Contacts that age, and are free for a while.
 fn ageing() -> Contacts {
     let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
-    let rules = Rules { ageing, delay: 2.0, ..Rules::default() };
+    let rules = Rules { ageing, delay: 2.0.into(), ..Rules::default() };
     Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &gaussian(0.2, 0.05)) }
 }
 

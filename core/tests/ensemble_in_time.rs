@@ -84,7 +84,7 @@ fn warm() -> Rules {
 
 /// Contacts of which everything hangs on everything: k = κ x_s, heat, and thresholds that change with age.
 fn involved(ageing: Ageing) -> Contacts {
-    let rules = Rules { ageing: Some(ageing), delay: 0.5, ..warm() };
+    let rules = Rules { ageing: Some(ageing), delay: 0.5.into(), ..warm() };
     let stiffness = Stiffness::PerThreshold(1.0);
     Contacts { rules, stiffness, ..contacts(&gaussian(1.0, 0.2), &point(0.0)) }
 }

@@ -79,7 +79,7 @@ impl Case {
     fn lives(&self, velocity: f64, highest: f64, expected: f64) {
         const POINTS: usize = 1000;
         let mut case = self.clone();
-        case.contacts.rules.delay = 1e3 * highest / velocity;
+        case.contacts.rules.delay = (1e3 * highest / velocity).into();
         case.size = 100_000;
         let step = highest / POINTS as f64;
         let times: Vec<f64> = (0..=POINTS).map(|i| i as f64 * step / velocity).collect();
@@ -115,7 +115,7 @@ impl Case {
     /// Checks which share of the contacts survives up to a time: what breaks stays free.
     #[track_caller]
     fn survives(mut self, history: &History, shares: &[(f64, f64)]) {
-        self.contacts.rules.delay = 1e9;
+        self.contacts.rules.delay = 1e9.into();
         self.size = 100_000;
         let times: Vec<f64> = shares.iter().map(|point| point.0).collect();
         let trace = self.follow(history, &times);
@@ -240,7 +240,7 @@ fn diffusing_thresholds_in_a_curved_potential() {
 /// Alternating renewal: the time between two breaks is longer by τ.
 #[test]
 fn a_delay_dilutes_the_force() {
-    let delayed = |thresholds| Case::with(thresholds, |rules| rules.delay = 0.5);
+    let delayed = |thresholds| Case::with(thresholds, |rules| rules.delay = 0.5.into());
     delayed(gaussian(1.0, 0.2)).slides(1.0, 60.0, 0.52 / 1.5);
     let mut broad = delayed(rectangular(0.8, 1.2));
     broad.contacts.reforming = rectangular(0.0, 0.2);
@@ -253,7 +253,7 @@ fn a_delay_dilutes_the_force() {
 /// Thresholds at 1, stretches uniform on [0, 2]: half of the contacts break at once and wait.
 #[test]
 fn a_relaxed_start_waits_too() {
-    let mut case = Case::with(point(1.0), |rules| rules.delay = 0.25);
+    let mut case = Case::with(point(1.0), |rules| rules.delay = 0.25.into());
     (case.initial, case.start) = (rectangular(0.0, 2.0), Start::Relaxed);
     let trace = case.follow(&pieces(&[(1.0, 0.5)]), &[0.0, 0.125, 0.25]);
     // Of those that held a share v t breaks; after the delay the first ones carry 0 again.
@@ -434,7 +434,7 @@ fn heat_breaks_at_the_mean_rate_of_diffusing_thresholds() {
     let average = (c * stretch * stretch - c * mean * mean / wide).exp() / wide.sqrt();
     let mut case = diffusing(gaussian(mean, std), gaussian(mean, std), std * std);
     case.initial = point(stretch);
-    case.contacts.rules.delay = 1e9;
+    case.contacts.rules.delay = 1e9.into();
     let attempt_rate = rate / average;
     case.contacts.rules.temperature = Some(Temperature { energy, attempt_rate, barrier: Barrier::Elastic });
     // ∫(exp(e^{−t}) − 1) dt = 1.3179.
@@ -485,7 +485,7 @@ fn stiffness_follows_the_present_threshold() {
 fn same_bits_on_any_number_of_threads() {
     let mut case = diffusing(gaussian(0.5, 0.1), gaussian(1.0, 0.05), 0.0025);
     case.size = 2000;
-    case.contacts.rules.delay = 0.1;
+    case.contacts.rules.delay = 0.1.into();
     case.contacts.rules.temperature =
         Some(Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Bell });
     let (ensemble, history) = (case.build().unwrap(), pieces(&[(1.0, 2.0), (0.0, 1.0), (2.0, 1.0)]));
@@ -517,7 +517,7 @@ fn key<T: std::fmt::Debug>(outcome: Result<T>) -> String {
 #[test]
 fn what_cannot_be_followed_is_refused() {
     let history = pieces(&[(1.0, 2.0)]);
-    let case = Case { size: 10, ..Case::with(point(1.0), |rules| rules.delay = 0.1) };
+    let case = Case { size: 10, ..Case::with(point(1.0), |rules| rules.delay = 0.1.into()) };
     let ensemble = case.build().unwrap();
     for bad in [&[] as &[f64], &[1.0, 0.5], &[-1.0], &[2.5], &[f64::NAN]] {
         assert_eq!(key(ensemble.follow(&history, bad)), "times");

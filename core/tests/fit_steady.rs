@@ -245,7 +245,7 @@ fn contacts_without_a_known_noise_are_refused_with_the_reason() {
     let record = simulated(100, 0.1, 1);
     let alike = Contacts::new(Arc::new(Point::new(1.0).unwrap()), Arc::new(Point::new(0.0).unwrap()));
     let mut free = contacts(1.0, [1.0, 0.1]);
-    free.rules.delay = 0.5;
+    free.rules.delay = 0.5.into();
     for (contacts, reason) in [(alike, "lines"), (free, "delay")] {
         let equation = MasterEquation::at(contacts, &Initial::default(), 1.0).unwrap();
         let error = SteadyFit::new(equation, record.clone()).free(["count"]).run().unwrap_err().to_string();

@@ -275,9 +275,9 @@ fn derivatives_of_contacts_in_time_are_those_of_the_force() {
     let rule: Ageing = AgeingRule::Logarithmic { growth: 0.05, time: 1.0 };
     aged.rules.ageing = Some(rule);
     let mut free = plain.clone();
-    free.rules.delay = 0.3;
+    free.rules.delay = 0.3.into();
     let mut all = warm.clone();
-    all.rules.delay = 0.2;
+    all.rules.delay = 0.2.into();
     let mut strong = plain.clone();
     strong.stiffness = Stiffness::PerThreshold(1.2);
     let initial = Initial { law: zero, start: Start::Conditional };
@@ -368,7 +368,7 @@ fn parameters_have_names() {
 #[test]
 fn friction_changes_with_the_delay() {
     let mut contacts = Contacts::new(gaussian(1.0, 0.15), gaussian(0.1, 0.03));
-    contacts.rules.delay = 0.3;
+    contacts.rules.delay = 0.3.into();
     let equation = MasterEquation::at(contacts, &Initial::default(), 0.5).unwrap();
     for (name, value) in [("delay", 0.3), ("velocity", 0.5)] {
         friction_agrees(name, value, |value| equation.with_parameters(&[(name, value)], &mut ()).unwrap());

@@ -183,7 +183,7 @@ fn limits_are_those_of_contacts_without_time() {
         limit(thermal(0.025, Barrier::Elastic), 1e9, 1e-9);
         limit(ageing(logarithmic(1e-12)), 1.0, 1e-11);
         limit(ageing(logarithmic(0.0)), 1.0, 1e-12);
-        limit(Rules { delay: 1e-12, ..Rules::default() }, 1.0, 1e-11);
+        limit(Rules { delay: 1e-12.into(), ..Rules::default() }, 1.0, 1e-11);
     }
     let plain = contacts(&gaussian(1.0, 0.1), &point(0.0));
     let same = MasterEquation::at(plain.clone(), &initial(&point(0.0)), 1.0).unwrap();
@@ -198,7 +198,7 @@ fn what_is_free_carries_nothing() {
     let life = master(&thresholds, &reforming, &reforming);
     let (mean, carried) = (life.life().mean(), life.life().force().curve().integral());
     let free = 0.35;
-    let late = at(&thresholds, &reforming, Rules { delay: free / 2.0, ..Rules::default() }, 2.0);
+    let late = at(&thresholds, &reforming, Rules { delay: (free / 2.0).into(), ..Rules::default() }, 2.0);
     let steady = late.steady_state();
     near(steady.kinetic_friction(), carried / (mean + free), 1e-13);
     near(1.0 / steady.breaking_rate(), mean + free, 1e-13);
@@ -220,7 +220,7 @@ fn what_is_free_carries_nothing() {
 
 #[test]
 fn pulls_keep_all_contacts_and_come_to_the_steady_state() {
-    let both = Rules { delay: 20.0, ..thermal(0.05, Barrier::Elastic) };
+    let both = Rules { delay: 20.0.into(), ..thermal(0.05, Barrier::Elastic) };
     for (thresholds, reforming, stiffness, rules, velocity) in [
         (gaussian(1.0, 0.2), point(0.0), Stiffness::Equal(1.0), both.clone(), 1e-2),
         (gaussian(1.0, 0.2), point(0.1), Stiffness::PerThreshold(1.0), both, 1e-2),
@@ -279,7 +279,7 @@ fn sliders_stick_and_slip_at_a_velocity() {
 
 #[test]
 fn contacts_at_a_velocity_move_forward_only() {
-    let rules = Rules { delay: 0.5, ..thermal(0.025, Barrier::Elastic) };
+    let rules = Rules { delay: 0.5.into(), ..thermal(0.025, Barrier::Elastic) };
     let equation = at(&gaussian(1.0, 0.1), &rectangular(0.0, 0.1), rules, 0.1);
     let pull = equation.pull_with(1.5, 1e-10, &mut ()).unwrap();
     let mut population = equation.population_with(1e-10, &mut ()).unwrap();

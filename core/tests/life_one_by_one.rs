@@ -177,7 +177,7 @@ impl Case {
         let [life, force, square, energy] = self.expected();
         let equation = self.equation();
         let steady = equation.steady_state();
-        let mean = life + self.velocity * self.rules.delay;
+        let mean = life + self.velocity * self.rules.delay.mean();
         let found = [
             equation.life().mean(),
             steady.kinetic_friction(),
@@ -219,7 +219,7 @@ fn temperature_with_any_barrier_any_starts_and_either_stiffness() {
 fn starts_among_thresholds_with_edges() {
     for barrier in [Barrier::Elastic, Barrier::Bell] {
         let (thresholds, reforming) = (rectangular(0.4, 1.6), rectangular(0.0, 0.6));
-        let rules = Rules { delay: 30.0, ..thermal(0.05, barrier) };
+        let rules = Rules { delay: 30.0.into(), ..thermal(0.05, barrier) };
         Case { thresholds, reforming, stiffness: EQUAL, rules, velocity: 1e-2 }.check(QUADRATURE);
     }
 }

@@ -150,7 +150,7 @@ fn nothing_changes_until_the_first_step() {
 
 #[test]
 fn slow_deviations_follow_the_velocity_curve() {
-    let delayed = Contacts { rules: Rules { delay: 5.0, ..warm().rules }, ..warm() };
+    let delayed = Contacts { rules: Rules { delay: 5.0.into(), ..warm().rules }, ..warm() };
     for contacts in [ageing(), warm(), delayed] {
         let [slow, fast] = [0.99, 1.01].map(|factor| kinetic_friction(&contacts, factor * VELOCITY));
         let slope = (fast - slow) / 0.02;

@@ -30,7 +30,7 @@ const MEAN_LIFE: f64 = 1.35;
 type Sum = (f64, f64);
 
 fn equation(thresholds: &SharedLaw, reforming: &SharedLaw, delay: f64, velocity: f64) -> MasterEquation {
-    let rules = Rules { delay, ..Rules::default() };
+    let rules = Rules { delay: delay.into(), ..Rules::default() };
     let delayed = Contacts { rules, ..contacts(thresholds, reforming) };
     MasterEquation::at(delayed, &initial(reforming), velocity).unwrap()
 }

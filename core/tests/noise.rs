@@ -230,7 +230,7 @@ fn the_noise_of_contacts_that_do_not_renew_completely_is_refused() {
     use asperity::master::MasterEquation;
     let plain = Contacts::new(gaussian(1.0, 0.1), point(0.0));
     let (mut free, mut strong) = (plain.clone(), plain);
-    free.rules.delay = 0.5;
+    free.rules.delay = 0.5.into();
     strong.stiffness = Stiffness::PerThreshold(1.2);
     let free = MasterEquation::at(free, &Initial::default(), 1.0).unwrap();
     let strong = MasterEquation::new(strong, &Initial::default()).unwrap();

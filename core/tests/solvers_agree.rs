@@ -51,7 +51,7 @@ fn rules() -> Vec<(&'static str, Rules)> {
     let elastic = warm(Barrier::Elastic, 0.05);
     vec![
         ("none", Rules::default()),
-        ("delay", Rules { delay: 0.7, ..Rules::default() }),
+        ("delay", Rules { delay: 0.7.into(), ..Rules::default() }),
         ("elastic", elastic.clone()),
         ("bell", warm(Barrier::Bell, 0.05)),
         ("catastrophe", warm(Barrier::Catastrophe, 0.05)),
@@ -60,7 +60,7 @@ fn rules() -> Vec<(&'static str, Rules)> {
         ("smoluchowski", ageing(Ageing::Smoluchowski { mature: gaussian(1.5, 0.2), diffusion: 0.01 })),
         (
             "logarithmic, elastic, delay",
-            Rules { delay: 0.3, temperature: elastic.temperature, ..logarithmic },
+            Rules { delay: 0.3.into(), temperature: elastic.temperature, ..logarithmic },
         ),
         ("frozen_rank, elastic", Rules { temperature: elastic.temperature, ..frozen }),
     ]

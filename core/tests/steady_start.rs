@@ -24,7 +24,12 @@ fn contacts(thresholds: SharedLaw, rules: Rules) -> Contacts {
 
 fn rules(ageing: Option<Ageing>, temperature: f64, delay: f64) -> Rules {
     let heat = Temperature { energy: temperature, attempt_rate: 1.0, barrier: Barrier::Elastic };
-    Rules { ageing, temperature: Some(heat).filter(|_| temperature > 0.0), delay }
+    Rules {
+        ageing,
+        temperature: Some(heat).filter(|_| temperature > 0.0),
+        delay: delay.into(),
+        ..Rules::default()
+    }
 }
 
 fn logarithmic() -> Option<Ageing> {

@@ -225,7 +225,7 @@ fn responses_are_scaled_and_limits_are_told() {
     assert!((all - 60.0 * one).abs() < 1e-12 * all.abs());
     let refusal =
         |contacts: &Contacts| solve(contacts, 0.5).threshold_response(&[1.0]).unwrap_err().to_string();
-    let delayed = Contacts { rules: Rules { delay: 0.2, ..Rules::default() }, ..plain.clone() };
+    let delayed = Contacts { rules: Rules { delay: 0.2.into(), ..Rules::default() }, ..plain.clone() };
     let strong = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..plain };
     assert!(refusal(&delayed).contains("delay") && refusal(&strong).contains("per_threshold"));
     let wrong = |positions: &[f64], weights: &[f64], thresholds: &[f64]| {

@@ -83,7 +83,7 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
         ("frozen_rank", contacts(newborn(), ageing(frozen_rank())), (3.0, 0.3)),
         ("frozen_rank, thermal", contacts(newborn(), with(frozen_rank())), (1.5, 1e-2)),
         ("logarithmic", contacts(mature(), ageing(logarithmic())), (3.0, 1e-2)),
-        ("delay", contacts(mature(), Rules { delay: 0.3, ..Rules::default() }), (3.0, 1.0)),
+        ("delay", contacts(mature(), Rules { delay: 0.3.into(), ..Rules::default() }), (3.0, 1.0)),
         ("smoluchowski", contacts(newborn(), ageing(smoluchowski())), (1.0, 0.3)),
         ("jumping density", contacts(rectangular(0.75, 1.25), Rules::default()), (3.0, 1.0)),
     ];
@@ -105,7 +105,7 @@ fn between_the_ends_of_steps_forces_are_as_accurate_as_there() {
     let spread = |contacts| Contacts { reforming: rectangular(0.0, 0.2), ..contacts };
     let cases = [
         ("athermal", contacts(gaussian(1.0, 0.1), Rules::default()), (2.0, 1.0)),
-        ("delay", contacts(gaussian(1.0, 0.1), Rules { delay: 0.3, ..Rules::default() }), (2.0, 1.0)),
+        ("delay", contacts(gaussian(1.0, 0.1), Rules { delay: 0.3.into(), ..Rules::default() }), (2.0, 1.0)),
         ("temperature and a spread", spread(contacts(gaussian(1.0, 0.1), warm.clone())), (2.0, 1e-3)),
         ("both", per_threshold(contacts(gaussian(1.0, 0.1), with(logarithmic()))), (2.0, 1e-2)),
         ("diffusion", contacts(gaussian(0.5, 0.1), ageing(smoluchowski())), (0.6, 0.3)),
@@ -254,7 +254,7 @@ fn kinetic_friction_of_the_models_is_that_of_the_references() {
 #[test]
 fn steady_sliding_stays_steady_and_free_contacts_wait() {
     let (delay, velocity) = (0.5, 2.0);
-    let waiting = contacts(gaussian(1.0, 0.1), Rules { delay, ..Rules::default() });
+    let waiting = contacts(gaussian(1.0, 0.1), Rules { delay: delay.into(), ..Rules::default() });
     let mut transport = Transport::steady_with(&waiting, velocity, 1e-6, &mut ()).unwrap();
     let history = moving(&[(velocity, 3.0)]);
     let trace = transport.follow(&history, &times(&history, 13)).unwrap();
@@ -269,7 +269,7 @@ fn a_delay_shorter_than_any_step_is_none() {
     let initial = conditional(point(0.0));
     let history = moving(&[(1.0, 4.0)]);
     let force = |delay| {
-        let waiting = contacts(gaussian(1.0, 0.1), Rules { delay, ..Rules::default() });
+        let waiting = contacts(gaussian(1.0, 0.1), Rules { delay: delay.into(), ..Rules::default() });
         let mut transport = Transport::new_with(waiting, &initial, 1e-6, &mut ()).unwrap();
         transport.follow(&history, &times(&history, 9)).unwrap().force
     };
@@ -286,9 +286,9 @@ fn wild() -> History {
 #[test]
 fn what_is_attached_and_what_is_free_are_all_contacts() {
     let warm = thermal(Barrier::Elastic, 0.05);
-    let with = |ageing: Ageing| Rules { ageing: Some(ageing), delay: 0.3, ..warm.clone() };
+    let with = |ageing: Ageing| Rules { ageing: Some(ageing), delay: 0.3.into(), ..warm.clone() };
     let cases = [
-        contacts(gaussian(1.0, 0.1), Rules { delay: 0.3, ..warm.clone() }),
+        contacts(gaussian(1.0, 0.1), Rules { delay: 0.3.into(), ..warm.clone() }),
         contacts(gaussian(1.0, 0.1), with(logarithmic())),
         contacts(gaussian(0.5, 0.1), with(frozen_rank())),
         contacts(gaussian(0.5, 0.1), with(smoluchowski())),

@@ -109,7 +109,7 @@ fn a_hold_and_what_follows_it_are_those_of_the_elastic_barrier() {
             let (held, time) = (0.95, 1e4);
             let cold = contacts(law.clone(), Barrier::Elastic, energy);
             // What breaks stays free; on the way to the hold and from it nothing breaks by temperature.
-            let rules = Rules { delay: 1e6, ..cold.rules };
+            let rules = Rules { delay: 1e6.into(), ..cold.rules };
             let fast = 1e9;
             let further = [0.02, 0.1, 0.4];
             let piece = |velocity: f64, distance: f64| Piece { velocity, duration: distance / velocity };

@@ -531,7 +531,12 @@ class Contacts(Description):
     ageing
         Change of the thresholds with the age of a contact; thresholds is then the distribution of fresh contacts.
     delay
-        Time for which a broken contact is detached before it re-forms, 0 by default.
+        Time for which a broken contact is detached before it re-forms, 0 by default: a number, or a distribution of times.
+        Re-forming at a rate is Exponential(1/rate).
+    free_friction
+        Friction force of a detached contact, which slides, 0 by default.
+    free_viscosity
+        What its friction force gains per velocity, 0 by default.
 
     Examples
     --------
@@ -558,7 +563,9 @@ class Contacts(Description):
         background_coefficient: _Number | None = None,
         temperature: Temperature | None = None,
         ageing: Ageing | None = None,
-        delay: _Number = 0.0,
+        delay: _Number | _AnyLaw | None = None,
+        free_friction: _Number = 0.0,
+        free_viscosity: _Number = 0.0,
     ) -> Contacts: ...
     @property
     def ageing(self, /) -> Ageing | None:
@@ -581,8 +588,16 @@ class Contacts(Description):
         """The number N_c of contacts."""
 
     @property
-    def delay(self, /) -> float:
-        """The time for which a broken contact is detached before it re-forms."""
+    def delay(self, /) -> float | Law:
+        """The time for which a broken contact is detached before it re-forms, or the distribution of these times."""
+
+    @property
+    def free_friction(self, /) -> float:
+        """The friction force of a detached contact."""
+
+    @property
+    def free_viscosity(self, /) -> float:
+        """What the friction force of a detached contact gains per velocity."""
 
     @property
     def normal_load(self, /) -> float | None:

@@ -1,14 +1,16 @@
 //! Contacts, and the distributions of areas from which they follow.
 
+use asperity::contacts::FreeFriction;
 use asperity::scenario;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat};
 
 use crate::convert;
 use crate::description::{Description, Plain};
 use crate::error;
 use crate::law::{AnyLaw, Law, given};
 use crate::rules::{Ageing, Temperature};
+use crate::typed::{argument_type, result_type};
 
 /// Contacts described by their areas A: a contact has the stiffness k = modulus √A and breaks at the force
 /// strength × A.
@@ -114,7 +116,12 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 /// ageing
 ///     Change of the thresholds with the age of a contact; thresholds is then the distribution of fresh contacts.
 /// delay
-///     Time for which a broken contact is detached before it re-forms, 0 by default.
+///     Time for which a broken contact is detached before it re-forms, 0 by default: a number, or a distribution of times.
+///     Re-forming at a rate is Exponential(1/rate).
+/// free_friction
+///     Friction force of a detached contact, which slides, 0 by default.
+/// free_viscosity
+///     What its friction force gains per velocity, 0 by default.
 ///
 /// Examples
 /// --------
@@ -133,7 +140,8 @@ impl Contacts {
     #[pyo3(signature = (
         thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
         stiffness_per_threshold = None, stiffness_of_threshold = None, normal_load = None, background_force = None,
-        background_coefficient = None, temperature = None, ageing = None, delay = 0.0
+        background_coefficient = None, temperature = None, ageing = None, delay = None, free_friction = 0.0,
+        free_viscosity = 0.0
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -149,8 +157,11 @@ impl Contacts {
         background_coefficient: Option<f64>,
         temperature: Option<&Bound<'_, Temperature>>,
         ageing: Option<&Bound<'_, Ageing>>,
-        delay: f64,
+        delay: Option<AnyDelay>,
+        free_friction: f64,
+        free_viscosity: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let friction = FreeFriction { force: free_friction, viscosity: free_viscosity };
         let contacts = scenario::Contacts {
             count,
             stiffness,
@@ -164,7 +175,8 @@ impl Contacts {
             reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
             temperature: temperature.map(Temperature::plain),
             ageing: ageing.map(Ageing::plain),
-            delay: (delay != 0.0).then_some(scenario::Delay { time: delay }),
+            delay: delay.map(|delay| delay.0).filter(|delay| *delay != scenario::Delay::Time(0.0)),
+            free_friction: Some(friction).filter(|friction| !friction.is_none()),
         };
         contacts.build().map_err(|e| error::core(e.under("contacts")))?;
         Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))
@@ -204,10 +216,23 @@ impl Contacts {
         ageing.map(|ageing| Plain::Ageing(ageing).instance(slf.py())).transpose()
     }
 
-    /// The time for which a broken contact is detached before it re-forms.
+    /// The time for which a broken contact is detached before it re-forms, or the distribution of these times.
     #[getter]
-    fn delay(slf: &Bound<'_, Self>) -> f64 {
-        Self::plain(slf).delay.map_or(0.0, |delay| delay.time)
+    fn delay(slf: &Bound<'_, Self>) -> PyResult<PlainDelay> {
+        let delay = Self::plain(slf).delay.as_ref();
+        plain_delay(delay.unwrap_or(&scenario::Delay::Time(0.0)), slf.py())
+    }
+
+    /// The friction force of a detached contact.
+    #[getter]
+    fn free_friction(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).free_friction.unwrap_or_default().force
+    }
+
+    /// What the friction force of a detached contact gains per velocity.
+    #[getter]
+    fn free_viscosity(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).free_friction.unwrap_or_default().viscosity
     }
 
     /// The number N_c of contacts.
@@ -307,5 +332,48 @@ pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyR
     given(into, "temperature", temperature.transpose()?)?;
     let ageing = contacts.ageing.as_ref().map(|ageing| Plain::Ageing(ageing.clone()).object(py));
     given(into, "ageing", ageing.transpose()?)?;
-    given(into, "delay", contacts.delay.map(|delay| delay.time))
+    let delay = contacts.delay.as_ref().map(|delay| plain_delay(delay, py));
+    given(into, "delay", delay.transpose()?)?;
+    let FreeFriction { force, viscosity } = contacts.free_friction.unwrap_or_default();
+    given(into, "free_friction", Some(force).filter(|&force| force != 0.0))?;
+    given(into, "free_viscosity", Some(viscosity).filter(|&viscosity| viscosity != 0.0))
+}
+
+/// A delay as an argument: a time, or a distribution of times.
+struct AnyDelay(scenario::Delay);
+
+impl<'py> FromPyObject<'_, 'py> for AnyDelay {
+    type Error = PyErr;
+
+    argument_type!("_Number | _AnyLaw");
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract::<f64>() {
+            Ok(time) => Ok(Self(scenario::Delay::Time(time))),
+            Err(_) => value.extract::<AnyLaw>().map(|law| Self(scenario::Delay::Law(law.0))),
+        }
+    }
+}
+
+/// A delay as a result: a number, or a distribution.
+struct PlainDelay(Py<PyAny>);
+
+impl<'py> IntoPyObject<'py> for PlainDelay {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+
+    result_type!("float | Law");
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.0.into_bound(py))
+    }
+}
+
+fn plain_delay(delay: &scenario::Delay, py: Python<'_>) -> PyResult<PlainDelay> {
+    let object = match delay {
+        scenario::Delay::Time(time) => PyFloat::new(py, *time).into_any(),
+        scenario::Delay::Law(law) => Plain::Law(law.clone()).object(py)?.into_any(),
+    };
+    Ok(PlainDelay(object.unbind()))
 }

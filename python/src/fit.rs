@@ -779,6 +779,9 @@ fn is_of(name: &str, owner: &str) -> bool {
 
 fn set_of_law(interface: &mut Interface, owner: &str, name: &str, to: f64) {
     let Interface { contacts, initial, .. } = interface;
+    if let ("delay", Some(scenario::Delay::Law(law))) = (owner, &mut contacts.delay) {
+        return set_parameter(law, name, to);
+    }
     let law = match (owner, &mut contacts.areas, &mut contacts.ageing) {
         ("thresholds", Some(_), _) if name == "factor" => return,
         ("thresholds", Some(areas), _) => Some(&mut areas.law),
@@ -822,7 +825,7 @@ fn set_number(contacts: &mut scenario::Contacts, velocity: &mut Option<f64>, nam
                 | scenario::Ageing::MeanField { diffusion, .. },
             ),
         ) => *diffusion = to,
-        ("delay", ..) => contacts.delay = Some(scenario::Delay { time: to }),
+        ("delay", ..) => contacts.delay = Some(scenario::Delay::Time(to)),
         ("velocity", ..) => *velocity = Some(to),
         _ => unreachable!("a number without a place"),
     }

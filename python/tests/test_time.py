@@ -1,5 +1,8 @@
 """Time-dependent contacts: velocities, temperature, ageing, holds."""
 
+import copy
+import pickle
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -74,6 +77,27 @@ def test_a_transport_starts_in_steady_sliding() -> None:
     athermal = asp.MasterEquation(asp.Contacts(THRESHOLDS), start="steady")
     # F_k of thresholds with σ = 0.1, to the aim of the master equation
     assert athermal.pull(3.0, 31).force == pytest.approx(0.505, abs=1e-9)
+
+
+def test_free_times_of_a_distribution() -> None:
+    contacts = asp.Contacts(THRESHOLDS, delay=asp.Exponential(0.5), free_friction=0.2, free_viscosity=0.3)
+    assert contacts.delay == asp.Exponential(0.5)
+    assert (contacts.free_friction, contacts.free_viscosity) == (0.2, 0.3)
+    assert contacts == pickle.loads(pickle.dumps(contacts)) == copy.deepcopy(contacts)
+    assert eval(repr(contacts), vars(asp)) == contacts
+    assert contacts.replace(delay=0.5).delay == 0.5
+    # Kinetic friction depends on the mean free time only.
+    velocity, law = 2.0, contacts.thresholds
+    assert law is not None
+    free = velocity * 0.5
+    carried = 0.5 * law.moment(2) + (0.2 + 0.3 * velocity) * free
+    friction = asp.MasterEquation(contacts, velocity=velocity).steady_state().kinetic_friction
+    assert friction == pytest.approx(carried / (law.mean + free), rel=1e-12)
+    trace = asp.Transport(contacts).follow([asp.Step(velocity, distance=40.0)])
+    # The default tolerance of 1e-6, and what of the transient is left.
+    assert trace.force[-1] == pytest.approx(friction, abs=1e-5)
+    with pytest.raises(ValueError, match="delay: expected a density of times without a pole"):
+        asp.MasterEquation(asp.Contacts(THRESHOLDS, delay=asp.Gamma(1.0, 2.0)), velocity=1.0)
 
 
 def test_free_contacts_carry_nothing() -> None:

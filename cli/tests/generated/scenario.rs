@@ -11,8 +11,8 @@ use super::random::SplitMix;
 use super::rules;
 
 /// Keys that are not drawn: those that name a file, since other keys give the same values, and the table of sweeps, whose cases are
-/// scenarios.
-const NOT_DRAWN: [&str; 3] = ["file", "protocol_file", "sweep"];
+/// scenarios, and the friction of free contacts, which needs a delay.
+const NOT_DRAWN: [&str; 4] = ["file", "free_friction", "protocol_file", "sweep"];
 /// Values that are no measurement.
 const ODD: [f64; 7] = [0.0, -1.0, f64::NAN, f64::INFINITY, 1e308, 5e-324, -0.0];
 /// Whole numbers that ask for too much, or for nothing.
@@ -218,6 +218,8 @@ impl<'a> Walk<'a> {
         if name == "Law" {
             return self.distribution(schema, &here);
         }
+        // One time; distributions of times are those of lengths.
+        let schema = if name == "Delay" { &schema["anyOf"][0] } else { schema };
         if schema.get("properties").is_some() {
             return Value::Table(self.table(schema, &here));
         }

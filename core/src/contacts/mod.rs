@@ -2,11 +2,14 @@
 //! rules.
 
 mod ageing;
+mod free_time;
 mod stiffness;
 mod temperature;
 
+pub use crate::rate_dependent::FreeFriction;
 pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
 pub(crate) use ageing::{Label, NodalLabels, Rank, ThresholdTrajectory};
+pub use free_time::FreeTime;
 pub use stiffness::{Stiffness, StiffnessTable};
 pub use temperature::{Barrier, Temperature};
 
@@ -42,13 +45,15 @@ pub struct Rules {
     /// Thresholds that change with the age of the contact; P_c is then the distribution of fresh contacts.
     pub ageing: Option<Ageing>,
     /// τ: the time for which a broken contact is free before it re-forms.
-    pub delay: f64,
+    pub delay: FreeTime,
+    /// The friction force of a free contact.
+    pub free_friction: FreeFriction,
 }
 
 impl Rules {
     /// Whether the velocity of the slider matters.
     pub fn are_time_dependent(&self) -> bool {
-        self.temperature.is_some() || self.ageing.is_some() || self.delay > 0.0
+        self.temperature.is_some() || self.ageing.is_some() || !self.delay.is_none()
     }
 
     /// The name of the first rule present.
@@ -56,7 +61,7 @@ impl Rules {
         let rules = [
             ("temperature", self.temperature.is_some()),
             ("ageing", self.ageing.is_some()),
-            ("delay", self.delay > 0.0),
+            ("delay", !self.delay.is_none()),
         ];
         rules.into_iter().find(|rule| rule.1).map(|rule| rule.0)
     }
@@ -76,10 +81,8 @@ impl Rules {
         if let Some(ageing) = &self.ageing {
             ageing.check(newborn).map_err(|e| e.under(ageing.name()).under("ageing"))?;
         }
-        if !(self.delay.is_finite() && self.delay >= 0.0) {
-            return Err(Error::invalid("delay", "a finite number, 0 or above", self.delay));
-        }
-        Ok(())
+        self.delay.check()?;
+        free_time::check_friction(self.free_friction, &self.delay)
     }
 }
 
@@ -130,8 +133,8 @@ impl Contacts {
     /// Refuses contacts that are not renewed completely at a break, for which the covariance of the force does not follow
     /// from the force after a break: those whose stiffness depends on the threshold, and those that are free for a while.
     pub(crate) fn renew_completely(&self) -> Result<()> {
-        if self.rules.delay > 0.0 {
-            let found = format!("a delay of {}", self.rules.delay);
+        if !self.rules.delay.is_none() {
+            let found = format!("a delay of {}", self.rules.delay.mean());
             return Err(Error::invalid("delay", "no delay: free contacts have no stretch", found));
         }
         self.have_equal_stiffness()

@@ -15,7 +15,8 @@ pub enum Arrest {
     /// A single cell that stops at X_2 moves back, without inertia, to the equilibrium on the straight unloading line of its
     /// contacts, X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'). It moves on when the spring has brought it back to X_2. Until
     /// then the contacts age in their state at X_2. A background force B holds it: it moves back only as far as the net force
-    /// exceeds B, and then stays until the spring has gained 2B.
+    /// exceeds B, and then stays until the spring has gained 2B. The constant friction force of free
+    /// contacts is added to B; in motion forward it is part of F.
     Unload,
 }
 
@@ -46,18 +47,25 @@ impl EquationOfMotion {
         }
         let resistance = self.resistance_alone(cell);
         // Below, B resists the motion forward; above, the motion back.
-        let highest = ((excess + 2.0 * self.background) / resistance).min(0.0);
+        let highest = ((excess + 2.0 * self.holding(cell)) / resistance).min(0.0);
         cell.back.clamp(excess / resistance, highest)
     }
 
-    /// Background force on a cell: B in forward motion; at rest what is left of the pull by the contacts.
+    /// Background force on a cell: B in forward motion; at rest what is left of the pull by the contacts, with what the friction
+    /// of free contacts is less than in motion forward.
     pub fn background(&self, cell: &SlidingCell, drive: f64) -> f64 {
         let excess = self.excess(cell, drive);
         if cell.velocity > 0.0 || excess >= 0.0 {
             return self.background;
         }
         let left = excess - self.resistance_alone(cell) * self.unloaded(cell, drive);
-        (self.background + left).clamp(-self.background, self.background)
+        let lowest = -self.background - 2.0 * cell.known.free.force;
+        (self.background + left).clamp(lowest, self.background)
+    }
+
+    /// The largest force that holds a cell at rest besides its attached contacts.
+    fn holding(&self, cell: &SlidingCell) -> f64 {
+        self.background + cell.known.free.force
     }
 
     /// Distance within which forces of this stiffness stop a cell with a velocity.
@@ -74,10 +82,11 @@ impl EquationOfMotion {
         let [from, to] = [0, 1].map(|i| self.unloaded(states[i], drives[i]));
         let pull =
             |i: usize, back: f64| self.connection * (drives[i] - states[i].position - back) + self.background;
-        let force = after.force - before.force;
+        let attached = |cell: &SlidingCell| cell.force - cell.known.free.force;
+        let force = attached(after) - attached(before);
         let tangent = after.contacts.tangent() - before.contacts.tangent();
         let work = drive.velocity * duration * 0.5 * (pull(0, from) + pull(1, to));
-        let background = self.background * (to - from).abs();
+        let background = 0.5 * (self.holding(before) + self.holding(after)) * (to - from).abs();
         (work, background, -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent))
     }
 }
@@ -143,13 +152,13 @@ impl SliderMotion {
             return;
         }
         self.cells[0].velocity = 0.0;
-        let background = self.equation.background;
-        let excess = (self.equation.excess(&self.cells[0], drive) + 2.0 * background).min(0.0);
+        let holding = self.equation.holding(&self.cells[0]);
+        let excess = (self.equation.excess(&self.cells[0], drive) + 2.0 * holding).min(0.0);
         // The net force, without the background force, falls linearly to 0 along the unloading line: its work is half of
         // force × distance.
         self.energies.arrest += 0.5 * excess * excess / self.equation.resistance_alone(&self.cells[0]);
         self.cells[0].back = self.equation.unloaded(&self.cells[0], drive);
-        self.energies.background -= background * self.cells[0].back;
+        self.energies.background -= holding * self.cells[0].back;
     }
 
     /// Rests behind X_2 until the spring pulls again, at most for the time `left`. Returns the duration.

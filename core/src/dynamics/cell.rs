@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lag::{ContactLag, ContactMove};
 use crate::Result;
+use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
 use crate::monitor::Watch;
 use crate::rate_dependent::RateDependentContacts;
@@ -65,6 +66,8 @@ impl SlopeTrend {
 pub struct KnownContacts {
     pub force: f64,
     pub tangent: f64,
+    /// Friction of the contacts that are free.
+    pub free: FreeFriction,
     /// Energies and breaks; `None` until the step is accepted.
     pub energies: Option<ContactEnergies>,
     /// Whether the contacts may lag behind their cell.
@@ -76,7 +79,8 @@ pub struct KnownContacts {
 impl KnownContacts {
     fn of(contacts: &dyn RateDependentContacts, force: f64) -> Self {
         let (may_lag, may_turn) = (contacts.is_constant_at_rest(), contacts.may_turn());
-        Self { force, tangent: contacts.tangent(), energies: None, may_lag, may_turn }
+        let free = contacts.free_friction();
+        Self { force, tangent: contacts.tangent(), free, energies: None, may_lag, may_turn }
     }
 }
 

@@ -54,7 +54,8 @@ impl EquationOfMotion {
             return 0.0;
         }
         let pull = self.connection(j) * (drive - cell.position) + coupling;
-        let free = (pull - cell.force - self.viscosity * cell.velocity) / self.mass;
+        let viscosity = self.viscosity + cell.known.free.viscosity;
+        let free = (pull - cell.force - viscosity * cell.velocity) / self.mass;
         let stands = self.arrest == Arrest::Stand && cell.velocity == 0.0 && !cell.known.may_turn;
         if stands { free.max(0.0) } else { free }
     }

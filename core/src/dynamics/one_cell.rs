@@ -18,14 +18,16 @@ impl StageSolver for OneCell {
     fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>> {
         let (from, rates, connection) = (&stage.from[0], &stage.rates[0], stage.equation.connection);
         let pull = connection * (stage.drive - from.position);
-        let residual =
-            |advance: f64, force: f64| stage.drag(0, advance) + force + connection * advance - pull;
+        let residual = |advance: f64, (force, viscosity): (f64, f64)| {
+            let of_free = viscosity * rates.velocity(advance);
+            stage.drag(0, advance) + of_free + force + connection * advance - pull
+        };
         let own = stage.stiffness(0);
         // If friction decreases faster than the other forces increase, a secant leads away from the solution.
         let held = own + from.known.tangent;
         let ahead = own + from.slope_ahead(stage.duration);
         let mut slope = if ahead > 0.0 { ahead } else { held };
-        let mut advance = (-residual(0.0, from.force) / slope).max(0.0);
+        let mut advance = (-residual(0.0, (from.force, from.known.free.viscosity)) / slope).max(0.0);
         // Without drag nothing keeps a soft spring from the next balance but one, so that the search begins where the velocity
         // leads, goes no faster than the tangent allows, and not much farther than contacts are stretched.
         let mut farthest = f64::INFINITY;
@@ -38,7 +40,7 @@ impl StageSolver for OneCell {
         for _ in 0..ROUNDS {
             let contacts = from.contacts_ahead(advance, stage.duration, watch)?;
             let force = contacts.force();
-            let remaining = residual(advance, force);
+            let remaining = residual(advance, (force, contacts.free_friction().viscosity));
             if let Some((before, then)) = last {
                 let secant = (remaining - then) / (advance - before);
                 // The tangent of the attached contacts is an upper bound of the slope, since breaks

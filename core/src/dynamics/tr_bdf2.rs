@@ -52,7 +52,7 @@ pub trait StageSolver {
 }
 
 impl ImplicitStage<'_> {
-    /// Inertia and drag M Ẍ + η Ẋ of a cell after an advance.
+    /// Inertia and drag M Ẍ + η Ẋ of a cell after an advance, without that of free contacts.
     pub fn drag(&self, cell: usize, advance: f64) -> f64 {
         let rates = &self.rates[cell];
         let velocity = rates.velocity(advance);
@@ -65,6 +65,7 @@ impl ImplicitStage<'_> {
         // acceleration linear in the velocity with the same α: γ = 2 − √2 makes the two stages
         // alike (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985)).
         let (alpha, EquationOfMotion { mass, viscosity, .. }) = (self.rates[cell].alpha, self.equation);
+        let viscosity = viscosity + self.from[cell].known.free.viscosity;
         (mass * alpha + viscosity) * alpha + self.equation.connection(cell)
     }
 }
@@ -150,7 +151,8 @@ fn work_and_drag(
         work +=
             weight * duration * drive.velocity * cells[..equation.connected].iter().map(pull).sum::<f64>();
         for (lost, cell) in viscous.iter_mut().zip(cells) {
-            *lost += weight * duration * equation.viscosity * cell.velocity * cell.velocity;
+            let viscosity = equation.viscosity + cell.known.free.viscosity;
+            *lost += weight * duration * viscosity * cell.velocity * cell.velocity;
         }
     }
     (work, viscous)

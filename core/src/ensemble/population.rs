@@ -340,6 +340,7 @@ impl Population for EnsemblePopulation {
 
     fn energies(&self) -> ContactEnergies {
         ContactEnergies {
+            sliding: 0.0,
             elastic: self.scale * self.sums.elastic(self.position),
             lost: self.scale * self.lost.value(),
             strengthening: 0.0,

@@ -9,7 +9,7 @@ use super::attached::{AttachedContact, Segment};
 use super::diffusion::DiffusingThreshold;
 use super::lives::{ContactLife, Drawn, Lives};
 use super::passage::Passage;
-use crate::contacts::Stiffness;
+use crate::contacts::{FreeFriction, FreeTime, Stiffness};
 use crate::energy::ContactEnergies;
 use crate::monitor::{Monitor, Watch, fits, report};
 use crate::random::{Purpose, Stream};
@@ -26,13 +26,14 @@ const CHUNK: usize = 256;
 ///
 /// Under a slider that follows a history they have the lives of [`Ensemble::follow`]; diffusing thresholds
 /// have other random numbers, as these are drawn step by step. A step visits every contact, and so does a
-/// copy; each takes 120 bytes.
+/// copy; each takes 128 bytes.
 #[derive(Debug, Clone)]
 pub struct EnsembleInTime {
     lives: Arc<Lives>,
     passage: Arc<Passage>,
     stiffness: Stiffness,
-    delay: f64,
+    delay: FreeTime,
+    friction: FreeFriction,
     contacts: Vec<ContactInTime>,
     time: f64,
     position: f64,
@@ -67,7 +68,8 @@ impl Ensemble {
             lives: Arc::new(Lives::in_any_order(self)),
             passage: Arc::new(Passage::of(self, monitor)?),
             stiffness: self.contacts.stiffness.clone(),
-            delay: self.contacts.rules.delay,
+            delay: self.contacts.rules.delay.clone(),
+            friction: self.contacts.rules.free_friction,
             contacts: Vec::new(),
             time: 0.0,
             position: 0.0,
@@ -85,7 +87,7 @@ impl Ensemble {
         }
         ensemble.advance(&Segment { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
         // Nothing has been lost before the beginning.
-        ensemble.past = SegmentTotals { lost: 0.0, ..ensemble.past };
+        ensemble.past = SegmentTotals { lost: 0.0, slid: 0.0, ..ensemble.past };
         Ok(ensemble)
     }
 }
@@ -95,8 +97,8 @@ impl Ensemble {
 struct ContactInTime {
     index: u32,
     drawn: Drawn,
-    /// Words taken for breaking and for diffusion.
-    words: [u64; 2],
+    /// Words taken for breaking, for diffusion and for free times.
+    words: [u64; 3],
     /// Whether it is attached; if not, it will form at the birth of `held`.
     holds: bool,
     /// The stretch at which it formed, or will form.
@@ -123,6 +125,8 @@ struct SegmentTotals {
     broken: f64,
     lost: f64,
     strengthening: f64,
+    /// Σ of the ways of free contacts.
+    slid: f64,
 }
 
 /// The state of the contacts.
@@ -140,6 +144,7 @@ struct RandomStreams {
     lives: Lives,
     breaking: Stream,
     diffusion: Stream,
+    free: Stream,
 }
 
 impl ContactInTime {
@@ -162,6 +167,7 @@ impl RandomStreams {
         let number = self.lives.number(contact.index.into());
         self.breaking.seek(number, contact.words[0]);
         self.diffusion.seek(number, contact.words[1]);
+        self.free.seek(number, contact.words[2]);
     }
 
     /// An exponentially distributed hazard, or ∞ without temperature: inverse-transform sampling of the time
@@ -180,7 +186,12 @@ impl EnsembleInTime {
     fn streams(&self) -> RandomStreams {
         let lives = (*self.lives).clone();
         let stream = |purpose| Stream::new(lives.seed(), purpose, 0);
-        RandomStreams { breaking: stream(Purpose::Breaking), diffusion: stream(Purpose::Diffusion), lives }
+        RandomStreams {
+            breaking: stream(Purpose::Breaking),
+            diffusion: stream(Purpose::Diffusion),
+            free: stream(Purpose::FreeTimes),
+            lives,
+        }
     }
 
     /// A contact as it is at t = 0, before anything breaks.
@@ -189,7 +200,7 @@ impl EnsembleInTime {
         let mut contact = ContactInTime {
             index,
             drawn: streams.lives.drawn(),
-            words: [0; 2],
+            words: [0; 3],
             holds: false,
             formed: 0.0,
             held: AttachedContact { birth: 0.0, origin: 0.0, newborn: 0.0 },
@@ -234,10 +245,12 @@ impl EnsembleInTime {
         mut segment: Segment,
         streams: &mut RandomStreams,
     ) -> SegmentTotals {
-        let mut totals = SegmentTotals::default();
+        let (mut totals, mut freed) = (SegmentTotals::default(), segment.start);
         streams.take(contact);
         loop {
             if !contact.holds {
+                let formed = contact.held.birth.min(segment.end);
+                totals.slid += segment.velocity * (formed - freed).max(0.0);
                 if contact.held.birth > segment.end {
                     return totals;
                 }
@@ -256,7 +269,9 @@ impl EnsembleInTime {
             streams.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
             let next = streams.lives.next();
             contact.drawn = streams.lives.drawn();
-            contact.live(next, end + self.delay);
+            contact.live(next, end + self.delay.draw(&mut streams.free));
+            contact.words[2] = streams.free.taken();
+            freed = end;
         }
     }
 
@@ -337,6 +352,7 @@ impl SegmentTotals {
             broken: self.broken + other.broken,
             lost: self.lost + other.lost,
             strengthening: self.strengthening + other.strengthening,
+            slid: self.slid + other.slid,
         }
     }
 }
@@ -351,18 +367,23 @@ impl RateDependentContacts for EnsembleInTime {
     }
 
     fn force(&self) -> f64 {
-        self.scale * self.now.force
+        self.scale * self.now.force + self.free_friction().force
     }
 
     fn tangent(&self) -> f64 {
         self.scale * self.now.stiffness
     }
 
+    fn free_friction(&self) -> FreeFriction {
+        self.friction.scaled(self.scale * self.contacts.len() as f64 * self.free())
+    }
+
     fn energies(&self) -> ContactEnergies {
-        let SegmentTotals { broken, lost, strengthening } = self.past;
+        let SegmentTotals { broken, lost, strengthening, slid } = self.past;
+        let sliding = self.scale * self.friction.force * slid;
         let [elastic, lost, strengthening] =
             [self.now.energy, lost, strengthening].map(|energy| self.scale * energy);
-        ContactEnergies { elastic, lost, strengthening, broken: broken / self.contacts.len() as f64 }
+        ContactEnergies { elastic, lost, strengthening, sliding, broken: broken / self.contacts.len() as f64 }
     }
 
     fn free(&self) -> f64 {

@@ -10,7 +10,7 @@ use super::lives::{ContactLife, Lives};
 use super::passage::Passage;
 use super::pull::EnsemblePull;
 use super::snapshots::{Snapshots, rising};
-use crate::contacts::Contacts;
+use crate::contacts::{Contacts, Rules};
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::random::{Purpose, Stream};
@@ -166,6 +166,7 @@ impl TimedChunk {
 struct TimedDraws {
     breaking: Stream,
     diffusion: Stream,
+    free: Stream,
 }
 
 /// A history, as seen by its contacts.
@@ -245,13 +246,16 @@ impl<'a> Follow<'a> {
     /// One contact from t = 0 to the last mark, unless the monitor asks to stop.
     fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut TimedChunk, watch: &Watch<'_>) {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
-        let mut draws =
-            TimedDraws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
+        let mut draws = TimedDraws {
+            breaking: draws(Purpose::Breaking),
+            diffusion: draws(Purpose::Diffusion),
+            free: draws(Purpose::FreeTimes),
+        };
         // Alternating renewal process: attached until the break, free for the delay.
         let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
         if life.stretch >= life.threshold {
-            (birth, next) = self.wait(0.0, 0, chunk);
+            (birth, next) = self.wait(0.0, 0, &mut draws, chunk);
             life = lives.next();
         }
         while next < self.marks.len() {
@@ -261,7 +265,7 @@ impl<'a> Follow<'a> {
             if next == self.marks.len() || asks && watch.stops() {
                 return;
             }
-            (birth, next) = self.wait(end, next, chunk);
+            (birth, next) = self.wait(end, next, &mut draws, chunk);
             life = lives.next();
         }
     }
@@ -273,13 +277,19 @@ impl<'a> Follow<'a> {
     }
 
     /// A free contact: returns when it re-forms, and the next mark.
-    fn wait(&self, broken: f64, next: usize, chunk: &mut TimedChunk) -> (f64, usize) {
+    fn wait(&self, broken: f64, next: usize, draws: &mut TimedDraws, chunk: &mut TimedChunk) -> (f64, usize) {
         chunk.breaks += 1;
-        let birth = broken + self.ensemble.contacts.rules.delay;
+        let Rules { ref delay, free_friction, .. } = self.ensemble.contacts.rules;
+        let unit = self.ensemble.contacts.stiffness.unit();
+        let birth = broken + delay.draw(&mut draws.free);
         let passed = self.before(birth, next);
         for mark in &self.marks[passed.clone()] {
             if let Observation::Force(i) = mark.look {
                 chunk.sums[i].free += 1.0;
+                if !free_friction.is_none() {
+                    let velocity = self.history.pieces()[self.history.piece_at(mark.time)].velocity;
+                    chunk.sums[i].add(free_friction.at(velocity) / unit);
+                }
             }
         }
         (birth, passed.end)

@@ -138,6 +138,7 @@ fn of_moments<const N: usize>(
         breaking: Kernel::new(falls, breakpoints),
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
+        waiting: None,
         stiffness: contacts.stiffness.weight(law.mean()),
         error: ROUNDING,
     }

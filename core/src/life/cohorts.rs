@@ -160,6 +160,7 @@ pub(super) fn of_cohorts(
         starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
         wait: 0.0,
+        waiting: None,
     })
 }
 

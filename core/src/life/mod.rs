@@ -23,6 +23,7 @@ mod start_quadrature;
 mod starts_below;
 mod thermal_hazard;
 mod timed;
+mod waits;
 
 pub use athermal::athermal;
 pub(crate) use athermal::cells_of;
@@ -36,6 +37,8 @@ pub(crate) use layer::Layer;
 use layer::PointMass;
 pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};
 pub use moving::moving;
+
+use waits::DelayedLife;
 
 pub use crate::numerics::piecewise::{Piecewise, Resolution};
 pub use crate::numerics::volterra::Kernel;
@@ -63,7 +66,8 @@ use crate::monitor::Watch;
 /// For contacts that have moved back and forth, S and M are taken at the largest |x| reached, which may
 /// exceed x. For contacts at a velocity, S(x) is the surviving fraction of those formed at r, M₁ and M₂ are
 /// its sums of present thresholds, and the breaking energy is that at the stretches at which they will break.
-/// Contacts that are free before they form count as surviving but carry no force.
+/// Contacts that are free before they form count as surviving; they carry the friction force of a free contact, if any, and no
+/// energy.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -89,6 +93,8 @@ pub struct Life {
     starts: Starts,
     /// The advance for which contacts are free before they form.
     wait: f64,
+    /// Contacts that are free for a time of a distribution before they form.
+    waiting: Option<DelayedLife>,
     /// Mean stiffness of a contact, per unit stiffness.
     stiffness: f64,
     /// Estimated error of survival, and of the carried force per mean life and mean stiffness.
@@ -170,6 +176,9 @@ impl Life {
 
     /// The advance from formation after which a fraction of at most `fraction` of the contacts survives.
     pub fn longest(&self, fraction: f64) -> f64 {
+        if let Some(waiting) = &self.waiting {
+            return waiting.formed.longest(fraction);
+        }
         let survival = self.survival.curve();
         let (mut low, mut high) = (self.wait, survival.end());
         while high - low > 1e-6 * high {
@@ -205,7 +214,18 @@ impl Life {
 
     /// The elastic energy of a contact that has just formed.
     pub(crate) fn newborn_energy(&self) -> f64 {
-        self.energy.curve().value(self.wait)
+        self.formed().energy.curve().value(self.wait)
+    }
+
+    /// The life of the same contacts from forming on, if they are free for a time of a distribution before; else this life.
+    pub(crate) fn formed(&self) -> &Self {
+        self.waiting.as_ref().map_or(self, |waiting| &waiting.formed)
+    }
+
+    /// The density of the advance for which contacts are free before they form, without its point masses, and these; `None` if
+    /// all are free for the same advance.
+    pub(crate) fn waits(&self) -> Option<(Kernel, &[Atom])> {
+        self.waiting.as_ref().map(|waiting| (waiting.waits.kernel(), waiting.waits.atoms.as_slice()))
     }
 
     /// Density at stretch x of contacts that started u ago, per contact, without point masses.
@@ -271,7 +291,12 @@ impl Life {
     /// Jumps of the carried force and of its slope at the advance at which free contacts re-form; empty
     /// without a delay.
     pub(crate) fn reattachment(&self) -> Vec<Breakpoint> {
-        let begins = |b: &&Breakpoint| self.wait > 0.0 && b.position == self.wait;
+        let waits: Vec<f64> = match &self.waiting {
+            Some(waiting) => waiting.waits.edges().collect(),
+            None if self.wait > 0.0 => vec![self.wait],
+            None => Vec::new(),
+        };
+        let begins = |b: &&Breakpoint| waits.contains(&b.position);
         self.force.breakpoints().iter().filter(begins).copied().collect()
     }
 
@@ -282,9 +307,9 @@ impl Life {
         self.force.breakpoints().iter().filter(|b| !known.contains(b)).copied().collect()
     }
 
-    /// The same contacts, each free for the advance `by` before it forms.
+    /// The same contacts, each free for the advance `by` before it forms, with a force `friction` meanwhile.
     #[must_use]
-    fn delayed(self, by: f64) -> Self {
+    fn delayed(self, by: f64, friction: f64) -> Self {
         if by == 0.0 {
             return self;
         }
@@ -305,12 +330,13 @@ impl Life {
         Self {
             survival: late(self.survival, whole),
             breaking,
-            force: late(self.force, 0.0),
-            square: late(self.square, 0.0),
+            force: late(self.force, friction),
+            square: late(self.square, friction * friction),
             energy: late(self.energy, 0.0),
             breaking_energy: late(self.breaking_energy, doomed),
             starts: self.starts,
             wait: self.wait + by,
+            waiting: self.waiting,
             stiffness: self.stiffness,
             error: self.error,
         }

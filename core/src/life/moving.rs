@@ -8,8 +8,9 @@ use super::cohorts::of_cohorts;
 use super::smoluchowski::FokkerPlanckLife;
 use super::thermal_hazard::blur;
 use super::timed::Timed;
+use super::waits::Waits;
 use crate::Result;
-use crate::contacts::{Ageing, Closure, Contacts, Temperature, ThresholdFokkerPlanck};
+use crate::contacts::{Ageing, Closure, Contacts, FreeTime, Temperature, ThresholdFokkerPlanck};
 use crate::law::SharedLaw;
 use crate::monitor::{Monitor, Watch};
 
@@ -52,7 +53,16 @@ pub fn moving(
         }
     };
     watch.check()?;
-    Ok(if delayed { life.delayed(velocity * rules.delay) } else { life })
+    if !delayed {
+        return Ok(life);
+    }
+    let unit = contacts.stiffness.unit();
+    let friction = rules.free_friction.at(velocity) / unit;
+    let delayed = match &rules.delay {
+        FreeTime::Fixed(time) => life.delayed(velocity * time, friction),
+        FreeTime::Distributed(law) => life.after(Waits::new(law, velocity), friction, &watch),
+    };
+    watch.check().map(|()| delayed)
 }
 
 /// Whether temperature breaks contacts further below their thresholds than rounding.

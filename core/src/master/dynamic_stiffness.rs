@@ -7,10 +7,13 @@
 //!
 //! δS(a) = −[S(a) Q(a) + S(a_b) (1 − e^{−s a_b})/(v − h'(a_b)) δ(a − a_b)] δX e^{st}, Q(a) = ∫₀^a ∂w/∂x (1 − e^{−sa'}) e^{−s(a − a')} da'.
 //!
-//! The rate of formation Γ changes so that contacts stay as many: with ⟨·⟩ the mean over fresh thresholds, Γ_s = 1/(⟨∫S da⟩ + τ)
-//! and the delay τ
+//! The rate of formation Γ changes so that contacts stay as many: with ⟨·⟩ the mean over fresh thresholds, Γ_s = 1/(⟨∫S da⟩ + ⟨τ⟩)
+//! and the delay τ, in general of a distribution with the Laplace transform d̂(s), for one delay e^{−sτ},
 //!
-//! δΓ [⟨∫e^{−sa} S da⟩ + (e^{sτ} − 1)/s] = −Γ_s ⟨∫δS da⟩, F̂(s) = N_c {δΓ ⟨∫k x e^{−sa} S da⟩ + Γ_s ⟨∫k [x δS + (1 − e^{−sa}) S] da⟩}.
+//! δΓ [⟨∫e^{−sa} S da⟩ + (1/d̂ − 1)/s] = −Γ_s ⟨∫δS da⟩, F̂(s) = N_c {δΓ [⟨∫k x e^{−sa} S da⟩ + f (1/d̂ − 1)/s] + Γ_s ⟨∫k [x δS +
+//! (1 − e^{−sa}) S] da⟩}
+//!
+//! with f the friction force of a free contact.
 //!
 //! F̂(0) = 0, and F̂ ≈ s dF_k/dv for s → 0. Behind a spring K without mass and damping a displacement δX_T e^{st} of the load point
 //! changes position and force by δX = K/(K + F̂) δX_T and δF = KF̂/(K + F̂) δX_T.
@@ -19,7 +22,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use crate::contacts::{Ageing, Contacts, ThresholdEvolution};
+use crate::contacts::{Ageing, Contacts, FreeTime, ThresholdEvolution};
 use crate::error::positive;
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::legendre::RULE;
@@ -33,7 +36,9 @@ pub struct DynamicStiffness {
     /// The mean fresh threshold, which sets the frequencies.
     length: f64,
     count: f64,
-    delay: f64,
+    delay: FreeTime,
+    /// Friction force of a free contact.
+    friction: f64,
     /// Γ_s, per time.
     rate: f64,
     lives: Vec<ThresholdLife>,
@@ -121,10 +126,17 @@ impl DynamicStiffness {
         }
         let all: f64 = lives.iter().map(|life| life.weight).sum();
         lives.iter_mut().for_each(|life| life.weight /= all);
-        let delay = contacts.rules.delay;
+        let (delay, friction) = (contacts.rules.delay.clone(), contacts.rules.free_friction);
+        if friction.viscosity > 0.0 {
+            let expected =
+                "free contacts without viscosity, with which the dynamic stiffness has no upper limit";
+            return Err(Error::invalid("free_friction.viscosity", expected, friction.viscosity));
+        }
+        let friction = friction.force;
         let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
         let (length, count) = (law.mean(), contacts.count);
-        Ok(Self { velocity, length, count, delay, rate: 1.0 / (mean + delay), lives })
+        let rate = 1.0 / (mean + delay.mean());
+        Ok(Self { velocity, length, count, delay, friction, rate, lives })
     }
 
     /// F̂(s) for Re s ≥ 0 up to some hundred v over the mean threshold, the highest frequency that the ages resolve.
@@ -137,12 +149,20 @@ impl DynamicStiffness {
             pulls += sums[2];
             force += sums[3];
         }
-        let free = if s.norm() * self.delay < 1e-8 {
-            Complex64::from(self.delay)
-        } else {
-            ((s * self.delay).exp() - 1.0) / s
-        };
-        self.count * self.rate * (force - lost / (held + free) * pulls)
+        let free = self.free(s);
+        self.count * self.rate * (force - lost / (held + free) * (pulls + self.friction * free))
+    }
+
+    /// The deviation of the free fraction per deviation of the rate of formation.
+    fn free(&self, s: Complex64) -> Complex64 {
+        let delay = self.delay.mean();
+        if s.norm() * delay < 1e-8 {
+            return Complex64::from(delay);
+        }
+        match &self.delay {
+            FreeTime::Fixed(delay) => ((s * delay).exp() - 1.0) / s,
+            FreeTime::Distributed(law) => (1.0 / law.laplace(s) - 1.0) / s,
+        }
     }
 
     /// F̂(∞), the response to a sudden displacement.

@@ -115,7 +115,9 @@ impl Pull {
             change.reformed.as_ref().map_or(0.0, |change| of(change).curve().integral())
         };
         let longer = total(LifeDerivative::survival) + change.wait;
-        let kinetic = (total(LifeDerivative::force) - friction * longer) / mean + change.scale * friction;
+        let free = if change.wait == 0.0 { 0.0 } else { life.force().curve().value(0.0) * change.wait };
+        let kinetic =
+            (total(LifeDerivative::force) + free - friction * longer) / mean + change.scale * friction;
         let steepest = match self.critical_stiffness() {
             0.0 => 0.0,
             stiffness if stiffness.is_finite() => -self.stiffness * self.slope_change(&gradient.curve),

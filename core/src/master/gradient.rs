@@ -159,6 +159,9 @@ impl Pull {
         let meshed = |curve: &Piecewise| solution.convolve(curve, &Kernel::default(), &mut ());
         let rate = solution.density.plus(-1.0, &meshed(first.breaking().curve())?);
         let slope = self.renewal.slope.plus(-1.0, &meshed(&first.force().curve().derivative())?);
+        // The force of contacts that have just become free is not shifted.
+        let friction = self.renewal.reformed.force().curve().value(0.0);
+        let slope = slope.plus(-friction, &solution.density);
         Ok([rate, slope])
     }
 }

@@ -2,7 +2,7 @@
 
 use super::MasterEquation;
 use super::parameters::Named;
-use crate::contacts::Start;
+use crate::contacts::{FreeTime, Start};
 use crate::law::{EIGHTH_ORDER, SurvivalDerivative};
 use crate::life::{LawDerivatives, Life, LifeDerivative, StartingContacts};
 use crate::monitor::{Monitor, Part};
@@ -107,8 +107,17 @@ impl MasterEquation {
         let reshapes = match named {
             Named::Number("count" | "delay") => false,
             // Barriers are proportional to the stiffness.
-            Named::Number("stiffness" | "stiffness_per_threshold") => rules.temperature.is_some(),
-            Named::Number("velocity") => rules.temperature.is_some() || rules.ageing.is_some(),
+            // So are lengths of the force of free contacts.
+            Named::Number("stiffness" | "stiffness_per_threshold") => {
+                rules.temperature.is_some() || !rules.free_friction.is_none()
+            }
+            Named::Number("velocity") => {
+                let friction = rules.free_friction.viscosity > 0.0;
+                rules.temperature.is_some()
+                    || rules.ageing.is_some()
+                    || rules.delay.law().is_some()
+                    || friction
+            }
             _ => true,
         };
         let mut change = LifeChange::default();
@@ -116,14 +125,18 @@ impl MasterEquation {
             change = self.differences(named, monitor)?;
         }
         match named {
-            Named::OfLaw("reforming", _) => change.first = None,
+            Named::OfLaw("reforming" | "delay", _) => change.first = None,
             Named::OfLaw("initial", _) => change.reformed = None,
             Named::Number("count" | "stiffness" | "stiffness_per_threshold") => {
                 change.scale = 1.0 / all.value(named);
             }
             // The advance for which contacts are free is v times the delay.
             Named::Number("delay") => change.wait = self.velocity.unwrap_or_default(),
-            Named::Number("velocity") => change.wait = rules.delay,
+            Named::Number("velocity") => {
+                if let FreeTime::Fixed(time) = rules.delay {
+                    change.wait = time;
+                }
+            }
             _ => {}
         }
         Ok(change)

@@ -11,14 +11,16 @@ use crate::numerics::roots::brent_root;
 /// The limits of F_k(v), where they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// F_k as v → ∞: that of fresh contacts without time dependence; 0 with a delay of re-forming.
+    /// F_k as v → ∞: that of fresh contacts without time dependence; with a delay of re-forming that of free contacts, N_c f, 0 by
+    /// default, and infinite if their friction has a viscosity.
     pub fast: f64,
     /// F_k as v → 0: that of mature contacts. `None` where there is no plateau: thermal contacts flow
     /// viscously, fluctuating thresholds are eventually caught in their lower tail, logarithmic strengthening
     /// is unlimited.
     pub slow: Option<f64>,
     /// F_k/v as v → 0 for thermal contacts that do not age and re-form unstretched. `None` for others, and
-    /// where the strongest contacts of a broad distribution last so long that there is no viscous flow.
+    /// where the strongest contacts of a broad distribution last so long that there is no viscous flow, or free contacts have a
+    /// constant friction force.
     pub viscosity: Option<f64>,
 }
 
@@ -32,7 +34,12 @@ impl Limits {
     /// # Errors
     /// Those of [`MasterEquation::new`] for the same contacts without rules.
     pub fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
-        let free = contacts.rules.delay > 0.0;
+        let rules = &contacts.rules;
+        let free = if rules.free_friction.viscosity > 0.0 {
+            f64::INFINITY
+        } else {
+            contacts.count * rules.free_friction.force
+        };
         let mut athermal =
             |thresholds: &SharedLaw| athermal(contacts, thresholds, monitor).map(|s| s.kinetic_friction());
         let newborn = athermal(&contacts.thresholds)?;
@@ -43,7 +50,11 @@ impl Limits {
             }
             (None, None) => Some(newborn),
         };
-        Ok(Self { fast: if free { 0.0 } else { newborn }, slow, viscosity: viscosity(contacts) })
+        Ok(Self {
+            fast: if rules.delay.is_none() { newborn } else { free },
+            slow,
+            viscosity: viscosity(contacts),
+        })
     }
 }
 
@@ -69,9 +80,12 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
     let carried = ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?;
     let mean = ln_average(law, life)?;
     // ln(⟨ω₀⁻¹⟩ + τ)
-    let free = (contacts.rules.delay.ln() - mean).exp().ln_1p();
-    let viscosity = contacts.count * (carried - mean - free).exp();
-    viscosity.is_finite().then_some(viscosity)
+    let Rules { ref delay, free_friction, .. } = contacts.rules;
+    let free = (delay.mean().ln() - mean).exp().ln_1p();
+    // The share of free contacts does not depend on the velocity.
+    let of_free = free_friction.viscosity * -(-free).exp_m1();
+    let viscosity = contacts.count * (carried - mean - free).exp() + contacts.count * of_free;
+    (viscosity.is_finite() && free_friction.force == 0.0).then_some(viscosity)
 }
 
 /// Kinetic friction of slow creep, well below athermal friction but far from viscous flow: a force.
@@ -81,7 +95,7 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
 /// the mean −γ, γ = 0.577… (Euler's constant), and the variance π²/6. An expansion around the x_b at which
 /// w/(v g') = e^{−γ} gives
 ///
-/// ⟨x⟩ = x_b − (1 + π²/12) g''/g'³, ⟨x²⟩ = ⟨x⟩² + π²/(6 g'²), F_k ≈ ½N_c⟨k⟨x²⟩⟩/(⟨⟨x⟩⟩ + vτ),
+/// ⟨x⟩ = x_b − (1 + π²/12) g''/g'³, ⟨x²⟩ = ⟨x⟩² + π²/(6 g'²), F_k ≈ ½N_c⟨k⟨x²⟩⟩/(⟨⟨x⟩⟩ + v⟨τ⟩),
 ///
 /// where the outer means are over thresholds. The next terms are smaller by 1/(x_b g') and by T/ΔE(x_b): for
 /// identical thresholds F_k is right to 1 % wherever `creep` returns it, x_b g' ≥ 6 and ΔE(x_b) ≥ 3T, and
@@ -104,7 +118,9 @@ pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
         ln_average(law, of).map(f64::exp)
     };
     let (square, mean) = (moment(2)?, moment(1)?);
-    Some(0.5 * contacts.count * square / (mean + velocity * contacts.rules.delay))
+    let free = velocity * contacts.rules.delay.mean();
+    let friction = contacts.rules.free_friction.at(velocity) * free;
+    Some(contacts.count * (0.5 * square + friction) / (mean + free))
 }
 
 /// Contacts of one threshold that break thermally at a velocity.

@@ -9,13 +9,13 @@ use super::renewal::unit_force;
 use super::solved_branches::SolvedBranches;
 use super::unloading::UnloadingBranch;
 use super::{MasterEquation, Tolerance};
-use crate::Result;
 use crate::energy::ContactEnergies;
 use crate::law::Atom;
 use crate::life::{Layer, LayerSums, Life, threshold_atoms};
 use crate::monitor::{Monitor, Watch};
 use crate::population::{Direction, Population, Response, SmoothInterval};
 use crate::rate_dependent::ContactsState;
+use crate::{Error, Result};
 
 /// The contacts of a master equation as a [`Population`].
 ///
@@ -61,7 +61,7 @@ impl MasterEquation {
     /// relaxed start have broken before. Contacts at a velocity can only be moved forward, and reset.
     ///
     /// # Errors
-    /// `ageing.mean_field`; too many point masses.
+    /// `ageing.mean_field`; free contacts with friction; too many point masses.
     pub fn population(&self) -> Result<MasterPopulation> {
         self.population_with(Tolerance::default(), &mut ())
     }
@@ -78,6 +78,11 @@ impl MasterEquation {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
+        let friction = self.contacts.rules.free_friction;
+        if !friction.is_none() {
+            let expected = "none for contacts that a block moves without time (a Transport or an ensemble in time has it)";
+            return Err(Error::invalid("free_friction", expected, format!("a force of {}", friction.force)));
+        }
         let interface = SolvedBranches::of(self, tolerance);
         let branch = interface.first(self, monitor)?;
         Ok(MasterPopulation {
@@ -444,6 +449,7 @@ impl Population for MasterPopulation {
         let BranchEnergies { elastic, lost, broken } = self.branch_energies();
         let stiffness = self.interface.stiffness;
         ContactEnergies {
+            sliding: 0.0,
             elastic: stiffness * elastic,
             lost: stiffness * (self.lost + lost),
             strengthening: 0.0,

@@ -191,7 +191,7 @@ impl MasterEquation {
         }
         contacts.check(initial)?;
         let conditional = initial.start == Start::Conditional;
-        let alike = conditional && contacts.rules.delay == 0.0 && same(&initial.law, &contacts.reforming);
+        let alike = conditional && contacts.rules.delay.is_none() && same(&initial.law, &contacts.reforming);
         let part = &mut Part::new(monitor, 0.0, if alike { 1.0 } else { 0.5 });
         let reformed = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true, part)?);
         let first = if alike {

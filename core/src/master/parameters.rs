@@ -3,13 +3,13 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::MasterEquation;
-use crate::contacts::{Ageing, AgeingRule, Contacts, Initial, Stiffness};
+use crate::contacts::{Ageing, AgeingRule, Contacts, FreeTime, Initial, Stiffness};
 use crate::law::{Parameter, SharedLaw};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// The distributions by name.
-const LAWS: [&str; 4] = ["thresholds", "reforming", "initial", "ageing.mature"];
+const LAWS: [&str; 5] = ["thresholds", "reforming", "initial", "ageing.mature", "delay"];
 
 /// The other numbers by name.
 const NUMBERS: [&str; 10] = [
@@ -58,6 +58,10 @@ impl Description {
             "thresholds" => Some(&mut self.contacts.thresholds),
             "reforming" => Some(&mut self.contacts.reforming),
             "initial" => Some(&mut self.initial.law),
+            "delay" => match &mut self.contacts.rules.delay {
+                FreeTime::Distributed(law) => Some(law),
+                FreeTime::Fixed(_) => None,
+            },
             _ => match &mut self.contacts.rules.ageing {
                 Some(
                     AgeingRule::Smoluchowski { mature, .. }
@@ -87,7 +91,10 @@ impl Description {
                 _,
                 Some(Ageing::Smoluchowski { diffusion, .. } | Ageing::MeanField { diffusion, .. }),
             ) => Some(diffusion),
-            ("delay", ..) => Some(&mut rules.delay).filter(|delay| **delay > 0.0),
+            ("delay", ..) => match &mut rules.delay {
+                FreeTime::Fixed(time) if *time > 0.0 => Some(time),
+                _ => None,
+            },
             ("velocity", ..) => self.velocity.as_mut(),
             _ => None,
         }
@@ -113,13 +120,15 @@ impl Description {
         Ok(self)
     }
 
-    /// The same but that another velocity leaves the advance for which contacts are free as it is.
+    /// The same but that another velocity leaves the advance for which contacts are free for a fixed time as it is.
     ///
     /// # Errors
     /// Those of [`Self::with`].
     pub(super) fn vary(mut self, named: Named<'_>, value: f64) -> Result<Self> {
         if named == Named::Number("velocity") {
-            self.contacts.rules.delay *= self.velocity.map_or(1.0, |before| before / value);
+            if let FreeTime::Fixed(time) = &mut self.contacts.rules.delay {
+                *time *= self.velocity.map_or(1.0, |before| before / value);
+            }
         }
         self.with(named, value)
     }
@@ -152,8 +161,8 @@ impl MasterEquation {
     /// The parameters by which the force on a pull has a derivative, with their values: those of the distributions
     /// (`thresholds.mean`, `reforming.std`, `initial.max`, `ageing.mature.mean`), `count`, `stiffness` or
     /// `stiffness_per_threshold`, and the numbers of the rules, as far as the contacts have them (`temperature.energy`,
-    /// `temperature.attempt_rate`, `ageing.growth`, `ageing.time`, `ageing.diffusion`, `delay`, `velocity`). The position
-    /// of a point mass, a parameter that a table would have, and a number that is 0 are none.
+    /// `temperature.attempt_rate`, `ageing.growth`, `ageing.time`, `ageing.diffusion`, `delay`, or `delay.mean` of a
+    /// distribution, `velocity`). The position of a point mass, a parameter that a table would have, and a number that is 0 are none.
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut all = self.description();
         let mut found = Vec::new();

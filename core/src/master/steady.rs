@@ -142,7 +142,9 @@ impl SteadyState {
     /// As [`Self::stretch_density`]; stopped by the monitor.
     pub fn stretch_density_with(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
         let rate = |_| 1.0 / self.mean;
-        let at = |x: f64, watch: &Watch<'_>| self.life.standing_density(x, rate, std::iter::empty(), watch);
+        let at = |x: f64, watch: &Watch<'_>| {
+            self.life.formed().standing_density(x, rate, std::iter::empty(), watch)
+        };
         Stretches::evaluated(stretches, at, Vec::new(), monitor)
     }
 }

@@ -3,11 +3,13 @@
 //! In contrast to a [`crate::population::Population`], every displacement takes a time, and contacts change at rest, too.
 
 mod error;
+mod free_friction;
 mod population_in_time;
 mod state;
 mod stretch_interval;
 
 pub use error::ErrorEstimator;
+pub use free_friction::FreeFriction;
 pub use population_in_time::PopulationInTime;
 pub use state::ContactsState;
 pub use stretch_interval::{StretchInterval, binned};
@@ -26,11 +28,16 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Time t.
     fn time(&self) -> f64;
 
-    /// Force F.
+    /// Force F. It contains the constant friction force of free contacts in motion forward, but not what their viscosity adds.
     fn force(&self) -> f64;
 
     /// Instantaneous tangent dF/dX, the stiffness of the attached contacts.
     fn tangent(&self) -> f64;
+
+    /// Friction force and viscosity of the contacts that are free.
+    fn free_friction(&self) -> FreeFriction {
+        FreeFriction::default()
+    }
 
     /// Energies and breaks.
     fn energies(&self) -> ContactEnergies;

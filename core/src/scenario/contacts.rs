@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Ageing, Delay, Law, Temperature, positive};
-use crate::contacts::{Stiffness, StiffnessTable};
+use crate::contacts::{FreeFriction, Stiffness, StiffnessTable};
 use crate::error::not_negative;
 use crate::law::{Root, SharedLaw};
 use crate::{Error, Result, contacts};
@@ -79,9 +79,13 @@ pub struct Contacts {
     /// mature thresholds, `contacts.thresholds` that of fresh ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ageing: Option<Ageing>,
-    /// Time for which a broken contact is detached; without this table it re-forms at once.
+    /// Time for which a broken contact is detached before it re-forms: the same `time`, 0 or above, for all, or a distribution of
+    /// times, such as `exponential = { mean = 0.5 }`, which is re-forming at the rate 2; without this table it re-forms at once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay: Option<Delay>,
+    /// Friction force of a detached contact, which slides, with `contacts.delay`; without this table it carries no force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free_friction: Option<FreeFriction>,
 }
 
 /// The stiffness of contacts against their threshold: linear between the rows of a table, constant beyond its ends.
@@ -160,6 +164,7 @@ impl Default for Contacts {
             temperature: None,
             ageing: None,
             delay: None,
+            free_friction: None,
         }
     }
 }
@@ -223,8 +228,13 @@ impl Contacts {
 
     fn rules(&self) -> Result<contacts::Rules> {
         let ageing = self.ageing.as_ref().map(|ageing| ageing.build().map_err(|e| e.under("ageing")));
-        let delay = self.delay.map_or(Ok(0.0), Delay::build).map_err(|e| e.under("delay"));
-        Ok(contacts::Rules { temperature: self.temperature, ageing: ageing.transpose()?, delay: delay? })
+        let delay = self.delay.as_ref().map(|delay| delay.build().map_err(|e| e.under("delay")));
+        Ok(contacts::Rules {
+            temperature: self.temperature,
+            ageing: ageing.transpose()?,
+            delay: delay.transpose()?.unwrap_or_default(),
+            free_friction: self.free_friction.unwrap_or_default(),
+        })
     }
 
     fn stiffness(&self) -> Result<Stiffness> {

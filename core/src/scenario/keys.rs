@@ -7,7 +7,7 @@ use crate::Error;
 
 /// Names of arguments, and of fields of them, with their keys. The first that fits counts. No table of a scenario is called like an
 /// argument, so that keys are left as they are.
-const KEYS: [(&str, &str); 21] = [
+const KEYS: [(&str, &str); 22] = [
     ("thresholds", "contacts.thresholds"),
     ("reforming", "contacts.reforming"),
     ("stiffness.per_threshold", "contacts.stiffness_per_threshold"),
@@ -15,6 +15,7 @@ const KEYS: [(&str, &str); 21] = [
     ("temperature", "contacts.temperature"),
     ("ageing", "contacts.ageing"),
     ("delay", "contacts.delay"),
+    ("free_friction", "contacts.free_friction"),
     ("population", "contacts.thresholds"),
     ("tolerance", "master_equation.tolerance"),
     ("size", "ensemble.size"),

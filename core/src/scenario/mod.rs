@@ -258,6 +258,9 @@ impl Scenario {
         if let Some(ageing) = &mut contacts.ageing {
             ageing.tables("contacts.ageing", &mut tables);
         }
+        if let Some(delay) = &mut contacts.delay {
+            delay.tables("contacts.delay", &mut tables);
+        }
         self.initial.tables("initial", &mut tables);
         tables
     }

@@ -1,6 +1,6 @@
 //! The numbers of contacts in a scenario: their keys, and the names that the core has for them.
 
-use super::{Ageing, Law, Scenario};
+use super::{Ageing, Delay, Law, Scenario};
 use crate::contacts::AgeingRule;
 use crate::fit::BACKGROUND;
 
@@ -38,9 +38,14 @@ impl Scenario {
             add("contacts.temperature.energy", "temperature.energy", &mut heat.energy);
             add("contacts.temperature.attempt_rate", "temperature.attempt_rate", &mut heat.attempt_rate);
         }
-        if let Some(delay) = &mut contacts.delay {
-            add("contacts.delay.time", "delay", &mut delay.time);
-        }
+        let times = match &mut contacts.delay {
+            Some(Delay::Time(time)) => {
+                add("contacts.delay.time", "delay", time);
+                None
+            }
+            Some(Delay::Law(law)) => Some(law),
+            None => None,
+        };
         if let Some(velocity) = self.fit.as_mut().and_then(|fit| fit.velocity.as_mut()) {
             add("fit.velocity", "velocity", velocity);
         }
@@ -49,6 +54,9 @@ impl Scenario {
         }
         contacts.reforming.numbers(("contacts.reforming", "reforming"), &mut numbers);
         self.initial.numbers(("initial", "initial"), &mut numbers);
+        if let Some(law) = times {
+            law.numbers(("contacts.delay", "delay"), &mut numbers);
+        }
         if let Some(ageing) = &mut contacts.ageing {
             of_ageing(ageing, &mut numbers);
         }

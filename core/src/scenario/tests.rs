@@ -147,11 +147,11 @@ fn a_block_needs_a_drive_that_moves_it() {
 #[test]
 fn contacts_that_know_time_need_a_velocity() {
     let mut scenario = scenario(Law::Gaussian { mean: 1.0, std: 0.1 });
-    scenario.contacts.delay = Some(Delay { time: 0.1 });
+    scenario.contacts.delay = Some(Delay::Time(0.1));
     assert_eq!(refused(&scenario), ("pull.velocity".into(), "none".into()));
     scenario.pull = Some(Pull { velocity: Some(1.0), ..Pull::default() });
     scenario.build().unwrap();
-    scenario.contacts.delay = Some(Delay { time: 0.0 });
+    scenario.contacts.delay = Some(Delay::Time(0.0));
     scenario.pull = Some(Pull::default());
     scenario.build().unwrap();
 }
@@ -205,7 +205,7 @@ fn keys_without_effect_are_named() {
     for (key, scenario) in [
         ("pull.velocity", Scenario { pull: Some(pull), ..pulled.clone() }),
         ("contacts.delay.time", {
-            let contacts = Contacts { delay: Some(Delay { time: 0.0 }), ..pulled.contacts.clone() };
+            let contacts = Contacts { delay: Some(Delay::Time(0.0)), ..pulled.contacts.clone() };
             Scenario { contacts, ..pulled.clone() }
         }),
         ("initial", {
@@ -280,7 +280,7 @@ fn first_breaks_of_cells_are_those_of_many_alike_contacts_under_one_drive() {
         change(&mut scenario.contacts);
         refused(&scenario).0
     };
-    assert_eq!(with(|contacts| contacts.delay = Some(Delay { time: 1.0 })), "contacts.delay");
+    assert_eq!(with(|contacts| contacts.delay = Some(Delay::Time(1.0))), "contacts.delay");
     let correlated = |contacts: &mut Contacts| contacts.stiffness_per_threshold = Some(1.0);
     assert_eq!(with(correlated), "contacts.stiffness_per_threshold");
     // The scales of the third run have the last seed that there is not.

@@ -1,6 +1,6 @@
 //! Keys that are valid and change nothing, as far as they can be told without computing anything.
 
-use super::{Block, Figure, FigureFormat, Law, PerCell, Scenario};
+use super::{Block, Delay, Figure, FigureFormat, Law, PerCell, Scenario};
 use crate::contacts::Contacts;
 
 impl Scenario {
@@ -23,8 +23,11 @@ impl Scenario {
         let given = velocities.iter().filter(|(_, velocity)| timeless && velocity.is_some());
         let reason = "nothing in [contacts] depends on time: the velocity has no effect";
         let mut found: Vec<Reason> = given.map(|(key, _)| (*key, reason)).collect();
-        if self.contacts.delay.as_ref().is_some_and(|delay| delay.time == 0.0) {
+        if self.contacts.delay == Some(Delay::Time(0.0)) {
             found.push(("contacts.delay.time", "a delay of 0 has no effect"));
+        }
+        if self.contacts.free_friction.is_some_and(|friction| friction.is_none()) {
+            found.push(("contacts.free_friction", "a force of 0 has no effect"));
         }
         found
     }

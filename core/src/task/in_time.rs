@@ -85,7 +85,7 @@ pub(super) fn rigid(
     let (accuracy, part) =
         ((tolerance, model.master_equation.tolerance), &mut Part::new(monitor, 0.0, master));
     let mut trace = Transport::follow_as_required(&mut build, (&history, &times), accuracy, part)?;
-    let mut record = trace_record(&trace, contacts.rules.delay > 0.0);
+    let mut record = trace_record(&trace, !contacts.rules.delay.is_none());
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
         let (history, times) = settled(model, &history, &times)?;
@@ -216,10 +216,10 @@ pub fn finite_size_tolerance(size: usize) -> f64 {
 
 /// The variables of a motion without those that have no meaning for these contacts.
 fn used(mut motion: Record, contacts: &Contacts) -> Record {
-    let Rules { ref ageing, delay, .. } = contacts.rules;
+    let Rules { ref ageing, ref delay, .. } = contacts.rules;
     let stiffens = ageing.is_some() && matches!(contacts.stiffness, Stiffness::PerThreshold(_));
     let unused = |name: &str| match name {
-        "free" => delay == 0.0,
+        "free" => delay.is_none(),
         "event_strengthening" => !stiffens,
         _ => false,
     };

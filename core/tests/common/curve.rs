@@ -217,7 +217,12 @@ impl Population for ClosedCurve {
     fn energies(&self) -> ContactEnergies {
         let elastic = self.elastic();
         let broken = self.broken + (self.moments)(self.tip).1;
-        ContactEnergies { elastic, lost: self.before + self.work - elastic, strengthening: 0.0, broken }
+        ContactEnergies {
+            elastic,
+            lost: self.before + self.work - elastic,
+            broken,
+            ..ContactEnergies::default()
+        }
     }
 
     fn copy(&self) -> Box<dyn Population> {

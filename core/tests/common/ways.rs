@@ -48,7 +48,7 @@ pub fn kinds() -> Vec<Kind> {
     let ranked = Ageing::FrozenRank { mature: mature(), time: 1.0 };
     let diffusing = Ageing::Smoluchowski { mature: mature(), diffusion: 0.0025 };
     let strengthening = ageing(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
-    let waiting = Rules { delay: 0.5, ..thermal(Barrier::Elastic, 0.05) };
+    let waiting = Rules { delay: 0.5.into(), ..thermal(Barrier::Elastic, 0.05) };
     let of = |name, contacts, velocity| Kind { name, contacts, velocity };
     vec![
         of("elastic barrier", warm(Barrier::Elastic), 1e-3),

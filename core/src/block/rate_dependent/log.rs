@@ -98,6 +98,7 @@ impl SlidingBlock {
         let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
         let (cell, stiffness) = (self.cell(), equation.connection);
         let (tangent, contact_energies) = (cell.contacts.tangent(), cell.contacts.energies());
+        let attached = cell.force - cell.known.free.force;
         // After an arrest the slider is behind the position of its contacts, on their unloading line.
         let back = equation.unloaded(cell, drive);
         // The background force holds it there until the spring has gained 2B.
@@ -108,16 +109,17 @@ impl SlidingBlock {
         let energy = EnergyBalance {
             work: energies.work,
             spring: 0.5 * spring_force * spring_force / stiffness,
-            elastic: contact_energies.elastic + back * (cell.force + 0.5 * tangent * back),
+            elastic: contact_energies.elastic + back * (attached + 0.5 * tangent * back),
             kinetic: 0.5 * equation.mass * cell.velocity * cell.velocity,
             strengthening: contact_energies.strengthening,
             breaks: contact_energies.lost + energies.breaks,
             slip: energies.arrest,
             viscous: energies.viscous[0],
-            background: energies.background,
+            background: energies.background + contact_energies.sliding,
             ..EnergyBalance::default()
         };
-        let force = cell.force + tangent * back + equation.background(cell, drive);
+        let of_free = cell.known.free.viscosity * velocity;
+        let force = cell.force + of_free + tangent * back + equation.background(cell, drive);
         let (free, broken) = (cell.contacts.free(), contact_energies.broken);
         Moment { time, drive, position, velocity, force, spring_force, free, broken, energy }
     }

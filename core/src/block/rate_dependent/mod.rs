@@ -166,7 +166,7 @@ impl SlidingBlock {
     /// A slider in equilibrium with `contacts`: at rest, or in steady sliding at their velocity.
     fn balanced(equation: EquationOfMotion, contacts: &dyn RateDependentContacts, tolerance: f64) -> Self {
         let cell = SlidingCell::new(contacts.copy(), contacts.position());
-        let drag = equation.viscosity * cell.velocity;
+        let drag = (equation.viscosity + cell.known.free.viscosity) * cell.velocity;
         let drive = cell.position + (cell.force + drag) / equation.connection;
         let velocity = cell.velocity;
         Self { motion: SliderMotion::new(equation, vec![cell], drive, tolerance), velocity }

@@ -348,6 +348,7 @@ impl RateDependentInterface {
             strengthening: now.contacts.strengthening - begun.contacts.strengthening,
             breaks: now.contacts.lost - begun.contacts.lost,
             slip: self.motion.energies.viscous.iter().sum::<f64>() + self.motion.energies.arrest,
+            background: now.contacts.sliding - begun.contacts.sliding,
             ..EnergyBalance::default()
         }
     }
@@ -509,6 +510,7 @@ impl RateDependentInterface {
                 elastic: sum.elastic + energies.elastic,
                 lost: sum.lost + energies.lost,
                 strengthening: sum.strengthening + energies.strengthening,
+                sliding: sum.sliding + energies.sliding,
                 broken: sum.broken + energies.broken,
             }
         };

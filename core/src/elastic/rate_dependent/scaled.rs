@@ -1,5 +1,6 @@
 //! Contacts whose lengths are larger than those of others.
 
+use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
 use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
@@ -42,11 +43,17 @@ impl RateDependentContacts for Scaled {
         self.contacts.tangent()
     }
 
+    fn free_friction(&self) -> FreeFriction {
+        let FreeFriction { force, viscosity } = self.contacts.free_friction();
+        FreeFriction { force: self.scale * force, viscosity }
+    }
+
     fn energies(&self) -> ContactEnergies {
         let energies = self.contacts.energies();
-        let [elastic, lost, strengthening] = [energies.elastic, energies.lost, energies.strengthening]
-            .map(|energy| self.scale * self.scale * energy);
-        ContactEnergies { elastic, lost, strengthening, ..energies }
+        let ContactEnergies { elastic, lost, strengthening, sliding, .. } = energies;
+        let [elastic, lost, strengthening, sliding] =
+            [elastic, lost, strengthening, sliding].map(|energy| self.scale * self.scale * energy);
+        ContactEnergies { elastic, lost, strengthening, sliding, ..energies }
     }
 
     fn free(&self) -> f64 {

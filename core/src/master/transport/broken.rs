@@ -1,11 +1,14 @@
 //! The number of broken contacts as a function of time, and the contacts that re-form from them after the
-//! delay.
+//! delay, or after times of a distribution ([`FreeTimes`]).
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::free_contacts::{FreeAfter, FreeTimes, StepInterval};
 use super::path::GAUSS;
+use crate::contacts::FreeTime;
 use crate::numerics::compensated::Compensated;
 
 /// The fraction that breaks in a step: N(t) − N(t₀) in the middle and at the end of the step. N is quadratic
@@ -34,6 +37,12 @@ struct BreakHistory {
     fraction: BrokenFraction,
 }
 
+impl BreakHistory {
+    fn interval(&self) -> StepInterval {
+        StepInterval { start: self.start, duration: self.duration }
+    }
+}
+
 /// Contacts that broke simultaneously.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct DelayedPointMass {
@@ -41,14 +50,20 @@ pub(super) struct DelayedPointMass {
     pub(super) mass: f64,
 }
 
-/// N(t), the fraction of contacts broken until t, kept for the delay τ; simultaneous breaks are kept
-/// separately.
+/// N(t), the fraction of contacts broken until t, kept for the delay τ, or for the longest free time; simultaneous breaks are
+/// kept separately.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Broken {
+    /// The longest time for which contacts are free.
     #[serde(skip)]
     delay: f64,
+    /// The distribution of this time, if it is not the same for all.
+    #[serde(skip)]
+    times: Option<Arc<FreeTimes>>,
     past: VecDeque<BreakHistory>,
     waiting: VecDeque<DelayedPointMass>,
+    /// Contacts that broke simultaneously, with their time, and re-form one by one.
+    parted: VecDeque<DelayedPointMass>,
     /// All that broke one by one, and all that has re-formed from it.
     broken: Compensated,
     born: Compensated,
@@ -94,6 +109,11 @@ impl BrokenFraction {
         Self { middle: self.at(0.5 * s), end: self.at(s) }
     }
 
+    /// dN/ds at the fraction s of the duration.
+    pub(super) fn rate(self, s: f64) -> f64 {
+        4.0 * (1.0 - 2.0 * s) * self.middle + (4.0 * s - 1.0) * self.end
+    }
+
     /// N(t) − N(t₀) at a fraction of the duration.
     fn at(self, s: f64) -> f64 {
         4.0 * s * (1.0 - s) * self.middle + s * (2.0 * s - 1.0) * self.end
@@ -118,13 +138,19 @@ impl BrokenFraction {
 }
 
 impl Broken {
-    pub(super) fn new(delay: f64) -> Self {
-        Self { delay, ..Self::default() }
+    pub(super) fn new(delay: &FreeTime) -> Self {
+        match delay {
+            FreeTime::Fixed(delay) => Self { delay: *delay, ..Self::default() },
+            FreeTime::Distributed(law) => {
+                let times = FreeTimes::new(law);
+                Self { delay: times.longest, times: Some(times), ..Self::default() }
+            }
+        }
     }
 
-    /// The same with this delay, which is not serialised.
-    pub(super) fn of(self, delay: f64) -> Self {
-        Self { delay, ..self }
+    /// The same with the free times of `other`, which are not serialised.
+    pub(super) fn of(self, other: &Self) -> Self {
+        Self { delay: other.delay, times: other.times.clone(), ..self }
     }
 
     /// N, simultaneous breaks included.
@@ -135,15 +161,53 @@ impl Broken {
     /// The fraction that has broken and has not re-formed yet.
     pub(super) fn free(&self) -> f64 {
         let waiting: f64 = self.waiting.iter().map(|point_mass| point_mass.mass).sum();
-        let mut free = self.broken;
-        free.add(-self.born.value());
-        (free.value() + waiting).max(0.0)
+        (self.one_by_one() + waiting).max(0.0)
     }
 
-    /// Contacts that form in a step from `start`, in which `fraction` breaks.
+    /// The free contacts that do not re-form simultaneously.
+    fn one_by_one(&self) -> f64 {
+        let mut free = self.broken;
+        free.add(-self.born.value());
+        free.value()
+    }
+
+    /// What contacts that broke before a step contribute to those that form in it; `None` with one delay for all.
+    pub(super) fn free_before(&self, start: f64, duration: f64) -> Option<FreeAfter> {
+        let (times, now) = (self.times.as_ref()?, StepInterval { start, duration });
+        let one_by_one =
+            self.past.iter().map(|past| times.free(past.interval(), |s| past.fraction.rate(s), now));
+        let parted = self.parted.iter().map(|broken| {
+            let FreeAfter { end, integral } = times.free_of(broken.time, now);
+            FreeAfter { end: broken.mass * end, integral: broken.mass * integral }
+        });
+        Some(one_by_one.chain(parted).fold(FreeAfter::default(), FreeAfter::plus))
+    }
+
+    /// Contacts that form in a step from `start`, in which `fraction` breaks; `before` is [`Self::free_before`] of the step.
+    pub(super) fn births(
+        &self,
+        start: f64,
+        duration: f64,
+        fraction: BrokenFraction,
+        before: Option<FreeAfter>,
+    ) -> BirthMoments {
+        let (Some(times), Some(before)) = (&self.times, before) else {
+            return self.births_after_delay(start, duration, fraction);
+        };
+        let now = StepInterval { start, duration };
+        let after = before.plus(times.free(now, |s| fraction.rate(s), now));
+        // Contacts that are free at the start, and break in the step, less those that are free after it.
+        let free = self.one_by_one();
+        let mass = (free + fraction.end - after.end).max(0.0);
+        let broken = (4.0 * fraction.middle + fraction.end) / 6.0;
+        let formed = broken - (after.integral / duration - free);
+        BirthMoments { mass, moment: (0.5 * mass - formed).clamp(-MOST * mass, MOST * mass) }
+    }
+
+    /// The same with one delay for all contacts.
     ///
     /// ∫(t − t_m) dN(t − τ) = ½h[N(t₀ − τ) + N(t₁ − τ)] − ∫N, with N counted above what has re-formed.
-    pub(super) fn births(&self, start: f64, duration: f64, fraction: BrokenFraction) -> BirthMoments {
+    fn births_after_delay(&self, start: f64, duration: f64, fraction: BrokenFraction) -> BirthMoments {
         let (from, to) = (-self.delay, duration - self.delay);
         let now = BreakHistory { start, duration, before: self.broken.value(), fraction };
         // N and what has re-formed grow without limit; their difference, the contacts that wait,
@@ -188,6 +252,9 @@ impl Broken {
             while self.past.front().is_some_and(|past| past.start + past.duration < horizon) {
                 self.past.pop_front();
             }
+            while self.parted.front().is_some_and(|broken| broken.time < horizon) {
+                self.parted.pop_front();
+            }
         }
         self.broken.add(fraction.end);
         self.born.add(born);
@@ -195,8 +262,36 @@ impl Broken {
 
     /// Contacts break simultaneously; they re-form after the delay.
     pub(super) fn add_simultaneous(&mut self, time: f64, mass: f64) {
-        self.waiting.push_back(DelayedPointMass { time: time + self.delay, mass });
         self.struck += mass;
+        let Some(times) = &self.times else {
+            return self.waiting.push_back(DelayedPointMass { time: time + self.delay, mass });
+        };
+        let mut left = mass;
+        for atom in times.atoms() {
+            let together = DelayedPointMass { time: time + atom.position, mass: atom.weight * mass };
+            let later = self.waiting.partition_point(|other| other.time <= together.time);
+            self.waiting.insert(later, together);
+            left -= together.mass;
+        }
+        if left > 0.0 {
+            // Those that re-form one by one are free, though they did not break one by one.
+            self.parted.push_back(DelayedPointMass { time, mass });
+            self.born.add(-left);
+        }
+    }
+
+    /// Whether free times are those of a distribution: what forms does not follow from what broke a delay before.
+    pub(super) fn is_spread(&self) -> bool {
+        self.times.is_some()
+    }
+
+    /// Times after a kink of the breaking rate at which the rate of formation has one.
+    pub(super) fn kinks(&self) -> &[f64] {
+        match &self.times {
+            Some(times) => &times.edges,
+            None if self.delay > 0.0 => std::slice::from_ref(&self.delay),
+            None => &[],
+        }
     }
 
     /// Time at which the next point mass re-forms.
@@ -210,9 +305,15 @@ impl Broken {
     }
 
     /// Steady breaking at a rate for the duration of the delay.
-    pub(super) fn steadily(delay: f64, rate: f64) -> Self {
+    pub(super) fn steadily(delay: &FreeTime, rate: f64) -> Self {
         let mut broken = Self::new(delay);
-        if delay > 0.0 {
+        let delay = broken.delay;
+        if let Some(times) = broken.times.clone() {
+            // All that broke so long ago has re-formed; of the rest it has but for the mean free time.
+            let end = rate * delay;
+            let fraction = BrokenFraction { middle: 0.5 * end, end };
+            broken.keep(-delay, delay, fraction, end - rate * times.mean());
+        } else if delay > 0.0 {
             let end = rate * delay;
             let fraction = BrokenFraction { middle: 0.5 * end, end };
             broken.keep(-delay, delay, fraction, 0.0);

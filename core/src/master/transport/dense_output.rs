@@ -149,7 +149,9 @@ impl<'a> DenseOutput<'a> {
         if s == 0.0 {
             return 0.0;
         }
-        attempt.broken.births(attempt.time, s * self.path.duration, whole.up_to(s)).mass
+        let part = s * self.path.duration;
+        let known = attempt.broken.free_before(attempt.time, part);
+        attempt.broken.births(attempt.time, part, whole.up_to(s), known).mass
     }
 
     fn node(&self, s: f64, force: f64, broken: f64) -> Node {

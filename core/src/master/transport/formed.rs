@@ -5,7 +5,7 @@
 //! formation and X' the way of the step; τ and ρ are parabolas through formation and the ages that the
 //! cohorts formed in the step have at its end. The fraction αa + βa² has broken.
 
-use super::broken::EarlyBreaks;
+use super::broken::{BrokenFraction, EarlyBreaks};
 use super::cohort::CohortForce;
 use super::path::{GAUSS, Path};
 
@@ -50,6 +50,16 @@ impl FormedInStep {
     /// The fraction of all contacts that forms in the step.
     pub(super) fn mass(&self) -> f64 {
         self.masses[0] + self.masses[1]
+    }
+
+    /// The fraction of all contacts that has formed by the middle and by the end of the step.
+    pub(super) fn fraction(&self) -> BrokenFraction {
+        BrokenFraction { middle: self.moment(0.5, 0), end: self.mass() }
+    }
+
+    /// The mean over the step of those that have broken in it, `broken`, less those that have formed.
+    pub(super) fn mean_free(&self, broken: BrokenFraction) -> f64 {
+        (4.0 * broken.middle + broken.end) / 6.0 - self.moment(1.0, 1)
     }
 
     /// ∫₀^s b(s') (s − s')ⁿ ds'.

@@ -17,6 +17,7 @@ mod dense_output;
 mod diffusing;
 mod fitted;
 mod formed;
+mod free_contacts;
 mod grid;
 mod merging;
 mod model;
@@ -38,7 +39,7 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::contacts::{Ageing, Contacts, Initial, Rules, Start, ThresholdEvolution};
+use crate::contacts::{Ageing, Contacts, FreeFriction, Initial, Rules, Start, ThresholdEvolution};
 use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
@@ -99,13 +100,16 @@ pub struct Transport {
     tolerance: f64,
     /// Largest spread of a cohort ([`merging`]).
     spread: f64,
-    delay: f64,
+    /// Total friction force of all contacts if they were free.
+    friction: FreeFriction,
     time: f64,
     position: f64,
     /// Shared with copies until either takes a step.
     cohorts: Arc<Vec<Cohort>>,
     broken: Broken,
     dropped: f64,
+    /// ∫(the fraction of free contacts) dX.
+    slid: f64,
     /// Energies since the start, in units of the total stiffness.
     spent: EnergyChange,
     pace: StepControl,
@@ -231,12 +235,16 @@ impl Transport {
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
             tolerance,
             spread: merging::largest_spread(contacts, tolerance),
-            delay: contacts.rules.delay,
+            friction: FreeFriction {
+                force: contacts.count * contacts.rules.free_friction.force,
+                viscosity: contacts.count * contacts.rules.free_friction.viscosity,
+            },
             time: 0.0,
             position: 0.0,
             cohorts: Arc::default(),
-            broken: Broken::new(contacts.rules.delay),
+            broken: Broken::new(&contacts.rules.delay),
             dropped: 0.0,
+            slid: 0.0,
             spent: EnergyChange::default(),
             pace: StepControl::new(contacts, tolerance),
             rate: 0.0,
@@ -262,9 +270,15 @@ impl Transport {
         self.unit
     }
 
-    /// Force F.
+    /// Force F, with that of free contacts, but without what their viscosity adds in motion.
     pub fn force(&self) -> f64 {
-        self.stiffness * self.cohorts.iter().map(Cohort::force).sum::<f64>()
+        let carried = self.stiffness * self.cohorts.iter().map(Cohort::force).sum::<f64>();
+        carried + self.free_friction().force
+    }
+
+    /// Friction force and viscosity of the contacts that are free.
+    pub fn free_friction(&self) -> FreeFriction {
+        self.friction.scaled(self.free())
     }
 
     /// dF/dX for an instantaneous motion: the stiffness of the attached contacts.
@@ -279,7 +293,8 @@ impl Transport {
         let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
         let [elastic, lost, strengthening] =
             [stored, self.spent.lost, self.spent.strengthening].map(|energy| self.stiffness * energy);
-        ContactEnergies { elastic, lost, strengthening, broken: self.broken.all() }
+        let sliding = self.friction.force * self.slid;
+        ContactEnergies { elastic, lost, strengthening, sliding, broken: self.broken.all() }
     }
 
     /// The fraction of attached contacts.
@@ -379,13 +394,18 @@ impl Transport {
                 self.advance_steadily(velocity, stop - now, &mut asked, &part, monitor)?;
                 for (&time, reading) in inside.iter().zip(asked.found()) {
                     let at = (begun + time, origin + history.position(time));
-                    trace.push(at, velocity_at(time), reading, self.stiffness);
+                    trace.push(at, velocity_at(time), reading, (self.stiffness, self.friction));
                 }
                 (now, rest) = (stop, later);
                 (self.time, self.position) = (begun + now, origin + history.position(now));
             }
             if let Some((_, later)) = rest.split_first().filter(|(time, _)| **time == stop) {
-                trace.push((self.time, self.position), velocity_at(stop), self.reading(), self.stiffness);
+                trace.push(
+                    (self.time, self.position),
+                    velocity_at(stop),
+                    self.reading(),
+                    (self.stiffness, self.friction),
+                );
                 rest = later;
             }
         }
@@ -417,9 +437,7 @@ impl Transport {
     /// Marks a possible kink of the breaking rate, here and where the contacts that break now re-form.
     fn mark_kink(&mut self) {
         self.pace.restart();
-        if self.delay > 0.0 {
-            self.kinks.push(self.time + self.delay);
-        }
+        self.kinks.extend(self.broken.kinks().iter().map(|after| self.time + after));
     }
 
     /// Moves at constant velocity for a time, and reads what is asked for on the way; `part` returns the fraction
@@ -464,8 +482,8 @@ impl Transport {
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
         // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
-        let before = self.pace.last();
-        if !self.pace.judge(path.duration, trial.fraction, trial.formed.deaths) {
+        let (before, formed) = (self.pace.last(), stage.broken.is_spread().then(|| trial.formed.fraction()));
+        if !self.pace.judge(path.duration, (trial.fraction, formed), trial.formed.deaths) {
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
         }
@@ -477,12 +495,15 @@ impl Transport {
             asked.read(elapsed, path.duration, &mut dense, monitor)?;
         }
         self.rate = trial.fraction.slope(path.duration, before);
+        let free = self.free();
         self.broken.keep(self.time, path.duration, trial.fraction, trial.formed.mass());
         self.spent = self.spent.plus(1.0, trial.spent);
         self.cohorts = Arc::new(trial.cohorts);
         self.time += path.duration;
         self.position += path.advance(0.0, 1.0);
         self.drop_negligible();
+        // Free contacts become more, or fewer, as the breaks and the formation in the step.
+        self.slid += path.advance(0.0, 1.0).abs() * (free + trial.formed.mean_free(trial.fraction));
         Ok(true)
     }
 
@@ -568,6 +589,10 @@ impl RateDependentContacts for Transport {
         Self::tangent(self)
     }
 
+    fn free_friction(&self) -> FreeFriction {
+        Self::free_friction(self)
+    }
+
     fn energies(&self) -> ContactEnergies {
         Self::energies(self)
     }
@@ -577,7 +602,7 @@ impl RateDependentContacts for Transport {
     }
 
     fn is_constant_at_rest(&self) -> bool {
-        self.delay == 0.0 && self.model.is_constant_at_rest()
+        self.broken.is_immediate() && self.model.is_constant_at_rest()
     }
 
     fn steady_velocity(&self) -> Option<f64> {
@@ -648,12 +673,18 @@ impl Trace {
         required.map_or(Ok(()), |required| Tolerance::from(required).allows(self.error / unit, what))
     }
 
-    /// Adds a reading, whose force is in units of `stiffness`.
-    fn push(&mut self, (time, position): (f64, f64), velocity: f64, reading: Reading, stiffness: f64) {
+    /// Adds a reading, whose force is in units of `stiffness`, with the `friction` of free contacts.
+    fn push(
+        &mut self,
+        (time, position): (f64, f64),
+        velocity: f64,
+        reading: Reading,
+        (stiffness, friction): (f64, FreeFriction),
+    ) {
         self.time.push(time);
         self.position.push(position);
         self.velocity.push(velocity);
-        self.force.push(stiffness * reading.force);
+        self.force.push(stiffness * reading.force + reading.free * friction.at(velocity));
         self.breaking_rate.push(reading.rate);
         self.free.push(reading.free);
     }

@@ -12,10 +12,10 @@
 use num_complex::Complex64;
 
 use super::Transport;
-use crate::Result;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Part};
+use crate::{Error, Result};
 
 /// The response of the force in steady sliding to a small step of the slider.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +57,12 @@ impl Transport {
             contacts.check(&super::steady::relaxed())?;
             let time = vec![0.0, contacts.thresholds.mean() / velocity];
             return Ok(StepResponse { velocity, response: vec![0.0; time.len()], time });
+        }
+        let viscosity = contacts.rules.free_friction.viscosity;
+        if viscosity > 0.0 {
+            let expected =
+                "0 where the response of steady sliding is computed: a step has no limit with a viscosity";
+            return Err(Error::invalid("free_friction.viscosity", expected, viscosity));
         }
         let mut steady =
             Self::steady_with(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;

@@ -19,6 +19,7 @@ struct TransportSnapshot {
     cohorts: Vec<Cohort>,
     broken: Broken,
     dropped: f64,
+    slid: f64,
     spent: EnergyChange,
     pace: StepControl,
     rate: f64,
@@ -28,7 +29,7 @@ struct TransportSnapshot {
 impl Transport {
     /// The present state.
     pub(super) fn snapshot(&self) -> ContactsState {
-        let &Self { time, position, dropped, spent, rate, .. } = self;
+        let &Self { time, position, dropped, slid, spent, rate, .. } = self;
         let Self { broken, pace, kinks, .. } = self.clone();
         let cohorts = self.cohorts.to_vec();
         ContactsState::of(&TransportSnapshot {
@@ -37,6 +38,7 @@ impl Transport {
             cohorts,
             broken,
             dropped,
+            slid,
             spent,
             pace,
             rate,
@@ -46,15 +48,15 @@ impl Transport {
 
     /// Restores a state of contacts with the same description.
     pub(super) fn resume(&mut self, state: &ContactsState) -> Result<()> {
-        let TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks } =
+        let TransportSnapshot { time, position, cohorts, broken, dropped, slid, spent, pace, rate, kinks } =
             state.read()?;
         if !cohorts.iter().all(|cohort| cohort.fits(&self.model)) {
             return Err(ContactsState::another("that of contacts whose thresholds follow other rules"));
         }
-        (self.time, self.position, self.dropped, self.spent, self.rate) =
-            (time, position, dropped, spent, rate);
+        (self.time, self.position, self.dropped, self.slid, self.spent, self.rate) =
+            (time, position, dropped, slid, spent, rate);
         (self.cohorts, self.kinks) = (Arc::new(cohorts), kinks);
-        (self.broken, self.pace) = (broken.of(self.delay), pace.of(&self.pace));
+        (self.broken, self.pace) = (broken.of(&self.broken), pace.of(&self.pace));
         (self.rough, self.steady, self.before) = (None, None, None);
         Ok(())
     }

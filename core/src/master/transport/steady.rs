@@ -19,7 +19,7 @@ const DEATHS: f64 = 3.0;
 const BEND: f64 = 12.0;
 
 impl Transport {
-    /// Contacts in steady sliding at a velocity v: formed at the rate Γ_s = 1/(∫s da + τ), with s(a) the
+    /// Contacts in steady sliding at a velocity v: formed at the rate Γ_s = 1/(∫s da + ⟨τ⟩), with s(a) the
     /// surviving fraction at age a. Time and position are 0. As accurate as [`Transport::default_tolerance`].
     ///
     /// # Errors
@@ -95,10 +95,10 @@ impl Transport {
                 duration = (2.0 * duration).min(transport.pace.longest(velocity));
             }
         }
-        let rate = 1.0 / (held(&cohorts) + contacts.rules.delay);
+        let rate = 1.0 / (held(&cohorts) + contacts.rules.delay.mean());
         cohorts.iter_mut().for_each(|cohort| cohort.mass *= rate);
         transport.cohorts = Arc::new(cohorts);
-        transport.broken = Broken::steadily(contacts.rules.delay, rate);
+        transport.broken = Broken::steadily(&contacts.rules.delay, rate);
         (transport.rate, transport.steady) = (rate, Some(velocity));
         Ok(transport)
     }

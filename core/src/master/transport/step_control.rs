@@ -26,6 +26,8 @@ pub(super) struct StepControl {
     next: f64,
     /// The last step, if the next one continues it smoothly.
     last: Option<(f64, BrokenFraction)>,
+    /// What formed in it, if that does not follow from what broke a delay before.
+    formed: Option<BrokenFraction>,
 }
 
 /// Longest step in units of the length on which lives vary: this times the fourth root of the tolerance.
@@ -60,6 +62,7 @@ impl StepControl {
             curvature: BEND * tolerance,
             next: f64::INFINITY,
             last: None,
+            formed: None,
         }
     }
 
@@ -103,13 +106,22 @@ impl StepControl {
     /// Discards the last step: the next one does not continue it.
     pub(super) fn restart(&mut self) {
         self.last = None;
+        self.formed = None;
     }
 
     /// Whether a step is accurate enough; sets the duration of the next one.
-    pub(super) fn judge(&mut self, duration: f64, fraction: BrokenFraction, deaths: EarlyBreaks) -> bool {
+    pub(super) fn judge(
+        &mut self,
+        duration: f64,
+        (fraction, formed): (BrokenFraction, Option<BrokenFraction>),
+        deaths: EarlyBreaks,
+    ) -> bool {
         // The number of breaks is computed, not extrapolated; the difference from its extrapolation
         // measures how well a parabola in time describes it in this step.
-        let extrapolation_error = self.extrapolation_error(duration, fraction) / self.extrapolation_error;
+        let last = self.last.map(|last| last.0).zip(self.formed);
+        let of_formed = formed.map_or(0.0, |formed| extrapolation_error(last, duration, formed));
+        let of_breaks = extrapolation_error(self.last, duration, fraction);
+        let extrapolation_error = of_breaks.max(of_formed) / self.extrapolation_error;
         let curvature = fraction.end * deaths.curve().1.abs() / self.curvature;
         let early = deaths.early / MOST_DEATHS;
         // The extrapolation error is of third order in the duration, the curvature too.
@@ -125,16 +137,8 @@ impl StepControl {
         let longer = factor * duration;
         self.next = if factor >= 1.0 && self.next.is_finite() { longer.max(self.next) } else { longer };
         self.last = Some((duration, fraction));
+        self.formed = formed;
         true
-    }
-
-    /// The difference between the breaks of a step and their linear extrapolation from the last breaking
-    /// rate; after a restart, the change of the breaking rate.
-    fn extrapolation_error(&self, duration: f64, fraction: BrokenFraction) -> f64 {
-        let Some((before, last)) = self.last else { return (fraction.end - 2.0 * fraction.middle).abs() };
-        let tilt = 4.0 * (last.end - 2.0 * last.middle);
-        let between = 0.5 * (1.0 + duration / before);
-        (fraction.end - duration / before * (last.end + tilt * between)).abs()
     }
 
     /// Refuses steps that shrink without limit.
@@ -158,6 +162,15 @@ impl StepControl {
     pub(super) fn last(&self) -> Option<(f64, BrokenFraction)> {
         self.last
     }
+}
+
+/// The difference between the breaks of a step and their linear extrapolation from the last breaking
+/// rate; after a restart, the change of the breaking rate.
+fn extrapolation_error(last: Option<(f64, BrokenFraction)>, duration: f64, fraction: BrokenFraction) -> f64 {
+    let Some((before, last)) = last else { return (fraction.end - 2.0 * fraction.middle).abs() };
+    let tilt = 4.0 * (last.end - 2.0 * last.middle);
+    let between = 0.5 * (1.0 + duration / before);
+    (fraction.end - duration / before * (last.end + tilt * between)).abs()
 }
 
 /// The length on which lives vary: that of the thresholds, and what temperature adds.

@@ -161,8 +161,9 @@ impl StepAttempt<'_> {
         let (alpha, beta) = deaths.curve();
         let mut fraction = before.rising();
         let mut masses = [0.0; 2];
+        let known = self.broken.free_before(self.time, path.duration);
         for _ in 0..ROUNDS {
-            let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, fraction);
+            let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, fraction, known);
             // The masses at the Gauss nodes ½ ± 1/(2√3) with this sum and first moment.
             let tilt = 3.0_f64.sqrt() * moment;
             masses = [0.5 * mass - tilt, 0.5 * mass + tilt];

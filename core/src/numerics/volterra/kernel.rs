@@ -133,7 +133,7 @@ impl Kernel {
     /// narrow towards a steep breakpoint. Cells beside a singularity do not count, since the cells of a
     /// solution double in width from there. If all cells are such, the width that halves the mean; infinite
     /// if there are only point masses.
-    pub(super) fn narrow_width(&self, light: f64) -> f64 {
+    pub(crate) fn narrow_width(&self, light: f64) -> f64 {
         let mut cells: Vec<(f64, f64, usize)> = (0..self.bounds.len())
             .map(|cell| {
                 let width = 2.0 * self.curve.cell(cell).1;

@@ -57,6 +57,11 @@ impl Interface {
     pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
         self.values().map_err(|e| e.under("interface"))?;
         self.check_slip_rates(contacts).map_err(|e| e.under("interface"))?;
+        let viscosity = contacts.rules.free_friction.viscosity;
+        if viscosity > 0.0 {
+            let expected = "0 beside [interface], whose cells have interface.viscosity: free contacts have a constant force there";
+            return Err(Error::invalid("contacts.free_friction.viscosity", expected, viscosity));
+        }
         match (self.contacts, contacts.rules.first()) {
             (PerCell::Many, None) if self.mass.is_none() => self.many(ensemble, BYTES_PER_ENSEMBLE),
             (PerCell::Many, rule) => {
