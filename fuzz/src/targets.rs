@@ -5,13 +5,14 @@
 #![allow(missing_docs)]
 
 use std::fs;
+use std::num::NonZeroU64;
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use asperity::monitor::Monitor;
 use asperity::scenario::{Component, Law, Scenario};
 use asperity::task::Storage;
-use asperity_runner::checkpoint::Checkpoints;
+use asperity_runner::checkpoint::{Checkpoints, Every};
 use asperity_runner::{input, output, run_with};
 use tempfile::TempDir;
 
@@ -75,7 +76,8 @@ pub const CHECKPOINTED: &str = include_str!("../seeds/chain.toml");
 /// Runs it for some questions of a monitor from a checkpoint in a folder, if there is one, and leaves one there.
 pub fn resume(folder: &Path, questions: usize) {
     let scenario: Scenario = input::parse_complete(CHECKPOINTED, "chain").expect("it is valid").scenario;
-    let Ok(mut checkpoints) = Checkpoints::resume(&folder.join("run"), &scenario, None) else { return };
+    let every = Every::Events(NonZeroU64::new(5).expect("5 is not 0"));
+    let Ok(mut checkpoints) = Checkpoints::resume(&folder.join("run"), &scenario, Some(every)) else { return };
     let storage = Storage { checkpoints: Some(&mut checkpoints), columns: None };
     drop(run_with(&scenario, storage, &mut Patience(questions)));
 }
@@ -120,6 +122,7 @@ fn parametric(bytes: &[u8]) -> Option<Law> {
     let number = |at: usize| Some(f64::from_le_bytes(numbers.get(8 * at..8 * at + 8)?.try_into().ok()?));
     let (a, b) = (number(0)?, number(1)?);
     if [a, b].iter().any(|x| *x != 0.0 && !(1e-150..=1e150).contains(x)) { return None; }
+    if !(1e-14..=1e6).contains(&(b / a)) && family % 7 < 3 && a != 0.0 { return None; }
     Some(match family % 7 {
         0 => Law::Gaussian { mean: a, std: b },
         1 => Law::Gamma { mean: a, std: b },

@@ -206,6 +206,6 @@ fn seeds() {
     asperity_runner::output::write(&out, &outcome, &[]).unwrap();
     fs::copy(out.join("result.nc"), corpus.join("result/pull.nc")).unwrap();
     fs::copy(out.join("summary.json"), folder("fuzz/seeds/summary.json")).unwrap();
-    targets::resume(place.path(), 8);
+    targets::resume(place.path(), 1000);
     fs::copy(place.path().join("run.checkpoint.0"), corpus.join("checkpoint/chain")).unwrap();
 }
