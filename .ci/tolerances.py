@@ -1,11 +1,11 @@
-"""Every tolerance in a test has its reason beside it: a comment on its line or in the lines above.
+"""Every tolerance in a test has its reason beside it: a comment on its line, or in the lines above it in its function.
 
     python .ci/tolerances.py
 
-A tolerance is a number below 1 that is written as a decimal or a power of ten and is an upper bound: behind `<` or `<=`, the last
-argument of a function that compares, or `abs`, `rel`, `atol`, `rtol` in Python. Bounds by constants have their reason where the
-constant is. A comment counts for the lines below it up to an empty line, for `NEAR` lines at most; one above a function or a table
-of cases counts for all of the first lines of it.
+A tolerance is a number below 0.1, a decimal or a power of ten, that is an upper bound: behind `<` or `<=`, as the last argument of
+a function that compares, or as `abs`, `rel`, `atol`, `rtol` in Python. Two reasons need no words: 1e-12 or less is rounding, and
+about one unit of the last digit of a number in the same line is what that number is known to. Bounds by constants have their reason
+where the constant is.
 """
 
 import re
@@ -17,6 +17,8 @@ ROOT = Path(__file__).resolve().parent.parent
 NEAR = 16
 # Numbers of order 1 that agree to this differ by rounding: some thousand operations, or sums of as many terms. CONTRIBUTING.md says so.
 ROUNDING = 1e-12
+# What is larger is no tolerance but a limit between outcomes.
+LARGEST = 0.1
 PLACES = [
     "core/tests/*.rs",
     "core/src/**/*.rs",
@@ -61,9 +63,21 @@ def has_reason(lines: list[str], at: int, mark: str) -> bool:
     return any(line.strip().startswith(mark) for line in lines[max(begin, at - NEAR) : at])
 
 
-def is_rounding(code: str) -> bool:
-    """Whether the bounds of a line are such that only rounding is left."""
-    return all(float(number.replace("_", "")) <= ROUNDING for number in re.findall(SMALL, code))
+def bounds(code: str, pattern: re.Pattern[str]) -> list[float]:
+    """The tolerances in a line."""
+    last = [re.findall(SMALL, found)[-1] for found in pattern.findall(code)]
+    return [value for value in (float(number.replace("_", "")) for number in last) if value < LARGEST]
+
+
+def digits(code: str) -> list[float]:
+    """The units of the last digits of the decimals in a line."""
+    decimals = re.findall(r"(?<![\w.])\d+\.(\d[\d_]{2,})(?![\d_]*e)", code)
+    return [10.0 ** -len(digits.replace("_", "")) for digits in decimals]
+
+
+def is_plain(value: float, code: str) -> bool:
+    """Whether only rounding is left below a bound, or it is the last digit of a number in its line."""
+    return value <= ROUNDING or any(0.4 * unit < value < 1.1 * unit for unit in digits(code))
 
 
 def bare(path: Path) -> list[str]:
@@ -71,10 +85,11 @@ def bare(path: Path) -> list[str]:
     found, python = [], path.suffix == ".py"
     numbered = test_lines(path)
     lines = [line for _, line in numbered]
-    mark, bound = ("#", PYTHON) if python else ("//", RUST)
+    mark, pattern = ("#", PYTHON) if python else ("//", RUST)
     for at, (number, line) in enumerate(numbered):
-        bounds = "".join(bound.findall(line.split(mark)[0]))
-        if bounds and not is_rounding(bounds) and not has_reason(lines, at, mark):
+        code = line.split(mark)[0]
+        plain = all(is_plain(value, code) for value in bounds(code, pattern))
+        if not plain and not has_reason(lines, at, mark):
             found.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
     return found
 

@@ -77,7 +77,9 @@ pub const CHECKPOINTED: &str = include_str!("../seeds/chain.toml");
 pub fn resume(folder: &Path, questions: usize) {
     let scenario: Scenario = input::parse_complete(CHECKPOINTED, "chain").expect("it is valid").scenario;
     let every = Every::Events(NonZeroU64::new(5).expect("5 is not 0"));
-    let Ok(mut checkpoints) = Checkpoints::resume(&folder.join("run"), &scenario, Some(every)) else { return };
+    let Ok(mut checkpoints) = Checkpoints::resume(&folder.join("run"), &scenario, Some(every)) else {
+        return;
+    };
     let storage = Storage { checkpoints: Some(&mut checkpoints), columns: None };
     drop(run_with(&scenario, storage, &mut Patience(questions)));
 }
@@ -121,8 +123,6 @@ fn parametric(bytes: &[u8]) -> Option<Law> {
     let (family, numbers) = bytes.split_first()?;
     let number = |at: usize| Some(f64::from_le_bytes(numbers.get(8 * at..8 * at + 8)?.try_into().ok()?));
     let (a, b) = (number(0)?, number(1)?);
-    if [a, b].iter().any(|x| *x != 0.0 && !(1e-150..=1e150).contains(x)) { return None; }
-    if !(1e-14..=1e6).contains(&(b / a)) && family % 7 < 3 && a != 0.0 { return None; }
     Some(match family % 7 {
         0 => Law::Gaussian { mean: a, std: b },
         1 => Law::Gamma { mean: a, std: b },

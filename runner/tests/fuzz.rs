@@ -28,12 +28,51 @@ const MOST: usize = 1 << 16;
 
 /// Parts of texts and of files at which readers decide, and numbers at which arithmetic does.
 const WORDS: [&[u8]; 26] = [
-    b"0", b"-1", b"1e308", b"-1e308", b"1e-308", b"5e-324", b"nan", b"inf", b"-inf", b"18446744073709551616", b"9223372036854775807",
-    b"[", b"]", b"{", b"}", b"\"", b"'", b"\n", b",", b"=", b".", b"#", b"\xff", b"\0\0\0\0", b"\xff\xff\xff\xff", b"\xe2\x82\xac",
+    b"0",
+    b"-1",
+    b"1e308",
+    b"-1e308",
+    b"1e-308",
+    b"5e-324",
+    b"nan",
+    b"inf",
+    b"-inf",
+    b"18446744073709551616",
+    b"9223372036854775807",
+    b"[",
+    b"]",
+    b"{",
+    b"}",
+    b"\"",
+    b"'",
+    b"\n",
+    b",",
+    b"=",
+    b".",
+    b"#",
+    b"\xff",
+    b"\0\0\0\0",
+    b"\xff\xff\xff\xff",
+    b"\xe2\x82\xac",
 ];
 /// The bits of such numbers.
 const NUMBERS: [f64; 16] = [
-    0.0, -0.0, 1.0, -1.0, 0.1, 20.0, 1e3, 1e16, 1e150, 1e300, f64::MAX, f64::MIN_POSITIVE, 5e-324, 1e-150, f64::INFINITY, f64::NAN,
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.1,
+    20.0,
+    1e3,
+    1e16,
+    1e150,
+    1e300,
+    f64::MAX,
+    f64::MIN_POSITIVE,
+    5e-324,
+    1e-150,
+    f64::INFINITY,
+    f64::NAN,
 ];
 
 /// A target, with its name and the number of inputs here.
@@ -50,7 +89,8 @@ fn folder(name: &str) -> PathBuf {
 /// The files of a folder, in the order of their names.
 fn files(folder: &Path) -> Vec<Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()).collect();
+    let mut paths: Vec<_> =
+        entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()).collect();
     paths.sort();
     paths.iter().map(|path| fs::read(path).unwrap()).collect()
 }
@@ -59,8 +99,12 @@ impl Target {
     fn corpus(&self) -> Vec<Vec<u8>> {
         let mut corpus = files(&folder("fuzz/corpus").join(self.name));
         match self.name {
-            "scenario" => ["scenarios", "scenarios/invalid"].iter().for_each(|name| corpus.extend(files(&folder(name)))),
-            "table" => corpus.extend(files(&folder("scenarios")).into_iter().filter(|file| file.contains(&b','))),
+            "scenario" => {
+                ["scenarios", "scenarios/invalid"].iter().for_each(|name| corpus.extend(files(&folder(name))))
+            }
+            "table" => {
+                corpus.extend(files(&folder("scenarios")).into_iter().filter(|file| file.contains(&b',')))
+            }
             _ => {}
         }
         corpus.retain(|file| file.len() <= MOST);

@@ -24,20 +24,24 @@ fn number() -> impl Strategy<Value = f64> {
 /// The text of a distribution.
 fn law() -> BoxedStrategy<String> {
     let one = |name: &'static str, keys: [&'static str; 2]| {
-        (number(), number()).prop_map(move |(a, b)| format!("{{ {name} = {{ {} = {a:?}, {} = {b:e} }} }}", keys[0], keys[1]))
+        (number(), number())
+            .prop_map(move |(a, b)| format!("{{ {name} = {{ {} = {a:?}, {} = {b:e} }} }}", keys[0], keys[1]))
     };
-    let rectangular = (number(), number()).prop_map(|(a, b)| format!("{{ rectangular = {{ min = {a}, max = {} }} }}", a + b));
+    let rectangular = (number(), number())
+        .prop_map(|(a, b)| format!("{{ rectangular = {{ min = {a}, max = {} }} }}", a + b));
     let series = (number(), -0.9..0.9_f64).prop_map(|(a, slope)| {
         format!("{{ series = {{ boundaries = [0, {a}, {}], coefficients = [[1, {slope}], [1]] }} }}", 2.0 * a)
     });
-    let samples = prop::collection::vec(number(), 1..6).prop_map(|samples| format!("{{ tabulated.samples = {samples:?} }}"));
+    let samples = prop::collection::vec(number(), 1..6)
+        .prop_map(|samples| format!("{{ tabulated.samples = {samples:?} }}"));
     let simple = prop_oneof![
         one("gaussian", ["mean", "std"]),
         one("gamma", ["mean", "std"]),
         (number(), 0.01..3.0_f64).prop_map(|(mean, width)| {
             format!("{{ lognormal = {{ mean = {mean}, std = {} }} }}", width * mean)
         }),
-        (0.3..50.0_f64, number()).prop_map(|(shape, scale)| format!("{{ weibull = {{ shape = {shape}, scale = {scale} }} }}")),
+        (0.3..50.0_f64, number())
+            .prop_map(|(shape, scale)| format!("{{ weibull = {{ shape = {shape}, scale = {scale} }} }}")),
         number().prop_map(|at| format!("{{ point.at = {at} }}")),
         number().prop_map(|mean| format!("{{ exponential.mean = {mean} }}")),
         rectangular,
@@ -47,7 +51,10 @@ fn law() -> BoxedStrategy<String> {
     .boxed();
     let mixed = (simple.clone(), simple.clone(), 1..99_u32).prop_map(|(a, b, percent)| {
         let weight = f64::from(percent) / 100.0;
-        format!("{{ mixture = [{{ weight = {weight}, law = {a} }}, {{ weight = {}, law = {b} }}] }}", 1.0 - weight)
+        format!(
+            "{{ mixture = [{{ weight = {weight}, law = {a} }}, {{ weight = {}, law = {b} }}] }}",
+            1.0 - weight
+        )
     });
     prop_oneof![4 => simple, 1 => mixed].boxed()
 }
@@ -73,11 +80,14 @@ fn task() -> impl Strategy<Value = String> {
 
 /// Rules of time, a title with letters that TOML escapes, units.
 fn rest() -> impl Strategy<Value = String> {
-    let title = "[ -~äµ\\n\\t\"'\\\\]{0,20}".prop_map(|title| format!("title = {}\n", toml::Value::from(title)));
-    let heat = (number(), number())
-        .prop_map(|(energy, rate)| format!("contacts.temperature = {{ energy = {energy}, attempt_rate = {rate} }}\n"));
-    let ageing = (number(), number())
-        .prop_map(|(growth, time)| format!("contacts.ageing.logarithmic = {{ growth = {growth}, time = {time} }}\n"));
+    let title =
+        "[ -~äµ\\n\\t\"'\\\\]{0,20}".prop_map(|title| format!("title = {}\n", toml::Value::from(title)));
+    let heat = (number(), number()).prop_map(|(energy, rate)| {
+        format!("contacts.temperature = {{ energy = {energy}, attempt_rate = {rate} }}\n")
+    });
+    let ageing = (number(), number()).prop_map(|(growth, time)| {
+        format!("contacts.ageing.logarithmic = {{ growth = {growth}, time = {time} }}\n")
+    });
     let count = number().prop_map(|count| format!("contacts.count = {count}\n"));
     let maybe = |text: BoxedStrategy<String>| prop::option::of(text).prop_map(Option::unwrap_or_default);
     (title, maybe(heat.boxed()), maybe(ageing.boxed()), maybe(count.boxed()))

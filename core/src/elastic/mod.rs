@@ -109,7 +109,8 @@ impl Interface {
         if number != shape.size() {
             return Err(Error::invalid("cells", format!("{} of them, as coupled", shape.size()), number));
         }
-        let mut model = InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape), residuals: 0 };
+        let mut model =
+            InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape), residuals: 0 };
         let configuration = model.initial_balance()?;
         Ok(Self {
             energy: EnergyBudget::new(&mut model, &configuration),
