@@ -1,11 +1,11 @@
-"""Every tolerance in a test has its reason beside it: a comment on its line, or in the lines above it in its function.
+"""Every tolerance in a test has its reason beside it: a comment on its line, or above it in its function.
 
     python .ci/tolerances.py
 
-A tolerance is a number below 0.1, a decimal or a power of ten, that is an upper bound: behind `<` or `<=`, as the last argument of
-a function that compares, or as `abs`, `rel`, `atol`, `rtol` in Python. Two reasons need no words: 1e-12 or less is rounding, and
-about one unit of the last digit of a number in the same line is what that number is known to. Bounds by constants have their reason
-where the constant is.
+A tolerance is a number below 0.1, a decimal or a power of ten, that is an upper bound: behind `<` or `<=`,
+as the last argument of a function that compares, or as `abs`, `rel`, `atol`, `rtol` in Python. Two reasons
+need no words: 1e-12 or less is rounding, and about one unit of the last digit of a number in the same line is
+what that number is known to. Bounds by constants have their reason where the constant is.
 """
 
 import re
@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 # Lines between a bound and its reason.
 NEAR = 16
-# Numbers of order 1 that agree to this differ by rounding: some thousand operations, or sums of as many terms. CONTRIBUTING.md says so.
+# Numbers of order 1 that agree to this differ by the rounding of some thousand operations (CONTRIBUTING.md).
 ROUNDING = 1e-12
 # What is larger is no tolerance but a limit between outcomes.
 LARGEST = 0.1
@@ -33,7 +33,7 @@ SMALL = r"(?:\d[\d_]*(?:\.\d+)?e-\d+|0\.\d+)"
 RUST = re.compile(
     rf"<=?\s*{SMALL}|\b(?:near|close|assert_close|assert_near|agree|agrees|holds|equal|same|within)\w*!?\(.*,\s*{SMALL}\)"
 )
-PYTHON = re.compile(rf"<=?\s*{SMALL}|\b(?:abs|rel|atol|rtol|tolerance)=\s*{SMALL}")
+PYTHON = re.compile(rf"<=?\s*{SMALL}|\b(?:abs|rel|atol|rtol)=\s*{SMALL}")
 
 
 def test_lines(path: Path) -> list[tuple[int, str]]:
