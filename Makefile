@@ -155,6 +155,9 @@ figures: $(venv)/installed
 	draw fig2 fig2 force evolution; \
 	draw stick-slip-overdamped stick-slip stick_slip equilibrium; \
 	draw velocity-curve-thermal thermal velocity_curve; \
+	draw velocity-curve-delay delay velocity_curve; \
+	draw velocity-curve-ageing ageing velocity_curve; \
+	draw precursors-edge precursors trace; \
 	draw healing healing hold_curve; \
 	draw velocity-step step velocity_step; \
 	draw stick-slip-ageing aged stick_slip; \
