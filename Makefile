@@ -157,7 +157,7 @@ figures: $(venv)/installed
 	draw velocity-curve-thermal thermal velocity_curve; \
 	draw velocity-curve-delay delay velocity_curve; \
 	draw velocity-curve-ageing ageing velocity_curve; \
-	draw precursors-edge precursors trace; \
+	draw precursors-edge precursors space_time; \
 	draw healing healing hold_curve; \
 	draw velocity-step step velocity_step; \
 	draw stick-slip-ageing aged stick_slip; \
@@ -297,7 +297,7 @@ packages:
 # Changes of public items of the core that the version in Cargo.toml does not allow after the release BASE, the last tag if not
 # given. The crates for the command and for Python promise none (docs/compatibility.md).
 semver:
-	@base="$(or $(BASE),$$(git describe --tags --abbrev=0 2> /dev/null))"; \
+	@base="$(or $(BASE),$$(git describe --tags --abbrev=0 2> /dev/null || true))"; \
 	if [ -z "$$base" ]; then \
 	  echo "semver: not checked, there is no release to compare with: BASE=COMMIT names one"; \
 	elif ! cargo semver-checks --version > /dev/null 2>&1; then \
