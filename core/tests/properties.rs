@@ -1,5 +1,5 @@
 //! Properties that hold for any contacts, on cases drawn by proptest: distributions, lives, solutions of the renewal equation, and
-//! the queue of an ensemble. Cases are the same every time; one that failed is kept in `proptest-regressions` and tried first.
+//! the queue of an ensemble. Cases are the same every time; one that failed is kept in `properties.regressions` and tried first.
 
 mod common;
 

@@ -1,5 +1,5 @@
 //! Scenarios and tables as text, on cases drawn by proptest: what is written is read as the same. Cases are the same every time;
-//! one that failed is kept in `proptest-regressions` and tried first.
+//! one that failed is kept in `properties.regressions` and tried first.
 
 use std::path::Path;
 

@@ -49,7 +49,10 @@ fn friction_rises_with_velocity() {
     let creep = &column(&record, "creep_friction")[..velocity.len()];
     let off = creep.iter().zip(all).map(|(law, force)| (law / force - 1.0).abs());
     let off = off.filter(|off| off.is_finite()).fold(0.0, f64::max);
-    told(&format!("by {slope:.4} per decade at v = 10⁻⁷ to 10⁻⁶, and the law of slow creep holds to {:.1} %", 100.0 * off));
+    told(&format!(
+        "by {slope:.4} per decade at v = 10⁻⁷ to 10⁻⁶, and the law of slow creep holds to {:.1} %",
+        100.0 * off
+    ));
 }
 
 /// Braun and Peyrard (2011): friction falls with velocity where contacts re-form late.
@@ -91,7 +94,11 @@ fn static_friction_heals() {
 fn velocity_steps_evolve() {
     let summary = serde_json::to_value(&run("velocity-step", &[]).summary).unwrap();
     let number = |step: usize, name: &str| summary["steps"][step]["rate_state"][name].as_f64().unwrap();
-    told(&format!("to {:.1} % and {:.1} % of its range", 100.0 * number(1, "residual_relative"), 100.0 * number(2, "residual_relative")));
+    told(&format!(
+        "to {:.1} % and {:.1} % of its range",
+        100.0 * number(1, "residual_relative"),
+        100.0 * number(2, "residual_relative")
+    ));
     assert!((1..=2).all(|step| number(step, "b") > number(step, "a")));
 }
 
@@ -115,7 +122,9 @@ fn precursors_of_a_chain_pulled_at_its_edge() {
     let records = records.filter(|more| *more).count();
     assert_eq!(column(&record, "event_epicentre")[0], 0.0);
     let last = reaches[..whole].iter().copied().fold(0.0, f64::max);
-    told(&format!("{whole} slips end inside it, {records} of them farther than all before, the last at cell {last} of 30"));
+    told(&format!(
+        "{whole} slips end inside it, {records} of them farther than all before, the last at cell {last} of 30"
+    ));
 }
 
 /// Hergarten and Neugebauer (2002): foreshocks and aftershocks in the automaton of Olami, Feder and Christensen.
