@@ -32,7 +32,7 @@ fn folder() -> TempDir {
 }
 
 /// Scenarios that read a table, of each kind.
-const TABLES: [&str; 6] = [
+pub const TABLES: [&str; 6] = [
     "contacts.thresholds.tabulated.file = 'table.csv'\n[pull]\n",
     "contacts.thresholds.point.at = 1\n[pull]\n[compare]\nfile = 'table.csv'\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\n[fit]\nfile = 'table.csv'\nfree = ['contacts.thresholds.mean']\n",

@@ -100,11 +100,16 @@ impl Target {
         let mut corpus = files(&folder("fuzz/corpus").join(self.name));
         match self.name {
             "scenario" => {
-                ["scenarios", "scenarios/invalid"].iter().for_each(|name| corpus.extend(files(&folder(name))))
+                ["scenarios", "scenarios/invalid"]
+                    .iter()
+                    .for_each(|name| corpus.extend(files(&folder(name))));
             }
             "table" => {
-                corpus.extend(files(&folder("scenarios")).into_iter().filter(|file| file.contains(&b',')))
+                let tables = files(&folder("scenarios")).into_iter().filter(|file| file.contains(&b','));
+                corpus.extend(tables);
             }
+            // One of another version is refused at its header.
+            "checkpoint" => corpus.push(fresh_checkpoint()),
             _ => {}
         }
         corpus.retain(|file| file.len() <= MOST);
@@ -141,6 +146,13 @@ impl Target {
         }
         println!("{}: {} files, {made} inputs made of them", self.name, corpus.len());
     }
+}
+
+/// A checkpoint of this version.
+fn fresh_checkpoint() -> Vec<u8> {
+    let place = tempfile::tempdir().unwrap();
+    targets::resume(place.path(), 1000);
+    fs::read(place.path().join("run.checkpoint.0")).unwrap()
 }
 
 /// A source of whole numbers.
@@ -227,6 +239,30 @@ fn laws() {
     Target { name: "law", run: targets::law, count: 5000 }.search();
 }
 
+/// What is changed is right before: every kind of table is read from some file, and a result is.
+#[test]
+fn the_corpus_is_read() {
+    let tables = Target { name: "table", run: targets::table, count: 0 }.corpus();
+    for text in targets::TABLES {
+        let place = tempfile::tempdir().unwrap();
+        let is_read = |table: &Vec<u8>| {
+            fs::write(place.path().join("table.csv"), table).unwrap();
+            asperity_runner::input::parse(text, "fuzz", place.path(), &[]).is_ok()
+        };
+        assert!(tables.iter().any(is_read), "no file of the corpus is a table of {text}");
+    }
+    let place = tempfile::tempdir().unwrap();
+    for (name, from) in [
+        ("summary.json", "seeds/summary.json"),
+        ("scenario.toml", "seeds/pull.toml"),
+        ("result.nc", "corpus/result/pull.nc"),
+    ] {
+        fs::copy(folder("fuzz").join(from), place.path().join(name)).unwrap();
+    }
+    let outcome = asperity_runner::output::read(place.path()).unwrap();
+    assert_eq!(outcome.record.values("force").unwrap().len(), 3);
+}
+
 #[test]
 fn the_same_inputs_are_made_every_time() {
     let corpus = [b"mean = 1.0".to_vec(), b"std = 0.1".to_vec()];
@@ -250,6 +286,5 @@ fn seeds() {
     asperity_runner::output::write(&out, &outcome, &[]).unwrap();
     fs::copy(out.join("result.nc"), corpus.join("result/pull.nc")).unwrap();
     fs::copy(out.join("summary.json"), folder("fuzz/seeds/summary.json")).unwrap();
-    targets::resume(place.path(), 1000);
-    fs::copy(place.path().join("run.checkpoint.0"), corpus.join("checkpoint/chain")).unwrap();
+    fs::write(corpus.join("checkpoint/chain"), fresh_checkpoint()).unwrap();
 }
