@@ -12,8 +12,9 @@ use crate::{Error, Result};
 pub const MEMORY: u64 = 16 << 30;
 
 /// Pieces of work of which adaptive methods do more or fewer, as their control decides: a cost that depends on no clock and on no
-/// number of threads. `core/tests` and `runner/tests` compare it with what it was (`runner/tests/cost.rs`).
+/// number of threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Cost {
     /// Cells of the Legendre series of a life.
     LifeCells,
@@ -71,7 +72,7 @@ pub trait Monitor: Send {
     /// Called by event-driven computations, with the number of events so far and the drive.
     fn events(&mut self, _events: u64, _drive: f64) {}
 
-    /// Called where adaptive methods have done pieces of work, on any thread.
+    /// Called where adaptive methods have done pieces of work, on any thread; the sums do not depend on the number of threads.
     fn cost(&mut self, _cost: Cost, _pieces: usize) {}
 
     /// Bytes that the computation may use; a job known to need more is refused.

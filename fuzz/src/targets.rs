@@ -35,8 +35,8 @@ fn folder() -> TempDir {
 pub const TABLES: [&str; 6] = [
     "contacts.thresholds.tabulated.file = 'table.csv'\n[pull]\n",
     "contacts.thresholds.point.at = 1\n[pull]\n[compare]\nfile = 'table.csv'\n",
-    "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\n[fit]\nfile = 'table.csv'\nfree = ['contacts.thresholds.mean']\n",
-    "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\nfit.free = ['contacts.thresholds.mean']\n[fit.steady]\nfile = 'table.csv'\n",
+    "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\n[fit]\nfile = 'table.csv'\nfree = ['contacts.thresholds.gaussian.mean']\n",
+    "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\nfit.free = ['contacts.thresholds.gaussian.mean']\n[fit.steady]\nfile = 'table.csv'\nspacing = 0.1\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\n[interface]\ncells = [3]\nconnection = 1\ncoupling.neighbours = { stiffness = 1 }\ndisorder.file = 'table.csv'\n[drive]\ndistance = 1\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\ncontacts.temperature = { energy = 0.1, attempt_rate = 1 }\nprotocol_file = 'table.csv'\n",
 ];
