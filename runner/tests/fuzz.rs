@@ -184,7 +184,10 @@ fn change(input: &mut Vec<u8>, corpus: &[Vec<u8>], dice: &mut Dice) {
         1 if at < input.len() => input[at] = dice.below(256) as u8,
         2 => drop(input.drain(at.min(end)..end)),
         3 => input.truncate(at),
-        4 => insert(input, at, &input[at.min(end)..end].to_vec()),
+        4 => {
+            let part = input[at.min(end)..end].to_vec();
+            insert(input, at, &part);
+        }
         5 => {
             let other = &corpus[dice.below(corpus.len())];
             let from = dice.below(other.len() + 1);
