@@ -5,7 +5,7 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
-.PHONY: workflows metadata release-check packages packages-compile publish release release-notes binary compiles minimal-versions mutants
+.PHONY: workflows metadata release-check packages packages-compile publish semver release release-notes binary compiles minimal-versions mutants fuzz-bytes cost
 
 export PYTHON ?= python3
 venv := .venv
@@ -105,6 +105,7 @@ lint:
 	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 	$(PYTHON) .ci/third_party.py check
 	$(PYTHON) .ci/metadata.py check
+	$(PYTHON) .ci/tolerances.py
 	$(MAKE) workflows
 
 # The workflows of hosted CI: their syntax, the inputs of actions, their permissions, and the shell in them.
@@ -155,6 +156,9 @@ figures: $(venv)/installed
 	draw fig2 fig2 force evolution; \
 	draw stick-slip-overdamped stick-slip stick_slip equilibrium; \
 	draw velocity-curve-thermal thermal velocity_curve; \
+	draw velocity-curve-delay delay velocity_curve; \
+	draw velocity-curve-ageing ageing velocity_curve; \
+	draw precursors-edge precursors space_time; \
 	draw healing healing hold_curve; \
 	draw velocity-step step velocity_step; \
 	draw stick-slip-ageing aged stick_slip; \
@@ -265,6 +269,16 @@ fuzz:
 	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(SECONDS),ASPERITY_FUZZ_SECONDS=$(SECONDS)) $(if $(FROM),ASPERITY_FUZZ_FROM=$(FROM)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact $(if $(CASE),one_case,campaign)
 
+# Bytes from strangers: scenarios, tables, results, checkpoints and parameters of distributions, changed at random, for ten minutes
+# each; what fails is left in target/fuzz, and belongs into fuzz/corpus. `make rust` tries a fixed number of them. `cargo +nightly
+# fuzz run scenario` searches by coverage.
+fuzz-bytes:
+	ASPERITY_FUZZ_SECONDS=$(or $(SECONDS),600) cargo test --release --locked --package asperity-runner --test fuzz -- --nocapture --test-threads 1
+
+# What steps and cells the shipped scenarios cost, anew, after a change that is meant to change it. `make rust` compares.
+cost:
+	ASPERITY_UPDATE=1 cargo test --release --locked --package asperity-runner --test cost
+
 # All combinations of a distribution, a task, a temperature and a rule of ageing, one after the other; those that fail are left in
 # target/fuzz. CASE=1234 runs that one, PART=3/20 the twentieth of all that begins with number 3.
 grid:
@@ -280,6 +294,18 @@ published := --workspace --exclude asperity-python --exclude asperity-wasm
 
 packages:
 	cargo package $(published) --no-verify --locked --quiet --allow-dirty
+
+# Changes of public items of the core that the version in Cargo.toml does not allow after the release BASE, the last tag if not
+# given. The crates for the command and for Python promise none (docs/compatibility.md).
+semver:
+	@base="$(or $(BASE),$$(git describe --tags --abbrev=0 2> /dev/null || true))"; \
+	if [ -z "$$base" ]; then \
+	  echo "semver: not checked, there is no release to compare with: BASE=COMMIT names one"; \
+	elif ! cargo semver-checks --version > /dev/null 2>&1; then \
+	  echo "semver: not checked, cargo-semver-checks is not installed"; exit $(if $(CI),1,0); \
+	else \
+	  cargo semver-checks --package asperity --baseline-rev "$$base"; \
+	fi
 
 # The same, each crate compiled from its package as the registry would have it.
 packages-compile:

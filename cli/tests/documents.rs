@@ -281,6 +281,8 @@ fn pictures_are_those_that_the_program_draws() {
         ("fig2", "fig2", &["force", "evolution"][..]),
         ("stick-slip-overdamped", "stick-slip", &["stick_slip", "equilibrium"]),
         ("velocity-curve-thermal", "thermal", &["velocity_curve"]),
+        ("velocity-curve-delay", "delay", &["velocity_curve"]),
+        ("precursors-edge", "precursors", &["space_time"]),
         ("healing", "healing", &["hold_curve"]),
         ("velocity-step", "step", &["velocity_step"]),
         ("stick-slip-ageing", "aged", &["stick_slip"]),

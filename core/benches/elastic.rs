@@ -159,7 +159,6 @@ fn row(name: &str, coupling: Box<dyn Coupling>) {
         connection: 0.5,
         loading: CellLoading::Uniform,
         slip: CellSlip::Overdamped,
-        mass: 0.0,
         viscosity: None,
         drive_tolerance: 1e-6,
         area: None,

@@ -22,12 +22,12 @@ fn pulls(criterion: &mut Criterion) {
     let positions: Vec<f64> = (0..=2000).map(|i| f64::from(i) * 0.05).collect();
     let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
     let broad: SharedLaw = Arc::new(Rectangular::new(0.0, 0.2).unwrap());
-    let equal = Stiffness::Equal(1.0);
+    const EQUAL: Stiffness = Stiffness::Equal(1.0);
     let cases = [
-        ("annealed", 1, ensemble(relaxed.clone(), equal, Disorder::Annealed)),
-        ("annealed", 2, ensemble(relaxed.clone(), equal, Disorder::Annealed)),
-        ("quenched", 1, ensemble(relaxed.clone(), equal, Disorder::Quenched)),
-        ("broad reforming", 1, ensemble(broad, equal, Disorder::Annealed)),
+        ("annealed", 1, ensemble(relaxed.clone(), EQUAL, Disorder::Annealed)),
+        ("annealed", 2, ensemble(relaxed.clone(), EQUAL, Disorder::Annealed)),
+        ("quenched", 1, ensemble(relaxed.clone(), EQUAL, Disorder::Quenched)),
+        ("broad reforming", 1, ensemble(broad, EQUAL, Disorder::Annealed)),
         ("per threshold", 1, ensemble(relaxed, Stiffness::PerThreshold(1.0), Disorder::Annealed)),
     ];
     let mut group = criterion.benchmark_group("pull");

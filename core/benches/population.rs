@@ -25,14 +25,18 @@ fn main() {
         let (thresholds, reforming) = (thresholds.clone(), reforming.clone());
         Contacts { stiffness, ..Contacts::new(thresholds, reforming) }
     };
-    let (equal, per_threshold) = (Stiffness::Equal(1.0), Stiffness::PerThreshold(1.0));
+    const EQUAL: Stiffness = Stiffness::Equal(1.0);
     println!(
         "CPU time of a break after {SETTLED} breaks of each contact, and of what passes over all contacts"
     );
-    table("Gaussian, c.v. 0.05", &contacts(&narrow, &relaxed, equal), Disorder::Annealed);
-    table("Gaussian, c.v. 0.05, quenched", &contacts(&narrow, &relaxed, equal), Disorder::Quenched);
-    table("exponential, k = κ x_s", &contacts(&exponential, &relaxed, per_threshold), Disorder::Annealed);
-    table("Gaussian, c.v. 0.05, broad re-forming", &contacts(&narrow, &broad, equal), Disorder::Annealed);
+    table("Gaussian, c.v. 0.05", &contacts(&narrow, &relaxed, EQUAL), Disorder::Annealed);
+    table("Gaussian, c.v. 0.05, quenched", &contacts(&narrow, &relaxed, EQUAL), Disorder::Quenched);
+    table(
+        "exponential, k = κ x_s",
+        &contacts(&exponential, &relaxed, Stiffness::PerThreshold(1.0)),
+        Disorder::Annealed,
+    );
+    table("Gaussian, c.v. 0.05, broad re-forming", &contacts(&narrow, &broad, EQUAL), Disorder::Annealed);
 }
 
 fn table(name: &str, contacts: &Contacts, disorder: Disorder) {

@@ -11,6 +11,33 @@ use crate::{Error, Result};
 /// Default limit of memory in bytes: 16 GiB.
 pub const MEMORY: u64 = 16 << 30;
 
+/// Pieces of work of which adaptive methods do more or fewer, as their control decides: a cost that depends on no clock and on no
+/// number of threads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Cost {
+    /// Cells of the Legendre series of a life.
+    LifeCells,
+    /// Cohorts that are added up to a life at a velocity.
+    LifeCohorts,
+    /// Cells of a solution of a Volterra equation.
+    VolterraCells,
+    /// Cells of it that were too wide.
+    RejectedVolterraCells,
+    /// Steps of TR-BDF2.
+    Steps,
+    /// Steps of it that were tried and repeated with a shorter duration.
+    RejectedSteps,
+    /// Steps of the transport of cohorts.
+    TransportSteps,
+    /// Steps of it that were tried and repeated with a shorter duration.
+    RejectedTransportSteps,
+    /// Cohorts moved in all of these steps.
+    TransportedCohorts,
+    /// Evaluations of the forces of all cells of an interface.
+    Residuals,
+}
+
 /// Receives the fraction of work done, and decides whether to go on.
 ///
 /// Progress bars, Ctrl-C, limits of time and memory and checkpoints are monitors; `()` monitors nothing. Computations that are
@@ -44,6 +71,9 @@ pub trait Monitor: Send {
 
     /// Called by event-driven computations, with the number of events so far and the drive.
     fn events(&mut self, _events: u64, _drive: f64) {}
+
+    /// Called where adaptive methods have done pieces of work, on any thread; the sums do not depend on the number of threads.
+    fn cost(&mut self, _cost: Cost, _pieces: usize) {}
 
     /// Bytes that the computation may use; a job known to need more is refused.
     fn memory(&self) -> u64 {
@@ -93,6 +123,10 @@ impl Monitor for Aside<'_> {
         self.monitor.progress(self.fraction)
     }
 
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        self.monitor.cost(cost, pieces);
+    }
+
     fn memory(&self) -> u64 {
         self.monitor.memory()
     }
@@ -118,6 +152,10 @@ impl Monitor for Rising<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.most = self.most.max(fraction);
         self.monitor.progress(self.most)
+    }
+
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        self.monitor.cost(cost, pieces);
     }
 
     fn memory(&self) -> u64 {
@@ -152,6 +190,10 @@ impl<'a> Part<'a> {
 impl Monitor for Part<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.whole.progress(self.start + self.share * fraction)
+    }
+
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        self.whole.cost(cost, pieces);
     }
 
     fn memory(&self) -> u64 {
@@ -208,6 +250,11 @@ impl<'a> Watch<'a> {
         stops
     }
 
+    /// Reports pieces of work, from any thread.
+    pub(crate) fn cost(&self, cost: Cost, pieces: usize) {
+        self.monitor.lock().unwrap_or_else(PoisonError::into_inner).cost(cost, pieces);
+    }
+
     /// The value of a function that is evaluated many times.
     pub(crate) fn value<T: Default>(&self, of: impl FnOnce() -> T) -> T {
         if self.stops() { T::default() } else { of() }
@@ -258,6 +305,10 @@ impl Monitor for &Watch<'_> {
         if self.stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        Watch::cost(self, cost, pieces);
+    }
+
     fn memory(&self) -> u64 {
         self.monitor.lock().unwrap_or_else(PoisonError::into_inner).memory()
     }
@@ -274,6 +325,10 @@ impl Monitor for Counted<'_, '_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.0.done(fraction);
         if self.0.stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        self.0.cost(cost, pieces);
     }
 
     fn memory(&self) -> u64 {

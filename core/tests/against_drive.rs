@@ -69,6 +69,7 @@ fn derivatives_are_those_of_the_inversion() {
                     })
                     .into();
                 let at = |value: f64, drive: f64| {
+                    // Values are a thousandth apart: this one, not a neighbour.
                     let near = |(known, _): &&(f64, Pull)| (known - value).abs() < 1e-9 * value;
                     force(&pulls.iter().find(near).unwrap().1, compliance, drive)
                 };
@@ -84,6 +85,7 @@ fn derivatives_are_those_of_the_inversion() {
                 }
                 let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| force(&base, compliance, drive + k * step));
                 let difference = (8.0 * (a - b) - (c - d)) / (12.0 * step);
+                // Forces are solved to 1e-10, which the step divides; the truncation of fourth order is less.
                 assert!((slope - difference).abs() < 1e-8, "{drive} {compliance}: {slope} {difference}");
                 // X = X_T − cF.
                 assert!((followed - (1.0 - compliance * slope)).abs() < 1e-14);

@@ -160,6 +160,7 @@ fn energies_and_sizes_count_every_break() {
         let mut population = ensemble(10_000, 3);
         let run = drive(&mut population, slip, 8.0);
         for event in &run.events {
+            // Sums over 1e4 contacts and some 1e5 breaks, each rounded to 1e-16 of sums of order 1.
             near(event.energy.imbalance(), 0.0, 1e-9);
             near(event.approach.imbalance(), 0.0, 1e-9);
         }

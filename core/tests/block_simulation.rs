@@ -81,6 +81,7 @@ fn stops_leave_no_trace() {
                 found.extend(events(&mut slider, stop));
                 assert_eq!(slider.drive(), stop);
                 let (energy, here) = (slider.energy().unwrap(), slider.point());
+                // Some thousand breaks, summed; positions are found to rounding.
                 near(energy.imbalance(), 0.0, 1e-9);
                 near(here.spring_force, here.force, 1e-9);
             }
@@ -155,6 +156,7 @@ fn events_of_a_rigid_slider_are_breaks() {
         let stretches = slider.stretches().unwrap().unwrap();
         near(stretches.iter().sum::<f64>() / 300.0, *force, 1e-12);
     }
+    // The number of breaks is whole, its mean per contact is rounded.
     near(broken * 300.0, pull.breaks as f64, 1e-9);
 }
 

@@ -93,6 +93,7 @@ fn an_undamped_arrest_does_not_depend_on_the_mass() {
     for mass in [1e-2, 1e-1, 1.0, 1e1, 1e2] {
         let slip = Slip::Inertial { mass, damping: 0.0 };
         let swung = pull(&mut curve::gaussian(std), stiffness, slip, &[2.0]);
+        // The turn follows from the energy balance, whatever the mass: two digits beyond the rounding of a long integration in time.
         near(swung.events[0].position_turn, inertial, 1e-10);
         durations.push(swung.course.unwrap().time.last().unwrap() / mass.sqrt());
     }
@@ -109,6 +110,7 @@ fn damping_brings_the_arrest_from_equal_areas_to_the_overdamped_balance() {
     };
     let turns = [1e-6, 0.1, 0.5, 1.0].map(turn);
     assert!(turns.is_sorted_by(|a, b| a > b), "{turns:?}");
+    // The damping of 1e-6 takes as much of the energy of a slip of length 1.
     assert!(turns[0] < inertial && inertial - turns[0] < 1e-5, "{turns:?}");
     // Faster than oscillations: no overshoot is left.
     for damping in [10.0, 1e3] {
@@ -123,6 +125,7 @@ fn a_swing_dies_on_the_unloading_line() {
         let (first, form) = (swung.events[0], Gaussian::new(1.0, std));
         let turn = first.position_turn;
         let rest = (stiffness * first.before.drive - form.force(turn) + turn) / (stiffness + 1.0);
+        // Roots and closed forms are accurate to 1e-12, and divided by slopes of order 1.
         near(first.after.position, rest, 1e-11);
         near(first.after.force, stiffness * (first.before.drive - rest), 1e-11);
     }

@@ -93,6 +93,7 @@ fn forces_and_energies_balance_after_every_event() {
                     }
                     number += found.len();
                     let excess = excess(&mut interface, coupling.as_mut(), connected, connection);
+                    // Balances are found to rounding of forces of order 10 and their sums over the cells.
                     assert!(excess < 1e-10, "{excess:e} after event {number}");
                     near(interface.energy().imbalance(), 0.0, 1e-10 * interface.len() as f64);
                 }

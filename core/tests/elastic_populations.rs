@@ -113,6 +113,7 @@ fn energies_balance_after_every_event() {
     for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let mut interface = soft(slip);
         while !interface.next(8.0).unwrap().is_empty() {
+            // Sums over some thousand breaks of contacts, each rounded.
             near(interface.energy().imbalance(), 0.0, 1e-10);
         }
         assert!(interface.broken() > 2.0);

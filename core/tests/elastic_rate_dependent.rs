@@ -140,6 +140,7 @@ impl RateDependentContacts for Together {
             elastic: self.sum(|contacts| contacts.energies().elastic),
             lost: self.sum(|contacts| contacts.energies().lost),
             strengthening: self.sum(|contacts| contacts.energies().strengthening),
+            sliding: self.sum(|contacts| contacts.energies().sliding),
             broken: self.sum(|contacts| contacts.energies().broken) / self.0.len() as f64,
         }
     }

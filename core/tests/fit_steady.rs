@@ -119,6 +119,7 @@ fn a_process_with_a_closed_autocovariance_gives_its_numbers() {
     for (name, value) in [("thresholds.mean", mean), ("count", count), ("reading", reading)] {
         let estimate = found.estimate(name).unwrap();
         assert!((estimate.value - value).abs() < 3.5 * estimate.error, "{estimate:?}");
+        // An error that is larger than some per cent would make the first bound empty.
         assert!(estimate.error < 0.05 * value, "{estimate:?}");
     }
 }

@@ -76,6 +76,7 @@ fn between_gammas_ranks_are_those_of_the_law_followed_by_finite_volumes() {
             [500, 1000, 2000].map(|cells| by_finite_volumes(&newborn, &mature, velocity, cells));
         let (better, best) = (fine + (fine - coarse) / 3.0, finest + (finest - fine) / 3.0);
         let (found, error) = told(&newborn, &mature, velocity);
+        // The tolerance by default is 1e-10; a digit for both solutions.
         assert!(error < 1e-9, "{velocity}: {error:e}");
         // Finite volumes are of second order, extrapolated once: the better one is off by a fifteenth of what they differ by,
         // or less. What they differ by may be 0 by chance, what the life tells is not.
@@ -96,6 +97,7 @@ fn a_pull_reaches_an_accuracy_that_is_asked_for() {
     let equation = MasterEquation::at(contacts, &initial, 5.0).unwrap();
     let pull = equation.pull_with(1.4, 1e-9, &mut ()).unwrap();
     let told = pull.error_estimate() / equation.life().mean();
+    // The tolerance that was asked for.
     assert!(equation.life().error() <= told && told < 1e-9, "{told:e}");
     // ∫Q = 1, by a quadrature that shares nothing with the solution but Γ.
     for position in [0.2, 0.7, 1.0, 1.37] {

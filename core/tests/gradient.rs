@@ -77,6 +77,7 @@ fn the_derivatives_by_gaussian_parameters_have_closed_forms() {
             by_std += density * (z / std + (1.0 + z * z) / root);
         }
         for (gradient, exact) in gradients.iter().zip([by_mean, by_std]) {
+            // The tolerance of F by default, which its derivatives keep.
             assert!((gradient.at(x) - exact).abs() < 1e-10, "{x}: {:e}", gradient.at(x) - exact);
         }
     }
@@ -102,6 +103,7 @@ fn the_derivatives_by_rectangular_parameters_have_closed_forms() {
             _ => [-0.5 + lower - steeper, -0.5 + steeper],
         };
         for (gradient, exact) in gradients.iter().zip(exact) {
+            // The tolerance of F by default, which its derivatives keep.
             assert!((gradient.at(x) - exact).abs() < 1e-10, "{x}: {:e}", gradient.at(x) - exact);
         }
     }
@@ -320,6 +322,7 @@ fn derivatives_of_contacts_in_time_are_those_of_the_force() {
             for x in positions {
                 let apart = gradient.at(x) - difference(x);
                 let name = &parameter.name;
+                // Differences of sixth order over steps of a thousandth: rounding and errors of forces, 1e-13 or so, are divided by the step.
                 assert!(apart.abs() < 1e-9 * largest, "{name} {:?} {x}: {apart:e}", contacts.rules.first());
             }
         }

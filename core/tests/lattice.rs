@@ -74,6 +74,7 @@ fn force_is_lost_to_drive_and_edges_alone() {
                 let avalanche = lattice.next_event();
                 let bulk = coupling.dissipated() * avalanche.released;
                 let sum: f64 = lattice.forces().iter().sum();
+                // Sums over all contacts, with a rounding for each break.
                 assert!((sum - avalanche.force_after).abs() < 1e-11 * shape.size() as f64);
                 assert!(sum <= avalanche.force_before + 1e-11 && lattice.forces().iter().all(|f| *f < 1.5));
                 match edges {

@@ -232,6 +232,7 @@ fn pulls_keep_all_contacts_and_come_to_the_steady_state() {
         let equation = MasterEquation::at(contacts, &start, velocity).unwrap();
         let pull = equation.pull_with(40.0, 1e-10, &mut ()).unwrap();
         for position in [0.0, 0.2, 0.9, 3.3, 40.0] {
+            // The tolerance of the pull is 1e-10; probability is integrated apart from it.
             near(pull.total_probability(position), 1.0, 1e-9);
         }
         // Relaxation lengths are below 2.
@@ -294,6 +295,7 @@ fn contacts_at_a_velocity_move_forward_only() {
         work += RULE.integrate(0.0, by, |x| population.ahead(x).force);
         population.advance(by).unwrap();
     }
+    // Both are solved to the default tolerance of 1e-10.
     near(population.ahead(0.0).force, pull.force(1.4), 1e-9);
     near(population.total_probability(), 1.0, 1e-9);
     // What is free has its energy booked already: (½r²) of the share that is free.

@@ -209,7 +209,8 @@ fn temperature_with_any_barrier_any_starts_and_either_stiffness() {
             for velocity in [1e-3, 1.0] {
                 let (thresholds, reforming) = (gaussian(1.0, 0.1), reforming.clone());
                 let rules = thermal(0.05, barrier);
-                Case { thresholds, reforming, stiffness: stiffness.clone(), rules, velocity }.check(QUADRATURE);
+                Case { thresholds, reforming, stiffness: stiffness.clone(), rules, velocity }
+                    .check(QUADRATURE);
             }
         }
     }
@@ -252,7 +253,8 @@ fn ageing_with_and_without_temperature() {
                     Rules { ageing: Some(law.clone()), ..thermal(0.05, Barrier::Elastic) },
                 ] {
                     let (thresholds, reforming) = (gaussian(1.0, 0.1), point(0.0));
-                    Case { thresholds, reforming, stiffness: stiffness.clone(), rules, velocity }.check(QUADRATURE);
+                    Case { thresholds, reforming, stiffness: stiffness.clone(), rules, velocity }
+                        .check(QUADRATURE);
                 }
             }
         }

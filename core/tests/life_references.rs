@@ -44,6 +44,7 @@ fn one_threshold_and_temperature() {
 fn distributed_thresholds_and_temperature() {
     for (velocity, expected) in [(1e-4, 0.29806681116), (1e-2, 0.44526255210)] {
         let found = friction(gaussian(1.0, 0.1), thermal(10.0, Barrier::Elastic), velocity);
+        // Half a unit of the last digit given.
         assert!((found - expected).abs() < 0.5e-11);
     }
 }
@@ -54,6 +55,7 @@ fn logarithmic_ageing() {
     for (velocity, expected) in table {
         let ageing = Some(Ageing::Logarithmic { growth: 0.02, time: 1.0 });
         let found = friction(gaussian(1.0, 0.1), Rules { ageing, ..Rules::default() }, velocity);
+        // Half a unit of the last digit given.
         assert!((found - expected).abs() < 0.5e-10);
     }
 }

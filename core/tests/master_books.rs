@@ -314,12 +314,14 @@ fn lengths_and_forces_have_no_unit_of_their_own() {
         for k in 1..=100 {
             let x = 0.2 * f64::from(k) - 0.07;
             let error = (scaled.force(x * unit) / whole - plain.force(x)).abs();
+            // Both solve to 1e-10 or better, on meshes that differ by rounding of the unit only.
             assert!(error < 1e-11, "F off by {error:e} at {x} in units of {unit:e}");
             let (noise, expected) =
                 (scaled.force_std(1.0).unwrap()(x * unit) / whole, plain.force_std(1.0).unwrap()(x));
             assert!((noise - expected).abs() < 1e-10, "noise {noise}, not {expected} in units of {unit:e}");
         }
         let error = (scaled.critical_stiffness() / (count * stiffness) - plain.critical_stiffness()).abs();
+        // A slope: the force over the cells beside its steepest place.
         assert!(error < 1e-8, "K_c off by {error:e} in units of {unit:e}");
         let (a, b) = (scaled.static_friction().unwrap(), plain.static_friction().unwrap());
         assert!((a.value / whole - b.value).abs() < 1e-11 && (a.position / unit - b.position).abs() < 1e-9);

@@ -153,6 +153,7 @@ fn values_of_the_theory() {
         assert!((erlang.force(position) - force).abs() < 1e-12, "{position}");
     }
     let peak = pulled(&gamma(1.0, 0.25), &rest(), &rest(), 5.0).static_friction().unwrap();
+    // A maximum of a force that is accurate to 1e-12, found as the root of its slope.
     assert!((peak.position - 0.778_501_258_994_85).abs() < 1e-11);
     assert!((peak.value - 0.650_574_116_984_49).abs() < 1e-12);
     // Δ = x_s: X_s = w ln 2, F_s = w (2 ln 2 − 1), K_c = e − 2; narrow ones peak in a cusp at a with K_c = a/2Δ.
@@ -395,6 +396,7 @@ fn stiffness_proportional_to_the_threshold() {
         agree(&format!("shape {shape}"), &pull, closed, 300.0 * PROMISED);
         let steady = exact::steady_variance_per_threshold(gamma(1.0, rate.sqrt().recip()).as_ref());
         let got = (master.steady_state().force_std(40.0) / 100.0).powi(2) * 40.0;
+        // The default tolerance of the pull, 1e-10.
         assert!((got / steady - 1.0).abs() < 1e-10, "shape {shape}: {got}, not {steady}");
     }
 }

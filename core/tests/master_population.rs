@@ -329,6 +329,7 @@ fn energy_is_conserved_and_no_contact_is_lost() {
             wander(&mut population, |population, work| {
                 let energies = population.energies();
                 let balance = work - (energies.elastic - before.elastic) - energies.lost;
+                // Work is integrated by Gauss points between some hundred turns, forces are solved to 1e-10.
                 assert!(balance.abs() < 1e-9, "{name}: {balance:e} at {}", population.position());
                 let missing = population.total_probability() - 1.0;
                 assert!(missing.abs() < 1e-2 * tolerance, "{name}: {missing:e} at {}", population.position());

@@ -70,12 +70,14 @@ fn starts_made_from_a_function_do_as_well() {
         };
         let (own, series) = (master(&thresholds, &law, &law), master(&thresholds, &series, &series));
         let (length, expected) = (series.relaxation().unwrap().length(), own.relaxation().unwrap().length());
+        // The series is resolved to 1e-14, and its transform magnifies that by the length of the range.
         assert!((length / expected - 1.0).abs() < 1e-10, "{law:?}: X* = {length}, not {expected}");
         let (own, series) =
             (own.pull_with(10.0, 1e-10, &mut ()).unwrap(), series.pull_with(10.0, 1e-10, &mut ()).unwrap());
         for k in 0..=1000_u32 {
             let x = 0.01 * f64::from(k);
             let difference = (own.force(x) - series.force(x)).abs();
+            // The tolerance of both pulls.
             assert!(difference < 1e-10, "{law:?} at {x}: {difference:e}");
         }
     }

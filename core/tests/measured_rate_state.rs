@@ -185,6 +185,7 @@ fn units_do_not_matter() {
         (other.before, one.before, 1024.0),
         (other.distance, one.distance, 0.125),
     ] {
+        // Units change the rounding on which the search ends, in values by a small part of their errors, in errors by a percent of them.
         assert!((value.value / (unit * expected.value) - 1.0).abs() < 1e-4, "{value:?} {expected:?}");
         assert!((value.error / (unit * expected.error) - 1.0).abs() < 1e-2, "{value:?} {expected:?}");
     }

@@ -36,6 +36,7 @@ fn gaussian_thresholds_have_their_reference_values() {
     );
     let found = steady.spectrum(&at, 1.0).unwrap();
     for (found, expected) in found.iter().zip(expected) {
+        // The default tolerance of the spectrum.
         assert!((found / expected - 1.0).abs() < 1e-10);
     }
 }
@@ -155,6 +156,7 @@ fn the_spectrum_integrates_to_the_variance() {
         }
     };
     let sum: f64 = c.iter().enumerate().map(|(i, c)| weight(i) * c * 0.005 / 3.0).sum();
+    // Simpson's rule at a spacing of 0.005: its error is of fourth order, 1e-9 times derivatives of order 10.
     assert!((2.0 * sum / spectrum[0] - 1.0).abs() < 1e-8);
     assert!((c[0] / variance - 1.0).abs() < 1e-14);
 }

@@ -218,7 +218,7 @@ fn what_needs_equal_stiffnesses_is_refused() {
     warm.rules.temperature = Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Barrier::Elastic });
     assert_eq!(key(warm.check(&Initial::default()).unwrap_err()), "stiffness.of_threshold");
     let mut delayed = table.clone();
-    delayed.rules.delay = 0.5;
+    delayed.rules.delay = 0.5.into();
     assert_eq!(key(delayed.check(&Initial::default()).unwrap_err()), "stiffness.of_threshold");
     let equation = MasterEquation::new(table, &Initial::default()).unwrap();
     assert_eq!(

@@ -95,6 +95,7 @@ fn the_chain_rule_holds_for_spread_starts() {
                 sums[1] += term * (z * z - 1.0) / 0.15;
             }
             let apart = [0, 1].map(|k| (sums[k] - gradients[k].at(x)).abs());
+            // The tolerance of gradients and responses.
             assert!(mean.abs() < 1e-10 && apart.iter().all(|&a| a < 1e-10), "{x}: {mean:e} {apart:?}");
         }
     }
@@ -176,6 +177,7 @@ fn the_adjoint_is_the_renewal_equation_read_backwards() {
             let points = quadrature(0.0, middle, 800).chain(quadrature(middle, x, 800));
             sum += weight * points.map(|(u, w)| w * pull.breaking_rate(x - u) * change(u)).sum::<f64>();
         }
+        // The tolerance of responses; 800 Gauss points have less.
         assert!((found - sum).abs() < 1e-10, "{xi}: {found} {sum}");
     }
 }

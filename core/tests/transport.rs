@@ -268,7 +268,7 @@ fn steady_sliding_stays_steady_and_free_contacts_wait() {
 fn a_delay_shorter_than_any_step_is_none() {
     let initial = conditional(point(0.0));
     let history = moving(&[(1.0, 4.0)]);
-    let force = |delay| {
+    let force = |delay: f64| {
         let waiting = contacts(gaussian(1.0, 0.1), Rules { delay: delay.into(), ..Rules::default() });
         let mut transport = Transport::new_with(waiting, &initial, 1e-6, &mut ()).unwrap();
         transport.follow(&history, &times(&history, 9)).unwrap().force

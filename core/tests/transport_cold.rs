@@ -105,6 +105,7 @@ fn left(law: &SharedLaw, energy: f64, (held, time): (f64, f64), stretch: f64) ->
 fn a_hold_and_what_follows_it_are_those_of_the_elastic_barrier() {
     for law in [gaussian(), exponential(), rectangular()] {
         for energy in [1e-2, 1e-3, 1e-6, 4e-9] {
+            // The tolerances of the solution, of which the bounds below are parts.
             let tolerance = if energy < 1e-8 { 1e-7 } else { 1e-6 };
             let (held, time) = (0.95, 1e4);
             let cold = contacts(law.clone(), Barrier::Elastic, energy);
@@ -158,7 +159,7 @@ fn thresholds_of_nothing_are_met_at_once() {
     let mature = Arc::new(Gaussian::new(1.5, 0.2).unwrap());
     let ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
     let cold = contacts(Arc::new(Weibull::new(8.3, 1.0).unwrap()), Barrier::Elastic, 1e-6);
-    let rules = Rules { ageing, ..cold.rules };
+    let rules = Rules { ageing, ..cold.rules.clone() };
     let athermal = Rules { temperature: None, ..rules.clone() };
     let tolerance = 1e-4;
     let [warm, cold] = [rules, athermal].map(|rules| {

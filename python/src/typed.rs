@@ -26,7 +26,7 @@ macro_rules! result_type {
     };
 }
 
-pub(crate) use argument_type;
+pub(crate) use {argument_type, result_type};
 
 /// A tuple of words.
 pub struct Words(pub Vec<String>);

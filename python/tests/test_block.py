@@ -91,6 +91,7 @@ def test_a_background_force_shifts_forces() -> None:
     np.testing.assert_array_equal(run.position, bare.position)
     np.testing.assert_allclose(run.force, bare.force + 5.0, atol=TOLERANCE)
     np.testing.assert_allclose(run.events["drop"], bare.events["drop"], atol=TOLERANCE)
+    # Energies are sums over some hundred intervals of forces that are solved to 1e-10.
     assert run.energy.background == pytest.approx(5.0 * (run.position[-1] - run.position[0]), abs=1e-9)
     assert run.energy.imbalance == pytest.approx(0.0, abs=1e-9)
     np.testing.assert_allclose(block.equilibrium().force, SOFT.equilibrium().force + 5.0, atol=TOLERANCE)
@@ -135,6 +136,7 @@ def test_an_imposed_force_creeps_up_to_static_friction() -> None:
 def test_a_drive_that_turns() -> None:
     run = asp.Block(THEORY, math.inf).drive(turning_points=[3.0, -1.0, 3.0])
     assert (run.drive.max(), run.drive.min(), run.drive[-1]) == (3.0, -1.0, 3.0)
+    # Energies are sums over some hundred intervals of forces that are solved to 1e-10.
     assert abs(run.energy.imbalance) < 1e-9
     # All but what the contacts hold in the end has gone round the loop.
     assert run.energy.breaks == pytest.approx(run.energy.work - run.energy.elastic, abs=1e-9)

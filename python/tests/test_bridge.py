@@ -84,6 +84,7 @@ def test_a_series_does_as_its_law_does(name: str) -> None:
     ratio = other.steady_state().kinetic_friction / own.steady_state().kinetic_friction
     assert ratio == pytest.approx(1.0, rel=1e-12)
     force, reference = (theory.pull(20.0, 2001).force for theory in (other, own))
+    # Both are solved to 1e-11.
     np.testing.assert_allclose(force, reference, rtol=0.0, atol=1e-10)
 
 
@@ -99,6 +100,7 @@ def test_what_is_near_a_pole_becomes_a_point(frozen: Any) -> None:
     with np.errstate(divide="ignore"):
         away = x[frozen.pdf(x) < 100.0]
         moments = frozen.moment(2), frozen.mean()
+    # What scipy's own functions are accurate to beside the ends of a range.
     np.testing.assert_allclose(law.cdf(away), frozen.cdf(away), rtol=1e-11)
     theory = asp.MasterEquation(asp.Contacts(law))
     sliding = moments[0] / (2.0 * moments[1])

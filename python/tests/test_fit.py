@@ -111,6 +111,7 @@ def test_friction_has_the_errors_of_the_estimates() -> None:
     gradients = [FOUND.pull.friction_gradient(name) for name in NAMES]
     kinetic = np.array([gradient.kinetic_friction for gradient in gradients])
     error = np.sqrt(kinetic @ FOUND.covariance[:4, :4] @ kinetic)
+    # The error of a difference quotient in the gradient of the fit.
     assert friction.kinetic_friction.error == pytest.approx(error, rel=1e-6)
     assert friction.static_friction is not None
     assert FOUND.pull.static_friction is not None
@@ -170,9 +171,11 @@ def test_the_profile_of_a_linear_number_is_a_parabola() -> None:
     force = noisy(5.0, 4)
     fit = asp.fit(TRUE, POSITION, force, free=("offset", "trend"), noise="white", reading=5.0)
     value, error, interval, _ = fit.params["offset"]
+    # The profile is found to a small part of the error; 1.96 has three digits.
     assert fit.interval_by_profile("offset") == pytest.approx(interval, abs=0.02 * error)
     assert interval[1] - value == pytest.approx(1.96 * error, rel=1e-3)
     values, rise = fit.profile("offset")
+    # Multiples of the printed error: rounding.
     np.testing.assert_allclose(values[[0, 6, -1]], [value - 3 * error, value, value + 3 * error], rtol=1e-9)
     # Searches end where −2 ln L is within 1e-6 of its minimum.
     np.testing.assert_allclose(rise, ((values - value) / error) ** 2, atol=1e-4)
@@ -195,7 +198,9 @@ def test_the_machine_is_fitted() -> None:
     true = dict(compliance=compliance, offset=30.0, trend=4.0, origin=0.2, **{"thresholds.mean": 1.0})
     for name, value in true.items():
         assert abs(fit.params[name].value - value) < 4 * fit.params[name].error, name
+    # The errors of the fitted numbers move the slider by less.
     np.testing.assert_allclose(fit.readings["slider_position"], slider, atol=0.01)
+    # The same numbers through another call: solutions to 1e-10.
     np.testing.assert_allclose(fit.predict(position).force, fit.readings["expected"], rtol=1e-9)
 
 
@@ -309,6 +314,7 @@ def test_contacts_of_every_kind_are_described_by_what_is_found() -> None:
         again = model.pull(3.0)
         for name in free:
             assert again.parameters()[name] == pytest.approx(fit.params[name].value, rel=1e-12), name
+        # The same numbers through another call: solutions to 1e-10.
         np.testing.assert_allclose(again(position), fit.readings["expected"], rtol=1e-9)
 
 

@@ -62,6 +62,7 @@ def test_the_periodogram_is_that_of_numpy() -> None:
     spectrum = FOUND.spectrum
     n = len(RECORD)
     modes = np.fft.rfft(RECORD - RECORD.mean())[1:]
+    # Both are Fourier transforms of a thousand readings or more, of which a large mean is subtracted.
     np.testing.assert_allclose(
         spectrum["periodogram"], SPACING / n * np.abs(modes) ** 2, rtol=1e-8, atol=1e-9
     )

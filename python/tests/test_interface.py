@@ -52,6 +52,7 @@ def test_one_cell_is_a_block() -> None:
     events = cell.drive(2.0, 5).events
     block = asp.Block(asp.MasterEquation(CONTACTS), stiffness=1.0, slip="overdamped").drive(2.0)
     assert events is not None
+    # Cells and block find the same loss of balance, one on tabulated curves of force.
     np.testing.assert_allclose(events["drive"], block.events["drive"], rtol=0, atol=1e-8)
     np.testing.assert_allclose(events["position_after"], block.events["position_after"], rtol=0, atol=1e-8)
 
@@ -73,6 +74,7 @@ def test_a_cell_of_few_contacts_is_a_block_over_their_ensemble() -> None:
     block = asp.Block(ensemble, stiffness=0.5, slip="overdamped", slip_fraction=0.01).drive(8.0)
     assert events is not None
     assert len(events) > 20
+    # Both add the same positions in another order.
     np.testing.assert_allclose(events["drive"], block.events["drive"], rtol=0, atol=1e-10)
 
 
@@ -301,10 +303,12 @@ def test_an_interface_slides_steadily_from_the_start_and_heals_in_a_hold() -> No
 
 def test_the_drive_of_an_interface_starts_in_steady_sliding() -> None:
     result = ageing_chain("steady", disorder=[0.9, 1.0, 1.2]).drive(0.5, 6, velocity=0.1, tolerance=1e-4)
+    # The tolerance of the solution, for a difference of two forces of cells, with a factor for scales.
     np.testing.assert_allclose(result["cell_force"] - result["cell_force"][0], 0.0, atol=4e-4)
     np.testing.assert_allclose(np.diff(result["drive"]), 0.1)
     simulation = ageing_chain("steady").simulation(velocity=0.1)
     assert simulation.drive > 0.0
+    # The tolerance of the solution for each of three cells.
     assert simulation.force == pytest.approx(3 * 0.58699, abs=1e-3)
 
 

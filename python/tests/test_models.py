@@ -17,6 +17,7 @@ def pull() -> asp.Pull:
 
 def test_the_numbers_of_figure_2(pull: asp.Pull) -> None:
     assert pull.static_friction is not None
+    # The default tolerance is 1e-10 of F; a flat maximum has its root, a critical stiffness is a slope.
     assert pull.static_friction.force == pytest.approx(0.868081709809, abs=1e-9)
     assert pull.static_friction.position == pytest.approx(0.791756131650, abs=1e-7)
     assert pull.kinetic_friction == pytest.approx(0.50125, abs=1e-12)
@@ -79,6 +80,7 @@ def test_closed_forms() -> None:
         (asp.Gamma(1.0, 0.23), asp.exact.Gamma(1.0, 0.23)),
     ):
         pull = asp.MasterEquation(asp.Contacts(thresholds)).pull(10.0)
+        # The default tolerance is 1e-10 of the mean threshold. A critical stiffness is a slope.
         np.testing.assert_allclose(pull(x), form.force(x), atol=1e-9)
         np.testing.assert_allclose(pull.kinetic_friction, form.kinetic_friction, rtol=1e-9)
         assert pull.static_friction is not None
@@ -94,6 +96,7 @@ def test_the_period_of_stick_slip_over_rectangular_thresholds() -> None:
     model = asp.MasterEquation(asp.Contacts(asp.Rectangular(0.7, 1.3)))
     run = asp.Block(model, stiffness=0.5, slip="reset").drive(20.0)
     form = asp.exact.Rectangular(0.7, 1.3)
+    # The default tolerance is 1e-10 of the mean threshold.
     assert np.diff(run["event_drive"]) == pytest.approx(form.stick_slip_period(0.5), abs=1e-9)
     assert form.stick_slip_period(1.2) is None
 
@@ -101,6 +104,7 @@ def test_the_period_of_stick_slip_over_rectangular_thresholds() -> None:
 def test_steady_sliding() -> None:
     contacts = asp.Contacts(asp.Rectangular(0.8, 1.2), asp.Rectangular(0.0, 0.2), count=10, stiffness=3.0)
     steady = asp.MasterEquation(contacts).steady_state()
+    # The default tolerance is 1e-10 of the mean threshold.
     assert steady.kinetic_friction == pytest.approx(30.0 * 5.0 / 9.0, rel=1e-9)
     assert steady.breaking_rate == pytest.approx(1.0 / 0.9, rel=1e-9)
     law = asp.Gaussian(1.0, 0.05)
@@ -115,6 +119,7 @@ def test_steady_sliding() -> None:
 def test_relaxation(pull: asp.Pull) -> None:
     relaxation = FIGURE_2.relaxation()
     exact = asp.exact.Gaussian(1.0, 0.05)
+    # The default tolerance is 1e-10 of the mean threshold.
     assert relaxation.length == pytest.approx(exact.relaxation_length, rel=1e-9)
     assert relaxation.paper_estimate == pytest.approx(20.0)
     assert relaxation.roots[0] == pytest.approx(exact.relaxation_root(1), rel=1e-9)

@@ -72,6 +72,7 @@ def test_noise_of_steady_sliding() -> None:
     steady = EQUATION.steady_state()
     u = np.linspace(0.0, 6.0, 13).reshape(13, 1)
     exact = SCALE**2 / 400 * np.exp(-u)
+    # The default tolerance is 1e-10 of the mean threshold.
     np.testing.assert_allclose(steady.autocovariance(u), exact, atol=1e-9 * SCALE**2 / 400)
     q = np.array([0.0, 0.1, 3.0, 200.0])
     np.testing.assert_allclose(steady.spectrum(q), 2 * SCALE**2 / 400 / (1 + q**2), rtol=1e-9)
@@ -89,8 +90,10 @@ def test_derivatives_of_exponential_thresholds() -> None:
     assert gradient.parameter == "thresholds.mean"
     x = np.linspace(0.0, 5.0, 21)
     exact = SCALE * (1 - np.exp(-x) * (1 + x))
+    # A derivative follows the force with a digit or two less than its default tolerance of 1e-10.
     np.testing.assert_allclose(gradient(x), exact, atol=1e-8 * SCALE)
     friction = pull.friction_gradient("thresholds.mean")
+    # Steady sliding is integrated to rounding, of which derivatives lose some digits.
     assert friction.kinetic_friction == pytest.approx(SCALE, rel=1e-10)
     assert friction.static_friction is None
     assert friction.critical_stiffness == 0
@@ -111,6 +114,7 @@ def test_response_to_thresholds() -> None:
     x = np.linspace(0.0, 5.0, 12).reshape(3, 4)
     xi = thresholds[:, None, None]
     exact = SCALE * np.where(x < xi, x**2 / 2, xi**2 / 2 - xi)
+    # The default tolerance is 1e-10 of the mean threshold.
     np.testing.assert_allclose(response(x), exact, atol=1e-9 * SCALE)
     assert response(1.0).shape == (3,)
     weights = np.linspace(-1.0, 1.0, 12)
@@ -130,6 +134,7 @@ def test_friction_gradients_together() -> None:
     pull = EQUATION.pull(5.0)
     names = list(pull.parameters())
     for name, found in zip(names, pull.friction_gradients(names), strict=True):
+        # The same numbers through another call: solutions to 1e-10.
         assert found.kinetic_friction == pytest.approx(
             pull.friction_gradient(name).kinetic_friction, rel=1e-9
         )

@@ -36,6 +36,7 @@ def test_a_curve_that_determines_its_numbers_has_the_posterior_of_the_estimates(
 
 def test_the_density_is_that_of_the_likelihood() -> None:
     draw = [POSTERIOR.draws[name][1, 7] for name in NAMES]
+    # The same likelihood through another call: solutions to 1e-10.
     assert POSTERIOR.log_density[1, 7] == pytest.approx(FIT.log_likelihood(draw)[0], rel=1e-9)
 
 

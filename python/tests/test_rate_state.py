@@ -110,6 +110,7 @@ def test_healing_gives_the_numbers_of_scipy() -> None:
 
     values, covariance = curve_fit(law, hold, force, p0=(0.6, 0.01, 3.0))
     assert healing.cutoff is not None
+    # SciPy's search ends where steps change the sum of squares by 1e-8, which is 1e-4 of values.
     assert healing.cutoff.value == pytest.approx(values[2], rel=1e-4)
     assert healing.cutoff.error == pytest.approx(math.sqrt(covariance[2, 2]), rel=1e-3)
     assert healing.per_decade.value == pytest.approx(math.log(10) * values[1], rel=1e-4)

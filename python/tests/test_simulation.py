@@ -101,6 +101,7 @@ def test_contacts_of_a_master_equation_are_those_of_a_pull() -> None:
         assert simulation.force == pytest.approx(pull(drive), abs=1e-13)
         found = simulation.stretch_density()
         expected = pull.stretch_density(drive, found.stretch)
+        # A density has less digits than the force: cells of two solutions differ.
         np.testing.assert_allclose(found.density, expected.density, rtol=0, atol=1e-8)
 
 
@@ -164,6 +165,7 @@ def test_sliders_turn(model: Any) -> None:
     assert seen(simulation) == shown[0]
     simulation.advance(2.5)
     assert seen(simulation) == shown[1]
+    # Energies are sums over intervals of forces that are solved to 1e-10.
     assert simulation.energy.imbalance == pytest.approx(0.0, abs=1e-9)
 
 

@@ -36,6 +36,7 @@ def test_a_spot_across_edges_is_one() -> None:
     corner = sphere(64, 10.0, (0.0, 0.0)) + sphere(64, 6.0, (32.0, 63.0))
     found = asp.spots(corner, pixel=1.0)
     assert len(found) == 2
+    # Pixels at the edge of a circle of radius 6: an area of some per cent.
     assert found.area == pytest.approx([np.pi * 100.0, np.pi * 36.0], rel=0.03)
     # The angle of the first is 0, or 2π but for rounding.
     folded = np.minimum(found.centre, 64.0 - found.centre)

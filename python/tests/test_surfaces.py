@@ -43,6 +43,7 @@ def test_a_sphere_has_the_contact_of_hertz() -> None:
     sphere = -(x[:, None] ** 2 + x**2) / (2.0 * radius)
     found = asp.spots(pressed(sphere, load / LENGTH**2), PIXEL)
     assert len(found) == 1
+    # The contact solver stops at this part of the load.
     assert found.load.sum() == pytest.approx(load, rel=1e-6)
     # a³ = 3FR/4E*; pixels at the edge, and the periodic images at eight radii.
     contact = (0.75 * load * radius * (1.0 - POISSON**2) / YOUNG) ** (1.0 / 3.0)
@@ -53,11 +54,13 @@ def test_a_sphere_has_the_contact_of_hertz() -> None:
 def test_a_rough_surface_has_friction(options: dict[str, Any]) -> None:
     found = asp.spots(pressed(surface(), 0.02), PIXEL)
     assert len(found) > 10
+    # The contact solver stops at this part of the load.
     assert found.load.sum() + found.dropped.load == pytest.approx(0.02 * LENGTH**2, rel=1e-6)
     contacts = found.contacts(E=YOUNG, nu=POISSON, **options)
     assert contacts.thresholds is not None
     pull = asp.MasterEquation(contacts, tolerance=1e-8).pull(4.0 * contacts.thresholds.mean(), 21)
     strength = STRENGTH * found.area.sum() if "shear_strength" in options else 0.3 * found.load.sum()
+    # The smooth distribution of thresholds keeps the mean of spots to this.
     assert pull.kinetic_friction == pytest.approx(0.5 * strength, rel=1e-3)
     # Areas vary less than loads, some of which are near 0: then the force rises to F_k without a maximum.
     assert (pull.static_friction is not None) == ("shear_strength" in options)
@@ -78,8 +81,10 @@ def test_a_file_of_a_measured_surface_leads_to_friction(tmp_path: Path) -> None:
     scan = topography.read_topography(str(path))
     assert scan.nb_grid_pts == heights.shape
     read = np.asarray(scan.heights())
+    # The file has its numbers in decimals.
     np.testing.assert_allclose(read, heights, rtol=1e-9)
     found = asp.spots(pressed(np.ascontiguousarray(read), 0.02), PIXEL)
     contacts = found.contacts(E=YOUNG, nu=POISSON, shear_strength=STRENGTH)
     friction = asp.MasterEquation(contacts).steady_state().kinetic_friction
+    # The smooth distribution of thresholds keeps the mean of spots to this.
     assert friction == pytest.approx(0.5 * STRENGTH * found.area.sum(), rel=1e-3)

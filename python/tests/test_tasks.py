@@ -44,6 +44,7 @@ def test_stability_is_that_of_a_block() -> None:
     assert curve.growth_rate is not None
     for number, velocity in enumerate(curve.velocity):
         found = block.stability(float(velocity))
+        # The same computation through another call.
         assert curve.critical_stiffness_sliding[number] == pytest.approx(found.critical_stiffness, rel=1e-9)
         assert curve.growth_rate[number] == pytest.approx(found.growth_rate, rel=1e-9)
     assert curve.unstable == np.count_nonzero(curve.growth_rate > 0.0)

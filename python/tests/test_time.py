@@ -25,6 +25,7 @@ def test_velocity_curves_have_the_values_of_the_theory() -> None:
 def test_an_equation_of_contacts_that_know_time_has_a_velocity() -> None:
     theory = asp.MasterEquation(GROWING, velocity=1.0)
     assert theory.velocity == 1.0
+    # The tolerance by default, above the digits printed.
     assert theory.steady_state().kinetic_friction == pytest.approx(0.5122109494, abs=1e-9)
     with pytest.raises(
         ValueError,
@@ -160,6 +161,7 @@ def test_a_block_is_moved_in_time() -> None:
     same = block.follow([asp.Step(0.01, distance=5.0, points=51)])
     assert np.array_equal(run["force"], same["force"])
     assert len(run.events) == 2
+    # Ten units of the last digit, which follows the step-size control.
     assert run.events[0].time == pytest.approx(409.013, abs=0.01)
     assert set(run.events[0]._asdict()) == set(asp.Event._fields)
     # a step is right to 1e-4, times forces below 1, over a way of 5
@@ -238,6 +240,7 @@ def test_steady_sliding_needs_damping_where_contacts_age() -> None:
 def test_the_closure_of_steady_sliding_knows_no_first_loading() -> None:
     closure = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.MeanField(asp.Gaussian(1.0, 0.05), 0.0025))
     theory = asp.MasterEquation(closure, velocity=0.1)
+    # The tolerance of the closure by default.
     assert theory.steady_state().kinetic_friction == pytest.approx(0.4831162958, abs=4e-7)
     assert np.isnan(theory.relaxation().length)
     with pytest.raises(ValueError, match=r"^ageing\.mean_field"):

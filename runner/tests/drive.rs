@@ -88,6 +88,7 @@ fn the_ensemble_slips_as_the_master_equation_does() {
 fn an_imposed_force_runs_away_at_static_friction() {
     let outcome = run(BROAD, "drive = { force_to = 1.0 }");
     let runaway = sliding(&outcome).runaway.unwrap();
+    // The default tolerance of 1e-10, and a digit for the slope at the maximum.
     near(runaway.force, 0.7964360150770, 1e-9);
     // The place of a maximum is known to the root of the accuracy of its value.
     near(runaway.position, 0.8441642907576, 1e-6);

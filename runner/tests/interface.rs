@@ -108,6 +108,7 @@ drive = { distance = 8.0, points = 2 }
     let drives = column(&outcome, "event_drive");
     assert!(drives.len() > 20 && drives.len() == slips.events.len());
     for (drive, slip) in drives.iter().zip(&slips.events) {
+        // Both add the same positions in another order: rounding of drives of order 10.
         assert!((drive - slip.before.drive).abs() < 1e-10);
     }
     assert_eq!(outcome.summary.seed, Some(4));
@@ -202,11 +203,13 @@ drive = {{ distance = 12.0, velocity = 1e-2, points = 25 }}
         let [cell, block] = [&cell, &block].map(|outcome| column(outcome, &format!("event_{name}")));
         assert_eq!(cell.len(), block.len(), "{name}");
         for (cell, block) in cell.iter().zip(block) {
+            // Each solution has the tolerance 1e-4.
             assert!((cell - block).abs() < 2e-4, "{name}: {cell} {block}");
         }
     }
     let (drives, times) = (column(&cell, "drive"), column(&cell, "time"));
     assert!(
+        // Drives of some hundred steps are added, and so are times.
         drives.iter().zip(times).all(|(drive, time)| (time - 100.0 * drive).abs() < 1e-9 * time.max(1.0))
     );
     assert_eq!(column(&cell, "map_drive"), drives);
@@ -232,6 +235,7 @@ master_equation.tolerance = 1e-4
     let (scaled, plain, other) = (friction(1.0, 1.25), friction(1.25, 1.0), friction(1.0, 1.0));
     let (scaled, plain, other) = (column(&scaled, "force"), column(&plain, "force"), column(&other, "force"));
     for (scaled, plain) in scaled.iter().zip(plain) {
+        // The tolerance of both solutions.
         assert!((scaled - plain).abs() < 1e-4, "{scaled} {plain}");
     }
     assert!((plain[10] - 1.25 * other[10]).abs() > 1e-2);

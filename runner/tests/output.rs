@@ -7,6 +7,8 @@ use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
 use asperity::task::summary::{Extended, Friction, Numbers, PullNumbers, StaticFriction, Summary};
 use asperity_runner::output::{self, Attachment, Error, Outcome};
+use netcdf_reader::NcFile;
+use netcdf_writer::{NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
 
 fn record(seed: u64) -> Record {
     let mut record = Record::default();
@@ -90,6 +92,37 @@ fn what_is_written_reads_back_exactly() {
         values.map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     assert_eq!(bits(&back), bits(&outcome(1)));
+}
+
+/// `result.nc` with attributes and nothing else.
+fn with_attributes(attributes: &[(&str, NcAttrValue)]) -> Vec<u8> {
+    let mut file = NcFileBuilder::new();
+    for (name, value) in attributes {
+        file.add_attribute(*name, value.clone()).unwrap();
+    }
+    file.to_vec(NcWriteOptions { format: NcWriteFormat::Nc4 }).unwrap().1
+}
+
+#[test]
+fn a_file_states_its_form_and_one_of_a_later_form_is_refused() {
+    let (_base, dir) = place();
+    output::write(&dir, &outcome(1), &[]).unwrap();
+    let path = dir.join("result.nc");
+    let file = NcFile::from_vec(fs::read(&path).unwrap()).unwrap();
+    assert_eq!(file.global_attribute("format_version").unwrap().value.as_f64(), Some(output::FORMAT as f64));
+    let later = [
+        ("format_version", NcAttrValue::Int64s(vec![output::FORMAT + 1])),
+        ("version", NcAttrValue::Chars("9.0.0".into())),
+    ];
+    fs::write(&path, with_attributes(&later)).unwrap();
+    let error = output::read(&dir).unwrap_err();
+    assert!(matches!(error, Error::Newer { .. }), "{error:?}");
+    let text = error.to_string();
+    assert!(text.contains("its format_version is 2, written by asperity 9.0.0; this version, "), "{text}");
+    assert!(text.ends_with("reads 1 and below: install a later one"), "{text}");
+    // Files of drafts before 0.1.0 state none.
+    fs::write(&path, with_attributes(&[])).unwrap();
+    assert!(output::read(&dir).unwrap().record.variables.is_empty());
 }
 
 #[test]

@@ -54,6 +54,7 @@ fn the_numbers_of_figure_2_are_those_of_the_theory() {
     let StaticFriction::Reached { force, position } = friction(&outcome).static_friction else {
         panic!("static friction was not reached")
     };
+    // The default tolerance is 1e-10 of F; positions of a flat maximum have the root of it, a critical stiffness that of a slope.
     near(force, 0.868_081_709_809, 1e-9);
     near(position, 0.791_756_131_650, 1e-7);
     near(friction(&outcome).kinetic_friction, 0.50125, 1e-12);
@@ -72,6 +73,7 @@ fn positions_count_both_ends_and_contacts_are_all_there() {
     let position = outcome.record.values("position").unwrap();
     assert_eq!((position.len(), position[0], position[2000]), (2001, 0.0, 20.0));
     for row in 0..3 {
+        // The trapezoidal rule on the points of the density.
         near(mass(&outcome.record, row), 1.0, 1e-3);
     }
     assert_eq!(outcome.record.get("force_std"), None);
@@ -140,6 +142,7 @@ fn a_force_that_still_rises_has_no_static_friction() {
     assert_eq!(friction(&outcome).static_friction, StaticFriction::NotReached);
     let coefficients = outcome.summary.numbers.friction().unwrap().friction_coefficients.unwrap();
     assert_eq!((coefficients.at_rest, coefficients.normal_load), (None, 4.0));
+    // The default tolerance is 1e-10.
     near(coefficients.kinetic, 0.25, 1e-9);
 }
 
@@ -153,6 +156,7 @@ fn a_compared_curve_is_kept_and_measured() {
     ");
     let compare = outcome.summary.numbers.compare().unwrap();
     assert_eq!(compare.points, 2);
+    // The measured forces are those of the closed form to 1e-10, and lengths are rounded.
     near(compare.residual_rms.unwrap(), 3.0 / 2f64.sqrt(), 1e-6);
     assert_eq!(outcome.record.values("compared_position").unwrap(), [0.0, 0.5, 3.0]);
     assert_eq!(outcome.summary.sample, Some(100.0), "the band is that of the contacts themselves");
@@ -190,6 +194,7 @@ fn progress_never_falls_and_reaches_the_end() {
     let mut patience = Patience { left: usize::MAX, last: 0.0 };
     let scenario = scenario(&format!("{FIGURE_2}\nensemble = {{ size = 1000 }}\n"));
     asperity_runner::run(&scenario, &mut patience).unwrap();
+    // Parts of the work add up to 1 but for rounding.
     near(patience.last, 1.0, 1e-9);
     let heard = usize::MAX - patience.left;
     for left in [0, 1, heard / 2, heard - 1] {

@@ -51,6 +51,7 @@ fn each_temperature_has_its_curve_and_its_ensemble() {
     let outcome = run(&text);
     let column = |name| outcome.record.values(name).unwrap();
     assert_eq!(outcome.record.get("kinetic_friction").unwrap().dimensions, ["temperature", "velocity"]);
+    // The default tolerance of lives with temperature, below which the digits printed are.
     near(column("kinetic_friction")[0], 0.44526255210, 1e-9);
     for (i, force) in column("ensemble_force").iter().enumerate() {
         // within 5 standard errors, six times: by chance once in 300000
@@ -100,6 +101,7 @@ fn a_delay_frees_contacts_and_friction_ends() {
     let contacts = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\ncontacts.delay.time = 0.5\n";
     let outcome = run(&format!("{contacts} velocity_curve = {{ from = 0.02, to = 2.0, points = 3 }}"));
     for (force, velocity) in outcome.record.values("kinetic_friction").unwrap().iter().zip([0.02, 0.2, 2.0]) {
+        // The default tolerance is 1e-10.
         near(*force, 0.505 / (1.0 + 0.5 * velocity), 1e-9);
     }
     let limits = outcome.summary.numbers.limits()[0];
@@ -116,6 +118,7 @@ fn a_delay_frees_contacts_and_friction_ends() {
     ));
     let free = held.record.values("free").unwrap();
     assert!(free.iter().any(|free| *free > 0.5), "contacts that broke in step are free together");
+    // Of contacts that are free none is left but what the tolerance allows.
     near(free[210], 0.0, 1e-9);
 }
 

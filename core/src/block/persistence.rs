@@ -193,6 +193,7 @@ mod tests {
         let mut decided = persistent_below(0.1);
         let regime = |k: f64| if (0.09..0.12).contains(&k) { Ok(undecided) } else { decided(k) };
         let found = PersistenceLimit::find([1e-3, 1.0], 0.01, regime).unwrap();
+        // Regimes between 0.09 and 0.12 are undecided.
         assert!(found.persists < 0.09 && found.ended >= 0.12, "{found:?}");
         assert_eq!(PersistenceLimit::find([1e-3, 1.0], 0.01, |_| Ok(undecided)).unwrap().persists, 0.0);
     }

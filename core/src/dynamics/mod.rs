@@ -35,7 +35,7 @@ pub use tr_bdf2::{ImplicitStage, StageSolver};
 use rayon::prelude::*;
 
 use self::tr_bdf2::TrBdf2Step;
-use crate::monitor::{Monitor, Watch};
+use crate::monitor::{Cost, Monitor, Watch};
 use crate::numerics::tr_bdf2::GAMMA;
 use crate::rate_dependent::ErrorEstimator;
 use crate::{Error, Result};
@@ -136,17 +136,20 @@ impl SliderMotion {
             // within the tolerance, and the cell does not move back.
             let tried = self.attempt(solver, drive, duration, &Watch::new(monitor))?;
             let Some(step) = tried else {
+                monitor.cost(Cost::RejectedSteps, 1);
                 duration *= MotionStepControl::SHRINK;
                 continue;
             };
             let shorter = self.control.shorter(step.error).or_else(|| self.before_turning(&step.end, solver));
             if let Some(factor) = shorter {
+                monitor.cost(Cost::RejectedSteps, 1);
                 duration *= factor;
                 continue;
             }
             // The estimators move before the step is accepted: if the monitor stops them, nothing
             // has moved.
             self.estimate(&step, duration, monitor)?;
+            monitor.cost(Cost::Steps, 1);
             self.control.accept(step.error, duration, left);
             self.energies.work += step.work;
             self.energies.viscous.iter_mut().zip(&step.viscous).for_each(|(lost, more)| *lost += more);

@@ -53,7 +53,7 @@ use self::energy::EnergyBudget;
 use self::parameters::DriveSprings;
 use self::residual::InterfaceModel;
 use self::slide::SlideRecord;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Cost, Monitor, report};
 use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
 use crate::{Error, Result};
@@ -109,7 +109,8 @@ impl Interface {
         if number != shape.size() {
             return Err(Error::invalid("cells", format!("{} of them, as coupled", shape.size()), number));
         }
-        let mut model = InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape) };
+        let mut model =
+            InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape), residuals: 0 };
         let configuration = model.initial_balance()?;
         Ok(Self {
             energy: EnergyBudget::new(&mut model, &configuration),
@@ -295,6 +296,7 @@ impl Interface {
         // begins with a slide.
         let mut lost = residual > self.model.creep_tolerance(&self.configuration, self.configuration.drive);
         loop {
+            monitor.cost(Cost::Residuals, std::mem::take(&mut self.model.residuals));
             if lost {
                 let events = self.slide(monitor)?;
                 observe(self);

@@ -29,6 +29,8 @@ pub(super) struct InterfaceModel {
     pub cells: Box<dyn Cells>,
     pub coupling: Box<dyn Coupling>,
     pub springs: DriveSprings,
+    /// Residuals computed since this was last reported.
+    pub residuals: usize,
 }
 
 /// Forces out of balance, with the tangents of the contacts in the same state.
@@ -132,6 +134,7 @@ impl InterfaceModel {
     /// Pulls less the forces of the contacts after advances.
     fn subtract_contacts(&mut self, pulls: Vec<f64>, by: &[f64]) -> Result<Residual> {
         let (mut forces, mut tangents) = (pulls, vec![0.0; by.len()]);
+        self.residuals += 1;
         let largest = self.cells.residual(by, &mut forces, &mut tangents)?;
         Ok(Residual { forces, tangents, largest })
     }

@@ -3,9 +3,8 @@
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
 
-use super::{
-    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, positive, shared, unknown,
-};
+use super::range::length;
+use super::{Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -21,7 +20,7 @@ impl Exponential {
     /// # Errors
     /// A mean that is not finite and above 0.
     pub fn new(mean: f64) -> Result<Self> {
-        Ok(Self { mean: positive("mean", mean)? })
+        Ok(Self { mean: length("mean", mean)? })
     }
 }
 

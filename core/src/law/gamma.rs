@@ -4,9 +4,10 @@ use num_complex::Complex64;
 use rand_distr::Distribution;
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma, upper_by_shape};
+use super::range::{length, width};
 use super::{
     Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, invert_ln_survival,
-    positive, shared, unknown,
+    shared, unknown,
 };
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -30,7 +31,8 @@ impl Gamma {
     /// # Errors
     /// A mean or a standard deviation that is not finite and above 0.
     pub fn new(mean: f64, std: f64) -> Result<Self> {
-        let (mean, std) = (positive("mean", mean)?, positive("std", std)?);
+        let mean = length("mean", mean)?;
+        let std = width(mean, std)?;
         let (shape, scale) = ((mean / std).powi(2), std * (std / mean));
         let sampler = rand_distr::Gamma::new(shape, scale)
             .map_err(|_| Error::invalid("std", format!("within 1e±150 of mean = {mean}"), std))?;

@@ -4,9 +4,10 @@ use std::f64::consts::SQRT_2;
 
 use num_complex::Complex64;
 
+use super::range::{length, length_or_zero, width};
 use super::{
     Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, invert_ln_survival,
-    normal, not_negative, positive, shared, unknown, ziggurat,
+    normal, shared, unknown, ziggurat,
 };
 use crate::Result;
 use crate::numerics::legendre::RULE;
@@ -32,7 +33,9 @@ impl Gaussian {
     /// # Errors
     /// A mean below 0, a standard deviation of 0 or below, or one of them not finite.
     pub fn new(mean: f64, std: f64) -> Result<Self> {
-        let (mean, std) = (not_negative("mean", mean)?, positive("std", std)?);
+        let mean = length_or_zero("mean", mean)?;
+        // The mean is that before truncation: the width has no upper limit.
+        let std = if std < mean { width(mean, std)? } else { length("std", std)? };
         let alpha = mean / std;
         let (above, ln_above) = (normal::survival(-alpha), normal::ln_survival(-alpha));
         Ok(Self { mean, std, alpha, above, ln_above })

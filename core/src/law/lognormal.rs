@@ -6,9 +6,9 @@ use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::quadrature::trapezoid;
+use super::range::{length, width};
 use super::{
-    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, invert_ln_survival, normal, positive, shared,
-    unknown,
+    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, invert_ln_survival, normal, shared, unknown,
 };
 use crate::Result;
 use crate::random::Stream;
@@ -33,7 +33,8 @@ impl Lognormal {
     /// # Errors
     /// A mean or a standard deviation that is not finite and above 0.
     pub fn new(mean: f64, std: f64) -> Result<Self> {
-        let (mean, std) = (positive("mean", mean)?, positive("std", std)?);
+        let mean = length("mean", mean)?;
+        let std = width(mean, std)?;
         let variation = std / mean;
         let ratio = 1.0_f64.hypot(variation);
         let (median, spread) = (mean / ratio, (variation * variation).ln_1p().sqrt());

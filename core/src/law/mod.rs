@@ -26,6 +26,7 @@ mod panels;
 mod parametric;
 mod point;
 mod quadrature;
+mod range;
 mod rectangular;
 mod refine;
 mod renormalised;

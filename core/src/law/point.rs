@@ -2,9 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::{
-    Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, not_negative, shared, unknown,
-};
+use super::range::length_or_zero;
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -22,7 +21,7 @@ impl Point {
     /// # Errors
     /// A position below 0 or not finite.
     pub fn new(at: f64) -> Result<Self> {
-        Ok(Self { at: not_negative("at", at)? })
+        Ok(Self { at: length_or_zero("at", at)? })
     }
 }
 

@@ -2,7 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::{Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, not_negative, shared, unknown};
+use super::range::{length, length_or_zero};
+use super::{Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -19,10 +20,11 @@ impl Rectangular {
     /// # Errors
     /// A `min` below 0, a `max` not above it, or one of them not finite.
     pub fn new(min: f64, max: f64) -> Result<Self> {
-        not_negative("min", min)?;
+        length_or_zero("min", min)?;
         if !(max.is_finite() && max > min) {
             return Err(Error::invalid("max", format!("a finite number above min = {min}"), max));
         }
+        length("max", max)?;
         Ok(Self { min, max })
     }
 

@@ -63,6 +63,9 @@ impl Renormalised {
             let expected = "a law without point masses above 0: identical thresholds break together, whatever the coupling";
             return Err(Error::invalid("law", expected, format!("one at {}", atom.position)));
         }
+        if thresholds.mean() == 0.0 {
+            return Err(Error::invalid("law", "thresholds above 0", "all at 0"));
+        }
         let critical = critical_coupling(thresholds.as_ref());
         if coupling >= critical {
             let expected =
@@ -359,6 +362,7 @@ mod tests {
 
     #[test]
     fn printed_values() {
+        // Half a unit of the four digits printed.
         assert!((critical_coupling(gaussian(0.1).as_ref()) - 0.2494).abs() < 5e-5);
         for (coupling, std) in [(0.1, 0.0721), (0.2, 0.0453)] {
             let law = Renormalised::new(gaussian(0.1), coupling).unwrap();

@@ -7,6 +7,7 @@ use rand_distr::{Distribution, Exp1};
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma};
 use super::quadrature::trapezoid;
+use super::range::length;
 use super::{
     Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, positive, shared, unknown,
 };
@@ -29,7 +30,7 @@ impl Weibull {
     /// # Errors
     /// A shape or a scale that is not finite and above 0, or moments that overflow.
     pub fn new(shape: f64, scale: f64) -> Result<Self> {
-        let (shape, scale) = (positive("shape", shape)?, positive("scale", scale)?);
+        let (shape, scale) = (positive("shape", shape)?, length("scale", scale)?);
         let std = positive("shape", scale * unit_std(shape))?;
         Ok(Self { shape, scale, std })
     }

@@ -7,7 +7,7 @@ use super::{Life, Starts};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Breakpoint, SharedLaw, Zone};
-use crate::monitor::{Monitor, Watch};
+use crate::monitor::{Cost, Monitor, Watch};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -105,6 +105,7 @@ fn of_moments<const N: usize>(
         end,
         BULK.resolution,
     );
+    watch.cost(Cost::LifeCells, moments[0].coefficients.len());
     weigh_pole(&mut moments[0], &breakpoints, &breaking);
     breakpoints.extend(broken.map(Breakpoint::from));
     let wide = 0.25 * scale(law);

@@ -14,7 +14,7 @@ use super::panels::{Domain, Panels};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Breakpoint, Law, SharedLaw};
-use crate::monitor::Watch;
+use crate::monitor::{Cost, Watch};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
 
@@ -139,6 +139,7 @@ pub(super) fn of_cohorts(
         Resolution::Mean(RESOLUTION.max(model.roughness())),
     );
     let [_, breaking, survival, force, square, energy, lost] = curves;
+    watch.cost(Cost::LifeCells, breaking.coefficients.len());
     begin(&mut breakpoints, &breaking, 0.0, 0.0);
     if 1.0 - unbroken > NEGLIGIBLE {
         breakpoints.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
@@ -296,6 +297,7 @@ impl Cohorts {
         // Cohorts do not depend on each other, and each is a solution of a partial differential
         // equation or a table: threads share them.
         let found = watch.share(points.len(), || (), make)?;
+        watch.cost(Cost::LifeCohorts, points.len());
         if points.len() <= FEW && !cohorts.model.tells_of_edges() {
             cohorts.few = points.iter().map(|point| point.1).zip(found.iter().cloned()).collect();
         }

@@ -301,8 +301,11 @@ impl Life {
     }
 
     /// Kinks of the slope of the carried force where nothing happens to the breaking density: those of a table of
-    /// stiffnesses.
+    /// stiffnesses, which contacts with a delay do not have.
     pub(crate) fn kinks_of_stiffness(&self) -> Vec<Breakpoint> {
+        if self.wait > 0.0 || self.waiting.is_some() {
+            return Vec::new();
+        }
         let known = self.survival.breakpoints();
         self.force.breakpoints().iter().filter(|b| !known.contains(b)).copied().collect()
     }

@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Unexpected, Visi
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::logarithmic;
+use super::{logarithmic, size};
 use crate::{Error, Result};
 
 /// Axes by key, in the order of the file.
@@ -154,6 +154,7 @@ impl SweepRange {
         if points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", points));
         }
+        size::check("points", points, size::BYTES_PER_POINT)?;
         if from == to {
             return Err(Error::invalid("to", format!("another number than from = {from}"), to));
         }

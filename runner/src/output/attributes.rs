@@ -6,6 +6,11 @@ use serde_json::Value;
 
 /// The metadata conventions of `result.nc`.
 const CONVENTIONS: &str = "CF-1.11";
+/// The form of `result.nc` and `sweep.nc`. It rises when a reader of the last form could not read the new one; new variables and
+/// attributes do not raise it.
+pub const FORMAT: i64 = 1;
+/// The attribute that states it.
+pub(super) const FORMAT_ATTRIBUTE: &str = "format_version";
 /// Entries of the summary that are attributes under their own rules, or of the variables.
 const APART: [&str; 4] = ["title", "version", "seed", "units"];
 /// What a summary has in the place of an infinite number.
@@ -27,7 +32,11 @@ pub enum Attribute {
 /// The attributes of every result, also of one without a summary.
 pub fn common() -> Vec<(String, Attribute)> {
     let text = |text: &str| Attribute::Text(text.to_owned());
-    vec![("Conventions".to_owned(), text(CONVENTIONS)), ("source".to_owned(), text("asperity"))]
+    vec![
+        ("Conventions".to_owned(), text(CONVENTIONS)),
+        ("source".to_owned(), text("asperity")),
+        (FORMAT_ATTRIBUTE.to_owned(), Attribute::Whole(FORMAT)),
+    ]
 }
 
 /// The attributes of a result: title, version, seed, and the entries of its summary. Entries of tables and lists are named by

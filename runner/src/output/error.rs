@@ -35,6 +35,20 @@ pub enum Error {
         /// The reason.
         what: String,
     },
+    /// A file of a later form than this version knows.
+    #[error(
+        "{path}: its format_version is {found}, written by asperity {version}; this version, {}, reads {} and below: install a later one",
+        env!("CARGO_PKG_VERSION"),
+        super::FORMAT
+    )]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// Its form.
+        found: f64,
+        /// The version that wrote it.
+        version: String,
+    },
     /// The results cannot be put into a NetCDF file.
     #[error("result.nc: {0}")]
     Encoding(#[from] netcdf_writer::Error),

@@ -20,7 +20,7 @@ use asperity::task::summary::Summary;
 use crate::columns::StoredColumns;
 use view::Variables;
 
-pub use attributes::{Attribute, attributes, common};
+pub use attributes::{Attribute, FORMAT, attributes, common};
 pub use csv::shortest;
 pub(crate) use directory::NewFile;
 pub use directory::{Renamed, check};

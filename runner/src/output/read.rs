@@ -8,7 +8,8 @@ use asperity::task::summary::Summary;
 use netcdf_reader::{NcFile, NcVariable};
 use serde_json::{Map, Value};
 
-use super::{Error, Outcome, Result};
+use super::attributes::FORMAT_ATTRIBUTE;
+use super::{Error, FORMAT, Outcome, Result};
 
 /// Reads the files of [`super::write`], with every number unchanged.
 ///
@@ -50,13 +51,25 @@ fn text(path: &Path) -> Result<String> {
 
 fn record(path: &Path) -> Result<Record> {
     let bytes = fs::read(path).map_err(Error::system(path, "read"))?;
+    let file = NcFile::from_vec(bytes).map_err(Error::malformed(path))?;
+    is_known(&file, path)?;
     let decode = || -> netcdf_reader::Result<Record> {
-        let file = NcFile::from_vec(bytes)?;
         let numbers = file.variables()?.iter().filter(|v| attribute(v, "quantity").is_some());
         let variables = numbers.map(|v| variable(&file, v)).collect::<netcdf_reader::Result<_>>()?;
         Ok(Record { variables })
     };
     decode().map_err(Error::malformed(path))
+}
+
+/// Refuses a file of a later form. One that states none was written before forms had numbers, and is read as the first.
+fn is_known(file: &NcFile, path: &Path) -> Result<()> {
+    let stated = |name: &str| file.global_attribute(name).ok().map(|attribute| &attribute.value);
+    let found = stated(FORMAT_ATTRIBUTE).and_then(|value| value.as_f64()).unwrap_or(0.0);
+    if found <= FORMAT as f64 {
+        return Ok(());
+    }
+    let version = stated("version").and_then(|value| value.as_string()).unwrap_or_default();
+    Err(Error::Newer { path: path.to_owned(), found, version })
 }
 
 fn variable(file: &NcFile, found: &NcVariable) -> netcdf_reader::Result<Variable> {

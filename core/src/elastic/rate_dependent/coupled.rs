@@ -4,7 +4,7 @@ use crate::Result;
 use crate::dynamics::{ImplicitStage, SlidingCell, StageSolver};
 use crate::elastic::Coupling;
 use crate::elastic::batch::largest;
-use crate::monitor::Watch;
+use crate::monitor::{Cost, Watch};
 use crate::rate_dependent::RateDependentContacts;
 
 /// Iterations of the secant method after which the step is taken to be too long.
@@ -177,6 +177,7 @@ fn advance(stage: &ImplicitStage<'_>, guesses: &mut [Guess], by: &[f64], watch: 
             going.push((j, advance));
         }
     }
+    watch.cost(Cost::Residuals, 1);
     let ahead = |(): &mut (), number: usize| {
         let (j, advance) = going[number];
         stage.from[j].contacts_ahead(advance, stage.duration, watch)

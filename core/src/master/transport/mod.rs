@@ -43,7 +43,7 @@ use crate::contacts::{Ageing, Contacts, FreeFriction, Initial, Rules, Start, Thr
 use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
-use crate::monitor::{Aside, Monitor, Part, Watch, report};
+use crate::monitor::{Aside, Cost, Monitor, Part, Watch, report};
 use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
@@ -482,12 +482,15 @@ impl Transport {
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
         // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
+        monitor.cost(Cost::TransportedCohorts, trial.cohorts.len());
         let (before, formed) = (self.pace.last(), stage.broken.is_spread().then(|| trial.formed.fraction()));
         if !self.pace.judge(path.duration, (trial.fraction, formed), trial.formed.deaths) {
+            monitor.cost(Cost::RejectedTransportSteps, 1);
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
         }
         let continued = self.before.take().filter(|_| before.is_some());
+        monitor.cost(Cost::TransportSteps, 1);
         if !asked.is_empty() {
             let errors = [self.tolerance * self.unit / self.stiffness, self.tolerance];
             let mut dense = DenseOutput::new(&stage, (&self.cohorts, &trial), path, continued, errors);

@@ -213,6 +213,7 @@ mod tests {
     fn no_few_seed_stands_for_more_than_is_widest() {
         let law = Gaussian::new(1.0, 0.2).unwrap();
         let few: Vec<Seed> = fewest(&law, 1.5, 0.05, 0.1, 1e-3).into_iter().map(|(seed, _)| seed).collect();
+        // The widest that is asked for, 0.05, and its rounding.
         assert!(few.iter().all(|seed| seed.below + seed.above <= 0.05 * (1.0 + 1e-12)), "{few:?}");
         let whole: f64 = few.iter().map(|seed| seed.weight).sum();
         assert!((whole - 1.0).abs() < 1e-14 && few.iter().all(|seed| seed.stretch < 1.5));

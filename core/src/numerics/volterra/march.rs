@@ -5,7 +5,7 @@ use super::kernel::Kernel;
 use super::mesh::{Mesh, Run};
 use super::response::own_inverse;
 use super::{Accuracy, Solution, convolve_atoms};
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Cost, Monitor, report};
 use crate::numerics::breakpoints::{Atom, Breakpoint, renewed, same_position};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::{Piecewise, rounding, tail};
@@ -115,6 +115,7 @@ pub fn solve(
         march.section(stop, end, &mut control, monitor)?;
     }
     let March { mesh, values, density, atoms, .. } = march;
+    monitor.cost(Cost::VolterraCells, values.len());
     let breakpoints = breakpoints.into_iter().filter(|b| !b.is_atom()).collect();
     Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breakpoints })
 }
@@ -216,6 +217,7 @@ impl March<'_> {
         for done in 1..=count as usize {
             let last = done == count as usize;
             let Some(truncation) = self.cell(if last { stop } else { here + done as f64 * width }) else {
+                monitor.cost(Cost::RejectedVolterraCells, 1);
                 control.halve(width);
                 return if width < 1e-40 * end { Err(self.unresolved()) } else { Ok(()) };
             };

@@ -78,6 +78,7 @@ mod tests {
             loading: CellLoading::Uniform,
             slip: None,
             viscosity: None,
+            mass: None,
             disorder: None,
             drive_tolerance: 1e-6,
             catalogue_from: 0.0,

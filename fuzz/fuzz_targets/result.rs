@@ -1,0 +1,4 @@
+//! See `src/targets.rs`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| asperity_fuzz::result(bytes));
