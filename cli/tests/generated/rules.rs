@@ -71,10 +71,21 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         {
             no
         }
-        ("contacts", "stiffness_of_threshold") if walk.given("contacts.stiffness_per_threshold") => no,
+        ("contacts", "stiffness" | "stiffness_per_threshold")
+            if walk.given("contacts.stiffness_of_threshold") =>
+        {
+            no
+        }
+        ("contacts", "stiffness_of_threshold")
+            if in_time || task == "renormalisation" || walk.given("contacts.stiffness_per_threshold") =>
+        {
+            no
+        }
         ("contacts", "temperature" | "ageing" | "delay") if walk.given("contacts.stiffness_of_threshold") => {
             no
         }
+        // Free contacts slide; without a delay there are none.
+        ("contacts", "free_friction") if !walk.given("contacts.delay") => no,
         ("contacts.stiffness_of_threshold", key) => Some(key != "file"),
         ("contacts", "background_force" | "background_coefficient") if task == "renormalisation" => no,
         ("contacts", "background_force") if walk.given("contacts.background_coefficient") => no,
