@@ -42,7 +42,7 @@ def test_every_argument_is_an_attribute(description: asp.Description) -> None:
             expected = math.inf if given[name] is None else given[name]
             assert np.array_equal(value, expected) or value == expected, name
         elif not isinstance(parameter.default, int | float | str):
-            assert value is None or isinstance(value, float | int | asp.Law), name
+            assert value is None or isinstance(value, float | int | str | asp.Law), name
         else:
             assert value == parameter.default, name
 

@@ -93,7 +93,7 @@ def test_free_times_of_a_distribution() -> None:
     free = velocity * 0.5
     carried = 0.5 * law.moment(2) + (0.2 + 0.3 * velocity) * free
     friction = asp.MasterEquation(contacts, velocity=velocity).steady_state().kinetic_friction
-    assert friction == pytest.approx(carried / (law.mean + free), rel=1e-12)
+    assert friction == pytest.approx(carried / (law.mean() + free), rel=1e-12)
     trace = asp.Transport(contacts).follow([asp.Step(velocity, distance=40.0)])
     # The default tolerance of 1e-6, and what of the transient is left.
     assert trace.force[-1] == pytest.approx(friction, abs=1e-5)

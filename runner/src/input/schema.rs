@@ -21,6 +21,7 @@ fn combinations() -> Vec<Value> {
         ["contacts.temperature", "contacts.ageing", "contacts.delay"].map(|rule| having(rule, json!({})))
     );
     let single = having("interface.contacts", json!({ "const": "one" }));
+    let mass = key("interface.mass");
     let steady = any([
         // Only the first step may have a start; editors do not know the keyword for a first item.
         having("protocol", json!({ "contains": having("start", json!({ "const": "steady" })) })),
@@ -59,11 +60,17 @@ fn combinations() -> Vec<Value> {
             having("stability.velocities", json!({ "minItems": 1 })),
         ),
         implies(
-            all([timed.clone(), key("interface")]),
+            all([timed.clone(), key("interface"), not(mass.clone())]),
             all([key("interface.viscosity"), having("interface.slip", json!({ "const": "overdamped" }))]),
         ),
-        implies(all([key("interface"), any(["protocol", "protocol_file"].map(key))]), timed.clone()),
-        implies(key("interface.slip_rates"), timed.clone()),
+        implies(
+            all([key("interface"), any(["protocol", "protocol_file"].map(key))]),
+            any([timed.clone(), mass.clone()]),
+        ),
+        implies(key("interface.slip_rates"), any([timed.clone(), mass.clone()])),
+        // Cells with a mass move in time.
+        implies(all([mass.clone(), key("drive")]), key("drive.velocity")),
+        refuses(mass.clone(), any([key("interface.slip"), key("renormalisation")])),
         refuses(all([steady.clone(), timed.clone(), key("ensemble")]), any(["block", "interface"].map(key))),
         implies(having("velocity_curve.temperatures", json!({ "minItems": 1 })), key("contacts.temperature")),
         refuses(
@@ -87,6 +94,7 @@ fn combinations() -> Vec<Value> {
                 timed.clone(),
                 key("interface.slip"),
                 key("interface.viscosity"),
+                key("interface.mass"),
                 key("interface.disorder"),
                 key("interface.coupling.half_space"),
                 key("ensemble.size"),
@@ -115,7 +123,10 @@ fn combinations() -> Vec<Value> {
                 key("interface"),
                 not(having("interface.contacts", json!({ "const": "one" }))),
             ]),
-            all([key("ensemble.size"), having("interface.slip", json!({ "const": "overdamped" }))]),
+            all([
+                key("ensemble.size"),
+                any([mass.clone(), having("interface.slip", json!({ "const": "overdamped" }))]),
+            ]),
         ),
         implies(
             all([
