@@ -519,6 +519,9 @@ class Contacts(Description):
         The stiffness ⟨k⟩ of a contact, force per length, 1 by default.
     stiffness_per_threshold
         The κ of stiffnesses k = κ x_s that are proportional to the threshold, instead of stiffness.
+    stiffness_of_threshold
+        A pair of lists, thresholds x_s and the stiffness k of a contact with each of them: k(x_s) is linear between
+        them and constant beyond, instead of stiffness. For contacts without temperature, ageing and delay.
     normal_load
         The normal load, a force; with it, results of scenarios have friction coefficients.
     background_force
@@ -558,6 +561,7 @@ class Contacts(Description):
         count: _Number = 1.0,
         stiffness: _Number | None = None,
         stiffness_per_threshold: _Number | None = None,
+        stiffness_of_threshold: object = None,
         normal_load: _Number | None = None,
         background_force: _Number | None = None,
         background_coefficient: _Number | None = None,
@@ -609,7 +613,11 @@ class Contacts(Description):
 
     @property
     def stiffness(self, /) -> float | None:
-        """The stiffness ⟨k⟩ of a contact, force per length; None where it is proportional to the threshold."""
+        """The stiffness ⟨k⟩ of a contact, force per length; None where it depends on the threshold."""
+
+    @property
+    def stiffness_of_threshold(self, /) -> tuple[list[float], list[float]] | None:
+        """Thresholds x_s and the stiffness k of a contact with each of them, or None."""
 
     @property
     def stiffness_per_threshold(self, /) -> float | None:
