@@ -126,7 +126,7 @@ fn by_trapezoids(law: &Gaussian, stiffness: &Stiffness, position: f64) -> f64 {
 #[test]
 fn the_renewal_equation_by_trapezoids_agrees_beyond_the_kinks() {
     let law = Gaussian::new(1.0, 0.2).unwrap();
-    let contacts = contacts(law.clone(), at_zero(), kinked());
+    let contacts = contacts(law, at_zero(), kinked());
     let pull = MasterEquation::new(contacts, &Initial::default()).unwrap().pull(3.0).unwrap();
     for position in [0.5, 0.9, 1.3, 2.0] {
         let expected = by_trapezoids(&law, &kinked(), position);

@@ -561,7 +561,7 @@ class Contacts(Description):
         count: _Number = 1.0,
         stiffness: _Number | None = None,
         stiffness_per_threshold: _Number | None = None,
-        stiffness_of_threshold: object = None,
+        stiffness_of_threshold: tuple[ArrayLike, ArrayLike] | None = None,
         normal_load: _Number | None = None,
         background_force: _Number | None = None,
         background_coefficient: _Number | None = None,

@@ -139,9 +139,9 @@ impl Contacts {
     #[new]
     #[pyo3(signature = (
         thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
-        stiffness_per_threshold = None, stiffness_of_threshold = None, normal_load = None, background_force = None,
-        background_coefficient = None, temperature = None, ageing = None, delay = None, free_friction = 0.0,
-        free_viscosity = 0.0
+        stiffness_per_threshold = None, stiffness_of_threshold: "tuple[ArrayLike, ArrayLike] | None" = None,
+        normal_load = None, background_force = None, background_coefficient = None, temperature = None, ageing = None,
+        delay = None, free_friction = 0.0, free_viscosity = 0.0
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(

@@ -30,7 +30,7 @@ pub enum Plain {
     Ensemble(Interface, scenario::Ensemble),
     Slip(Slip),
     Block(Slider),
-    Surface(Surface),
+    Surface(Box<Surface>),
 }
 
 /// Contacts and their initial state.

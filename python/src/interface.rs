@@ -288,7 +288,7 @@ impl Deformable {
         }
         // The drive is set later.
         surface.scenario(Drive { velocity: Some(1.0), ..Drive::default() }).build().map_err(error::core)?;
-        Ok(Description::new(Plain::Surface(surface)).add_subclass(Self))
+        Ok(Description::new(Plain::Surface(Box::new(surface))).add_subclass(Self))
     }
 }
 

@@ -97,7 +97,9 @@ impl Model {
         let contacts = match solver {
             Solver::Ensemble(ensemble) => SliderContacts::Followed(ensemble.size()),
             _ => match model.cast::<MasterEquation>() {
-                Ok(own) => SliderContacts::Solved(own.get().equation.clone(), own.get().initial.clone()),
+                Ok(own) => {
+                    SliderContacts::Solved(Box::new(own.get().equation.clone()), own.get().initial.clone())
+                }
                 Err(_) => SliderContacts::Followed(0),
             },
         };

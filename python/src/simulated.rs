@@ -291,7 +291,7 @@ struct Slider {
 /// The contacts under a slider.
 pub enum SliderContacts {
     /// A distribution that follows the master equation, and its initial state.
-    Solved(MasterEquation, Initial),
+    Solved(Box<MasterEquation>, Initial),
     /// So many contacts that are followed one by one.
     Followed(usize),
 }

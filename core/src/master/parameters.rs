@@ -125,10 +125,10 @@ impl Description {
     /// # Errors
     /// Those of [`Self::with`].
     pub(super) fn vary(mut self, named: Named<'_>, value: f64) -> Result<Self> {
-        if named == Named::Number("velocity") {
-            if let FreeTime::Fixed(time) = &mut self.contacts.rules.delay {
-                *time *= self.velocity.map_or(1.0, |before| before / value);
-            }
+        if named == Named::Number("velocity")
+            && let FreeTime::Fixed(time) = &mut self.contacts.rules.delay
+        {
+            *time *= self.velocity.map_or(1.0, |before| before / value);
         }
         self.with(named, value)
     }
