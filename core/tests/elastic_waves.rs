@@ -135,6 +135,7 @@ fn one_cell_over_ageing_contacts_is_the_block_in_time() {
     near(cell.positions()[0], slip.position_turn, 3.0 * tolerance);
     assert_eq!(cell.velocities()[0], 0.0);
     let energy = cell.energy();
+    // The error of the steps, whose tolerance is 1e-4 of a mean threshold, over the whole drive.
     assert!(energy.imbalance().abs() < 1e-3 * energy.work, "{energy:?}");
 }
 

@@ -96,10 +96,10 @@ class Spots:
         local_friction : float, optional
             the ratio of the force at which a spot breaks and its load.
         stiffness : {"area", "equal"}, optional
-            "area": the stiffness grows as √A. With a shear strength, for which this is the default, the threshold
-            grows with it, k = κ x_s. With a local friction spots of one threshold have different stiffnesses;
-            contacts have their mean, a table of k(x_s), and the mean force depends on nothing else. "equal":
-            all have the mean stiffness; the default with local_friction.
+            "area": the stiffness grows as √A. With a shear strength, for which this is the default, the
+            threshold grows with it, k = κ x_s. With a local friction spots of one threshold have different
+            stiffnesses; contacts have their mean, a table of k(x_s), and the mean force depends on nothing
+            else. "equal": all have the mean stiffness; the default with local_friction.
         spots : {"new", "present"}
             "new": the map shows the spots that are present in long sliding, and new ones are drawn from their
             distribution divided by the threshold, because a spot is present in proportion to its life.
@@ -163,17 +163,16 @@ def silverman(logs: "_Array") -> float:
     """The bandwidth of a kernel density estimate by Silverman's rule, as for samples without a bandwidth."""
     spread = float(logs.std())
     quartiles = float(np.subtract(*np.quantile(logs, [0.75, 0.25]))) / 1.34
-    return 0.9 * (min(spread, quartiles) if quartiles > 0.0 else spread) * len(logs) ** -0.2
+    width = min(spread, quartiles) if quartiles > 0.0 else spread
+    return float(0.9 * width * len(logs) ** -0.2)
 
 
-def mean_stiffness(
-    sample: "_Array", stiff: "_Array", law: Law, spots: str
-) -> "tuple[_Array, _Array] | None":
-    """The mean stiffness of spots of one threshold, as a table against the threshold; None for equal thresholds.
+def mean_stiffness(sample: "_Array", stiff: "_Array", law: Law, spots: str) -> "tuple[_Array, _Array] | None":
+    """The mean stiffness of spots of one threshold, a table against the threshold; None for equal thresholds.
 
-    It is the kernel regression of E. A. Nadaraya (Theory Probab. Appl. 9, 141, 1964) and G. S. Watson with the
-    kernels of the density, times a number near 1 by which kinetic friction is half of the sum of the forces at
-    which the spots break.
+    It is the kernel regression of E. A. Nadaraya (Theory Probab. Appl. 9, 141, 1964) and G. S. Watson with
+    the kernels of the density, times a number near 1 by which kinetic friction is half of the sum of the
+    forces at which the spots break.
     """
     logs = np.log(sample)
     if logs.std() < NARROW:

@@ -141,11 +141,13 @@ def test_cells_with_a_mass_carry_waves_and_slip() -> None:
     )
     assert (chain.mass, chain.wave_speed, chain.slip) == (0.25, 10.0, None)
     result = chain.drive(4.5, velocity=1e-3, slip_rates=2000)
+    assert result.events is not None
     assert result.events["cells"].max() == 30
     assert result.summary["catalogue"]["wave_speed"] == 10.0
     assert 0.0 < result.summary["catalogue"]["front_speed"] < 10.0
     assert result["slip_rate"].min() < 0.0
     followed = chain.follow([asp.Step(1e-3, distance=4.5)])
+    assert followed.events is not None
     # Steps end at other points of output, and are right to 1e-4.
     assert followed.events["drive"] == pytest.approx(result.events["drive"], abs=1e-4)
     simulation = chain.simulation(velocity=1e-3)

@@ -57,8 +57,8 @@ def test_the_stiffness_of_contacts_is_told() -> None:
     assert tabulated.stiffness_of_threshold == ([0.5, 1.5], [1.0, 3.0])
     with pytest.raises(ValueError, match=r"stiffness_of_threshold\.threshold: expected thresholds that rise"):
         asp.Contacts(asp.Gaussian(1.0, 0.05), stiffness_of_threshold=([1.0, 1.0], [1.0, 2.0]))
+    warm = tabulated.replace(temperature=asp.Temperature(energy=0.01, attempt_rate=1.0))
     with pytest.raises(ValueError, match="no table beside temperature"):
-        warm = tabulated.replace(temperature=asp.Temperature(energy=0.01, attempt_rate=1.0))
         asp.MasterEquation(warm, velocity=1.0)
 
 
