@@ -157,6 +157,7 @@ figures: $(venv)/installed
 	draw stick-slip-overdamped stick-slip stick_slip equilibrium; \
 	draw velocity-curve-thermal thermal velocity_curve; \
 	draw velocity-curve-delay delay velocity_curve; \
+	draw slow-slip slow stick_slip; \
 	draw velocity-curve-ageing ageing velocity_curve; \
 	draw precursors-edge precursors space_time; \
 	draw healing healing hold_curve; \

@@ -282,6 +282,7 @@ fn pictures_are_those_that_the_program_draws() {
         ("stick-slip-overdamped", "stick-slip", &["stick_slip", "equilibrium"]),
         ("velocity-curve-thermal", "thermal", &["velocity_curve"]),
         ("velocity-curve-delay", "delay", &["velocity_curve"]),
+        ("slow-slip", "slow", &["stick_slip"]),
         ("precursors-edge", "precursors", &["space_time"]),
         ("healing", "healing", &["hold_curve"]),
         ("velocity-step", "step", &["velocity_step"]),

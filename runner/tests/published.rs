@@ -127,6 +127,47 @@ fn precursors_of_a_chain_pulled_at_its_edge() {
     ));
 }
 
+/// Amundsen et al. (2015): fronts in a chain of blocks, faster where the force before the slip is higher.
+#[test]
+fn fronts_in_a_chain_with_inertia() {
+    let front = |overrides: &[&str]| {
+        let outcome = run("front-waves", overrides);
+        let catalogue = serde_json::to_value(&outcome.summary.numbers).unwrap()["catalogue"].clone();
+        let number = |name: &str| catalogue[name].as_f64().unwrap();
+        let drive = catalogue["largest"]["drive"].as_f64().unwrap();
+        (drive, number("front_speed"), number("wave_speed"))
+    };
+    let (drive, speed, waves) = front(&[]);
+    let ratio = speed / waves;
+    told(&format!("runs at {speed:.2} cells per time, {ratio:.2} of the speed of waves"));
+    let scale: Vec<_> = (0..100).map(|cell| if cell < 9 { "0.7" } else { "1.0" }).collect();
+    let shorter = format!("interface.disorder.scale=[{}]", scale.join(","));
+    let (later, faster, _) = front(&[&shorter]);
+    assert!(later > drive && faster > speed, "{drive} {speed}, {later} {faster}");
+    told(&format!("it begins at the drive {later:.2} instead of {drive:.2} and runs at {faster:.2}."));
+}
+
+/// Thøgersen et al. (2014): slow slip after fast slip.
+#[test]
+fn slow_slip_after_fast_slip() {
+    let record = run("slow-slip", &[]).record;
+    let (time, velocity) = (column(&record, "time"), column(&record, "velocity"));
+    let peak = (0..time.len()).max_by(|&a, &b| velocity[a].total_cmp(&velocity[b])).unwrap();
+    // The time at which V/v has fallen to a ratio, its logarithm linear between two steps.
+    let falls_to = |ratio: f64| {
+        let after = (peak..time.len()).find(|&k| velocity[k] < 1e-3 * ratio).unwrap();
+        let [before, now] = [velocity[after - 1], velocity[after]].map(f64::ln);
+        let part = (before - (1e-3 * ratio).ln()) / (before - now);
+        time[after - 1] + part * (time[after] - time[after - 1]) - time[peak]
+    };
+    let (fast, slow) = (falls_to(100.0), falls_to(10.0));
+    told(&format!(
+        "rises to {:.0} and falls below 100 within {fast:.1} units of time",
+        velocity[peak] / 1e-3
+    ));
+    told(&format!("The next factor of ten takes {:.1}.", slow - fast));
+}
+
 /// Hergarten and Neugebauer (2002): foreshocks and aftershocks in the automaton of Olami, Feder and Christensen.
 #[test]
 fn earthquakes_cluster() {
