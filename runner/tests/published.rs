@@ -139,12 +139,12 @@ fn fronts_in_a_chain_with_inertia() {
     };
     let (drive, speed, waves) = front(&[]);
     let ratio = speed / waves;
-    told(&format!("runs at {speed:.2} cells per time, {ratio:.2} of the speed of waves"));
+    told(&format!("runs at {speed:.1} cells per time, {ratio:.2} of the speed of waves"));
     let scale: Vec<_> = (0..100).map(|cell| if cell < 9 { "0.7" } else { "1.0" }).collect();
     let shorter = format!("interface.disorder.scale=[{}]", scale.join(","));
     let (later, faster, _) = front(&[&shorter]);
     assert!(later > drive && faster > speed, "{drive} {speed}, {later} {faster}");
-    told(&format!("it begins at the drive {later:.2} instead of {drive:.2} and runs at {faster:.2}."));
+    told(&format!("it begins at the drive {later:.2} instead of {drive:.2} and runs at {faster:.1}."));
 }
 
 /// Thøgersen et al. (2014): slow slip after fast slip.
@@ -162,8 +162,8 @@ fn slow_slip_after_fast_slip() {
     };
     let (fast, slow) = (falls_to(100.0), falls_to(10.0));
     told(&format!(
-        "rises to {:.0} and falls below 100 within {fast:.1} units of time",
-        velocity[peak] / 1e-3
+        "rises to {:.1} thousand and falls below 100 within {fast:.1} units of time",
+        velocity[peak]
     ));
     told(&format!("The next factor of ten takes {:.1}.", slow - fast));
 }
