@@ -9,7 +9,7 @@ use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::{Barrier, Contacts, Initial, Stiffness, StiffnessTable, Temperature};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::{Gaussian, Law, Point, Rectangular, SharedLaw};
-use asperity::master::MasterEquation;
+use asperity::master::{DynamicStiffness, MasterEquation, Transport};
 use asperity::population::Population;
 
 /// A table with a kink inside the thresholds, softer for strong contacts.
@@ -189,6 +189,25 @@ fn a_block_turns_over_both_solvers_alike() {
     }
 }
 
+/// All contacts re-form in a slip by the rule `reset`: the force then rises by N⟨k⟩, the mean of the table and not its value at
+/// the mean threshold, and the slip dissipates all elastic energy.
+#[test]
+fn contacts_re_form_with_the_mean_stiffness_after_a_reset() {
+    let law = Gaussian::new(1.0, 0.1).unwrap();
+    let equation = MasterEquation::new(contacts(law, at_zero(), kinked()), &Initial::default()).unwrap();
+    let drive = Drive { turning_points: vec![7.0], points: 4001 };
+    let block = Block::new(Loading::Spring(0.5), Slip::Reset, None).unwrap();
+    let slider = block.pull(&mut equation.population().unwrap(), &drive).unwrap();
+    let slip = slider.events[0];
+    let after = slider.trace.iter().find(|point| point.drive > slip.after.drive + 0.05).unwrap();
+    let mean = kinked().mean(&law);
+    // Nothing breaks this early: 7 standard deviations below the mean threshold.
+    let slope = (after.force - slip.after.force) / (after.position - slip.after.position);
+    assert!((slope / mean - 1.0).abs() < 1e-9, "{slope} {mean}");
+    assert!((mean - kinked().of(1.0)).abs() > 0.05, "the kink does not show: {mean}");
+    assert!(slider.energy.imbalance().abs() < 1e-8, "{:?}", slider.energy);
+}
+
 /// Derivatives of the lives are differences of eighth order; here those of whole pulls, over a step of 1e-3, to its fourth power.
 #[test]
 fn a_gradient_is_a_difference_of_pulls() {
@@ -220,6 +239,13 @@ fn what_needs_equal_stiffnesses_is_refused() {
     let mut delayed = table.clone();
     delayed.rules.delay = 0.5.into();
     assert_eq!(key(delayed.check(&Initial::default()).unwrap_err()), "stiffness.of_threshold");
+    // In time contacts without rules are followed as all others are.
+    assert_eq!(
+        key(Transport::new(table.clone(), &Initial::default()).unwrap_err()),
+        "stiffness.of_threshold"
+    );
+    assert_eq!(key(Transport::steady(&table, 1.0).unwrap_err()), "stiffness.of_threshold");
+    assert_eq!(key(DynamicStiffness::new(&table, 1.0).unwrap_err()), "stiffness.of_threshold");
     let equation = MasterEquation::new(table, &Initial::default()).unwrap();
     assert_eq!(
         key(equation.pull(3.0).unwrap().covariance(&[1.0, 2.0], 100.0).unwrap_err()),

@@ -77,7 +77,9 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
             no
         }
         ("contacts", "stiffness_of_threshold")
-            if in_time || task == "renormalisation" || walk.given("contacts.stiffness_per_threshold") =>
+            if in_time
+                || matches!(task, "renormalisation" | "protocol" | "hold_curve")
+                || walk.given("contacts.stiffness_per_threshold") =>
         {
             no
         }

@@ -140,6 +140,15 @@ impl Contacts {
         self.have_equal_stiffness()
     }
 
+    /// Refuses a table of stiffnesses, which cohorts in time and lives at a velocity do not have.
+    pub(crate) fn have_no_stiffness_table(&self) -> Result<()> {
+        if self.stiffness.table().is_none() {
+            return Ok(());
+        }
+        let expected = "no table where contacts are followed in time: their stiffness is equal or proportional to the threshold";
+        Err(Error::invalid("stiffness.of_threshold", expected, "a table"))
+    }
+
     /// Refuses stiffnesses that depend on the threshold.
     pub(crate) fn have_equal_stiffness(&self) -> Result<()> {
         let (key, found) = match self.stiffness {

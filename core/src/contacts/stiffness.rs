@@ -54,9 +54,14 @@ impl Stiffness {
 
     /// The mean stiffness ⟨k⟩ over these thresholds.
     pub fn mean(&self, thresholds: &dyn Law) -> f64 {
+        self.unit() * self.mean_weight(thresholds)
+    }
+
+    /// ⟨k⟩ in this unit.
+    pub(crate) fn mean_weight(&self, thresholds: &dyn Law) -> f64 {
         match self {
-            Self::Equal(stiffness) => *stiffness,
-            Self::PerThreshold(factor) => factor * thresholds.mean(),
+            Self::Equal(_) => 1.0,
+            Self::PerThreshold(_) => thresholds.mean(),
             Self::Tabulated(table) => table.moment_above(thresholds, -1.0, 1, 0),
         }
     }
@@ -121,10 +126,9 @@ impl StiffnessTable {
     }
 
     /// Where the slope of k changes, with the change.
-    pub(crate) fn kinks(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub(crate) fn kinks(&self) -> Vec<(f64, f64)> {
         let parts: Vec<_> = self.parts().collect();
-        let kink = |pair: &[LinearPart]| (pair[0].high, pair[1].slope - pair[0].slope);
-        parts.windows(2).map(kink).collect::<Vec<_>>().into_iter()
+        parts.windows(2).map(|pair| (pair[0].high, pair[1].slope - pair[0].slope)).collect()
     }
 
     fn parts(&self) -> impl Iterator<Item = LinearPart> + '_ {

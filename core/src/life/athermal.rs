@@ -140,7 +140,7 @@ fn of_moments<const N: usize>(
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
         waiting: None,
-        stiffness: contacts.stiffness.weight(law.mean()),
+        stiffness: contacts.stiffness.mean_weight(law),
         error: ROUNDING,
     }
 }

@@ -159,7 +159,7 @@ pub(super) fn of_cohorts(
         breaking: Kernel::new(breaking, breakpoints),
         error: cohorts.model.error(),
         starts: Starts::Cohorts(Box::new(cohorts)),
-        stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
+        stiffness: contacts.stiffness.mean_weight(contacts.thresholds.as_ref()),
         wait: 0.0,
         waiting: None,
     })

@@ -154,7 +154,7 @@ impl Life {
         self.layers().first().map_or_else(Layer::default, |starts| births.layer(starts))
     }
 
-    /// Mean stiffness of a contact, per unit stiffness: 1, or the mean threshold where k = κ x_s.
+    /// Mean stiffness of a contact, per unit stiffness: 1, the mean threshold where k = κ x_s, or the mean of a table.
     pub fn stiffness(&self) -> f64 {
         self.stiffness
     }

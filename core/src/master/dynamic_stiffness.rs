@@ -95,6 +95,7 @@ impl DynamicStiffness {
     pub fn new(contacts: &Contacts, velocity: f64) -> Result<Self> {
         positive("velocity", velocity)?;
         contacts.check(&crate::contacts::Initial::default())?;
+        contacts.have_no_stiffness_table()?;
         let law = contacts.thresholds.as_ref();
         if contacts.reforming.upper_quantile(0.0) > 0.0 {
             let found = format!("up to {}", contacts.reforming.upper_quantile(0.0));

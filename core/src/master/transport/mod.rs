@@ -177,6 +177,7 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         contacts.check(initial)?;
+        contacts.have_no_stiffness_table()?;
         let strength = strength(&contacts, monitor)?;
         let mut starting =
             |tolerance| Self::starting(&contacts, strength.clone(), initial, tolerance, monitor);

@@ -40,6 +40,7 @@ impl Transport {
     ) -> Result<Self> {
         super::positive("velocity", velocity)?;
         contacts.check(&relaxed())?;
+        contacts.have_no_stiffness_table()?;
         let strength = super::strength(contacts, monitor)?;
         let mut sliding = |tolerance| Self::sliding(contacts, strength.clone(), velocity, tolerance, monitor);
         Ok(sliding(tolerance)?.beside(sliding(super::rough(tolerance))?))

@@ -199,7 +199,7 @@ impl Interface {
         ensemble: Option<&Ensemble>,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Box<dyn RateDependentContacts>>> {
-        let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
+        let stiffness = contacts.count * contacts.stiffness.mean(contacts.thresholds.as_ref());
         let in_time = |population: Box<dyn Population>| -> Box<dyn RateDependentContacts> {
             Box::new(PopulationInTime::new(population, stiffness))
         };
