@@ -13,6 +13,9 @@ impl Task<'_> {
         if matches!(model.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
             self.steady_alone(model)?;
         }
+        if matches!(self, Task::Protocol(_) | Task::HoldCurve(_)) && model.interface.is_none() {
+            model.contacts.have_no_stiffness_table().map_err(Error::of_scenario)?;
+        }
         let Some(rule) = model.contacts.rules.first() else { return Ok(()) };
         match self {
             Task::Pull(pull) => velocity(pull.velocity, rule),

@@ -46,6 +46,10 @@ fn combinations() -> Vec<Value> {
         implies(key("renormalisation"), key("interface")),
         implies(key("stability"), key("block")),
         never("stability", key("ensemble")),
+        refuses(
+            all([key("contacts.stiffness_of_threshold"), not(key("interface"))]),
+            any(["protocol", "protocol_file", "hold_curve"].map(key)),
+        ),
         implies(key("drive.maps"), key("interface")),
         implies(key("compare"), any(["pull", "protocol", "protocol_file"].map(key))),
         never("compare", any(["block", "interface"].map(key))),
