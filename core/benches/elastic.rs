@@ -9,9 +9,10 @@ use asperity::elastic::cells::Cells;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters, LoadPointSegment,
-    RateDependentInterface, RateDependentInterfaceParameters,
+    CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters, RateDependentInterface,
+    RateDependentInterfaceParameters,
 };
+use asperity::history::LoadPointSegment;
 use asperity::law::{Gaussian, Point};
 use asperity::master::{MasterEquation, MasterPopulation, Transport};
 use asperity::random::{Purpose, Stream};

@@ -357,16 +357,23 @@ class Block(Description):
             For a rigid slider, which has no potential.
         """
 
-    def simulation(self, /) -> Simulation:
-        """Returns
+    def simulation(self, /, *, velocity: _Number | None = None) -> Simulation:
+        """Parameters
+        ----------
+        velocity
+            The velocity of the load point, above 0, for motion in time; required over a Transport, and over an
+            Ensemble of time-dependent contacts.
+
+        Returns
         -------
         Simulation
-            A simulation that advances step by step, at X_T = 0.
+            A simulation that advances step by step, at X_T = 0, or in equilibrium with the contacts of a Transport.
 
         Raises
         ------
         ValueError
-            For a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
+            For a Transport without a velocity, a MasterEquation with one, and for a slip rule that has no meaning in
+            time; for time-dependent contacts without a velocity unless the MasterEquation has one.
         """
 
     @property
@@ -3110,6 +3117,34 @@ class Simulation:
     def forces(self, /) -> _Array:
         """The force of each cell, or of each contact of a Lattice: shape (n,) or (rows, columns); (1,) for a slider."""
 
+    def hold(self, /, duration: _Number, *, progress: _Progress = None) -> None:
+        """Holds the load point for a duration, through all events in it. Contacts age while it rests.
+
+        Parameters
+        ----------
+        duration
+            A time, 0 or above.
+        progress
+            As for MasterEquation.pull. Ctrl-C interrupts the computation; `time` tells how much of it is done.
+
+        Raises
+        ------
+        AttributeError
+            For models without time.
+        ValueError
+            For a duration that is not a finite number, 0 or above.
+
+        Examples
+        --------
+        >>> import asperity as asp
+        >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.1, time=1.0))
+        >>> sim = asp.Block(asp.Transport(contacts), 5.0, asp.Damped(0.01)).simulation(velocity=0.1)
+        >>> sim.advance(4.0)
+        >>> sim.hold(100.0)
+        >>> round(sim.time), sim.drive
+        (140, 4.0)
+        """
+
     @property
     def model(self, /) -> Deformable | Block | Model:
         """The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble."""
@@ -3182,6 +3217,19 @@ class Simulation:
     @property
     def time(self, /) -> float:
         """The time; 0 for models without time."""
+
+    @property
+    def velocities(self, /) -> _Array:
+        """The velocity of each cell: shape (n,) or (rows, columns); (1,) for a block. Models without time have none."""
+
+    @property
+    def velocity(self, /) -> float:
+        """The velocity of the load point, above 0, with which `advance` and `events` continue; it may be changed at any time.
+        Models without time have none.
+        """
+
+    @velocity.setter
+    def velocity(self, /, velocity: _Number) -> None: ...
 
 @final
 class Smoluchowski(Ageing):

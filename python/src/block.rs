@@ -342,16 +342,24 @@ impl Block {
         values::stick_slip_stability(py, &found.numbers(velocity))
     }
 
+    /// Parameters
+    /// ----------
+    /// velocity
+    ///     The velocity of the load point, above 0, for motion in time; required over a Transport, and over an
+    ///     Ensemble of time-dependent contacts.
+    ///
     /// Returns
     /// -------
     /// Simulation
-    ///     A simulation that advances step by step, at X_T = 0.
+    ///     A simulation that advances step by step, at X_T = 0, or in equilibrium with the contacts of a Transport.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
-    fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
+    ///     For a Transport without a velocity, a MasterEquation with one, and for a slip rule that has no meaning in
+    ///     time; for time-dependent contacts without a velocity unless the MasterEquation has one.
+    #[pyo3(signature = (*, velocity = None))]
+    fn simulation(slf: &Bound<'_, Self>, velocity: Option<f64>) -> PyResult<Simulation> {
         let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(slf);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         let model = slf.get().model.bind(slf.py());
@@ -359,7 +367,11 @@ impl Block {
         let slider =
             block::Block::new(loading, slip, fraction).and_then(|b| b.with_background(Self::background(slf)));
         let slider = slider.map_err(error::core)?;
-        Simulation::new(slf.as_super(), (None, None), vec![1], Model::simulated(model, &slider)?)
+        let simulated = match velocity {
+            Some(velocity) => Model::simulated_in_time(model, &slider, velocity)?,
+            None => Model::simulated(model, &slider)?,
+        };
+        Simulation::new(slf.as_super(), (velocity, None), vec![1], simulated)
     }
 
     /// Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.

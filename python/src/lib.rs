@@ -2,6 +2,7 @@
 //! computed here. The documentation here is what Python shows.
 
 mod block;
+mod block_in_time;
 mod command;
 mod contacts;
 mod convert;

@@ -10,6 +10,7 @@ use asperity::{Error, Result, ensemble, master, scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::block_in_time::BlockInTime;
 use crate::contacts::Contacts;
 use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
@@ -108,6 +109,20 @@ impl Model {
         })
     }
 
+    /// The contacts under a slider in time, to be driven step by step at a velocity.
+    pub fn simulated_in_time(
+        model: &Bound<'_, Self>,
+        slider: &block::Block,
+        velocity: f64,
+    ) -> PyResult<Box<dyn Simulated>> {
+        let solver = Self::solver(model);
+        watched(None, model.py(), |monitor| {
+            let (contacts, tolerance) = solver.in_time(monitor)?;
+            let motion = slider.motion(contacts.as_ref(), tolerance)?;
+            Ok(Box::new(BlockInTime::new(motion, velocity)?) as Box<dyn Simulated>)
+        })
+    }
+
     /// The contacts under a rigid slider, to be moved step by step.
     pub fn simulation(model: &Bound<'_, Self>) -> PyResult<Simulation> {
         let rigid = block::Block::new(Loading::Rigid, Slip::Overdamped, None).map_err(error::core)?;
@@ -186,7 +201,7 @@ impl<'a> Solver<'a> {
                 Box::new(equation.population_with(tolerance, &mut Aside { fraction: 0.0, monitor })?)
             }
             Self::Transport(..) => {
-                let expected = "a MasterEquation or an Ensemble where no time passes (Block.follow moves a Transport, and Block.drive at a velocity)";
+                let expected = "a MasterEquation or an Ensemble where no time passes (Block.follow moves a Transport, and so do Block.drive and Block.simulation at a velocity)";
                 return Err(Error::invalid("block.model", expected, "a Transport"));
             }
             Self::Ensemble(ensemble) => {

@@ -62,11 +62,58 @@ pub trait Simulated: Send {
     /// Advances to a drive.
     fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
+    /// The model as one that moves in time; `None` if no time passes in it.
+    fn in_time(&mut self) -> Option<&mut dyn MovedInTime> {
+        None
+    }
+
     /// Appends the state.
     fn write_state(&self, into: &mut Vec<u8>);
 
     /// Restores a state; after an error the present one is kept.
     fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()>;
+}
+
+/// Refuses a drive behind the present one, `here`.
+pub fn forward(key: &str, here: f64, until: f64) -> Result<()> {
+    if until >= here && until.is_finite() {
+        return Ok(());
+    }
+    let expected = format!("a finite drive, {here} or above, where it is now: it moves forward only");
+    Err(Error::invalid(key, expected, until))
+}
+
+/// A model in time, whose load point has a velocity and can be held.
+pub trait MovedInTime: Send {
+    /// Velocity of the load point.
+    fn velocity(&self) -> f64;
+
+    /// The load point continues at a velocity above 0.
+    fn set_velocity(&mut self, velocity: f64) -> Result<()>;
+
+    /// Velocity of each cell.
+    fn velocities(&self) -> Vec<f64>;
+
+    /// Holds the load point for a duration, through all events in it.
+    fn hold(&mut self, duration: f64, monitor: &mut dyn Monitor) -> Result<()>;
+}
+
+impl MovedInTime for DrivenRateDependentCells {
+    fn velocity(&self) -> f64 {
+        self.velocity().unwrap_or(0.0)
+    }
+
+    fn set_velocity(&mut self, velocity: f64) -> Result<()> {
+        self.set_velocity(velocity)
+    }
+
+    fn velocities(&self) -> Vec<f64> {
+        self.interface.velocities()
+    }
+
+    fn hold(&mut self, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.hold_with(duration, monitor).map(drop)
+    }
 }
 
 /// The energy balance of a slider or of an interface.
@@ -91,6 +138,7 @@ struct SimulatedInterface<M> {
     model: M,
     cells: usize,
     stretch_density: StretchDensity<M>,
+    in_time: fn(&mut M) -> Option<&mut dyn MovedInTime>,
 }
 
 /// [`Simulated::stretch_density`] of an interface.
@@ -135,14 +183,8 @@ impl<M: DrivenInterface + Send> Simulated for SimulatedInterface<M> {
         (self.stretch_density)(&self.model, cell, grid, monitor)
     }
 
-    /// An interface moves forward only.
     fn check(&self, key: &str, until: f64) -> Result<()> {
-        if until >= self.drive() && until.is_finite() {
-            return Ok(());
-        }
-        let expected =
-            format!("a finite drive, {} or above, where it is now: it moves forward only", self.drive());
-        Err(Error::invalid(key, expected, until))
+        forward(key, self.drive(), until)
     }
 
     fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Record> {
@@ -162,6 +204,10 @@ impl<M: DrivenInterface + Send> Simulated for SimulatedInterface<M> {
                 return Ok(());
             }
         }
+    }
+
+    fn in_time(&mut self) -> Option<&mut dyn MovedInTime> {
+        (self.in_time)(&mut self.model)
     }
 
     fn write_state(&self, into: &mut Vec<u8>) {
@@ -224,6 +270,7 @@ fn coupled_contacts(surface: &Surface, model: scenario::Model, memory: u64) -> R
             let forces = model.forces();
             grid.count(&points(forces.iter().map(|force| force / stiffness).collect(), forces.len()))
         }),
+        in_time: |_| None,
     }))
 }
 
@@ -238,6 +285,7 @@ fn rate_dependent_cells(
         cells: interface.len(),
         model: DrivenRateDependentCells::new(interface, LoadPointMotion::Velocity(velocity)),
         stretch_density: Box::new(|model, cell, grid, _| grid.count(&model.interface.stretches(cell)?)),
+        in_time: |model| Some(model),
     }))
 }
 
@@ -279,6 +327,7 @@ fn athermal_cells(
         cells: interface.len(),
         model: DrivenCells { interface, timed: own.viscosity.is_some(), solved: ensemble.is_none() },
         stretch_density,
+        in_time: |_| None,
     }))
 }
 

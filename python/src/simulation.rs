@@ -10,22 +10,26 @@ use serde::{Deserialize, Serialize};
 
 use crate::convert::{self, Whole};
 use crate::description::Description;
-use crate::simulated::{Energy, Simulated, read, write};
+use crate::simulated::{Energy, MovedInTime, Simulated, read, write};
 use crate::stretches::StretchGrid;
 use crate::watch::{detached, watched};
 use crate::{error, typed, values};
 
-/// The head of a state: the version of asperity that wrote it, and the model.
+/// The head of a state: the version of asperity that wrote it, the model, and the velocity of its load point in time.
 #[derive(Serialize, Deserialize)]
 struct Heading {
     version: String,
     model: String,
+    velocity: Option<f64>,
 }
 
 /// A simulation that advances step by step, from event to event, with its state readable in between.
 ///
 /// simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble returns one, at X_T = 0. Its events are
-/// those of `drive` of the same model, bit for bit.
+/// those of `drive` of the same model, bit for bit; those of a block in time are the same within the tolerance.
+///
+/// Over time-dependent contacts an Interface and a Block move in time: their load point has a `velocity`, and `hold` lets it
+/// rest.
 ///
 /// Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
 /// simulation while another thread advances it raises RuntimeError.
@@ -70,6 +74,18 @@ impl Simulation {
         }
     }
 
+    /// Uses the model as one in time; `name` is what was asked of it.
+    fn in_time<T>(&self, name: &str, work: impl FnOnce(&mut dyn MovedInTime) -> PyResult<T>) -> PyResult<T> {
+        self.with(|simulated| match simulated.in_time() {
+            Some(moved) => work(moved),
+            None => {
+                let text =
+                    format!("{name}: no time passes in this model, whose contacts do not depend on it");
+                Err(PyAttributeError::new_err(text))
+            }
+        })
+    }
+
     /// Values of the cells as an array.
     fn array<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<typed::Array<'py>> {
         convert::array(py, &self.shape, values).map(typed::Array)
@@ -94,6 +110,25 @@ impl Simulation {
     #[getter]
     fn time(&self) -> PyResult<f64> {
         self.with(|simulated| Ok(simulated.time()))
+    }
+
+    /// The velocity of the load point, above 0, with which `advance` and `events` continue; it may be changed at any time.
+    /// Models without time have none.
+    #[getter]
+    fn velocity(&self) -> PyResult<f64> {
+        self.in_time("velocity", |moved| Ok(moved.velocity()))
+    }
+
+    #[setter]
+    fn set_velocity(&self, velocity: f64) -> PyResult<()> {
+        self.in_time("velocity", |moved| moved.set_velocity(velocity).map_err(error::core))
+    }
+
+    /// The velocity of each cell: shape (n,) or (rows, columns); (1,) for a block. Models without time have none.
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        let velocities = self.in_time("velocities", |moved| Ok(moved.velocities()))?;
+        self.array(py, velocities)
     }
 
     /// The friction force of all cells and contacts.
@@ -165,7 +200,7 @@ impl Simulation {
     ///     An absolute displacement, not a step; larger than the present one, or, for sliders that can turn back,
     ///     also smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is
     ///     an equilibrium that is computed: stops may change the last digits of later results, and the drives of
-    ///     events within drive_tolerance.
+    ///     events within drive_tolerance. A stop of a block in time changes later results within its tolerance.
     /// progress
     ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
@@ -179,6 +214,36 @@ impl Simulation {
             simulated.check("drive", drive).map_err(error::core)?;
             watched(progress, py, |monitor| simulated.advance(drive, monitor))
         })
+    }
+
+    /// Holds the load point for a duration, through all events in it. Contacts age while it rests.
+    ///
+    /// Parameters
+    /// ----------
+    /// duration
+    ///     A time, 0 or above.
+    /// progress
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation; `time` tells how much of it is done.
+    ///
+    /// Raises
+    /// ------
+    /// AttributeError
+    ///     For models without time.
+    /// ValueError
+    ///     For a duration that is not a finite number, 0 or above.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import asperity as asp
+    /// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.1, time=1.0))
+    /// >>> sim = asp.Block(asp.Transport(contacts), 5.0, asp.Damped(0.01)).simulation(velocity=0.1)
+    /// >>> sim.advance(4.0)
+    /// >>> sim.hold(100.0)
+    /// >>> round(sim.time), sim.drive
+    /// (140, 4.0)
+    #[pyo3(signature = (duration, *, progress: "_Progress" = None))]
+    fn hold(&self, py: Python<'_>, duration: f64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+        self.in_time("hold", |moved| watched(progress, py, |monitor| moved.hold(duration, monitor)))
     }
 
     /// The density Q(x) of the stretches of the contacts of a cell, per length.
@@ -241,10 +306,11 @@ impl Simulation {
     /// bytes
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        let mut bytes = Vec::new();
-        write(&Heading { version, model: self.heading.clone() }, &mut bytes);
+        let (mut bytes, model) = (Vec::new(), self.heading.clone());
         let into = &mut bytes;
         self.with(|simulated| {
+            let velocity = simulated.in_time().map(|moved| moved.velocity());
+            write(&Heading { version, model, velocity }, into);
             detached(py, move || simulated.write_state(into));
             Ok(())
         })?;
@@ -264,7 +330,7 @@ impl Simulation {
     ///     For the state of another model, or of another version of asperity.
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
         let mut rest = state;
-        let Heading { version, model } = read(&mut rest).map_err(error::core)?;
+        let Heading { version, model, velocity } = read(&mut rest).map_err(error::core)?;
         if version != env!("CARGO_PKG_VERSION") {
             let expected = format!("one that asperity {} wrote", env!("CARGO_PKG_VERSION"));
             return Err(error::invalid("state", expected, format!("one of asperity {version}")));
@@ -272,7 +338,13 @@ impl Simulation {
         if model != self.heading {
             return Err(error::invalid("state", "that of a simulation of the same model", "that of another"));
         }
-        self.with(|simulated| watched(None, py, |monitor| simulated.restore_state(rest, monitor)))
+        self.with(|simulated| {
+            watched(None, py, |monitor| simulated.restore_state(rest, monitor))?;
+            match simulated.in_time().zip(velocity) {
+                Some((moved, velocity)) => moved.set_velocity(velocity).map_err(error::core),
+                None => Ok(()),
+            }
+        })
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

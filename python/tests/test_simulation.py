@@ -85,6 +85,83 @@ def test_cells_in_time_slip_as_in_a_drive() -> None:
     assert seen(simulation) == shown
 
 
+def slow_block(contacts: asp.Transport | asp.Ensemble, slip: asp.Damped | asp.Inertial) -> asp.Block:
+    return asp.Block(contacts, 0.3, slip)
+
+
+IN_TIME = {
+    "damped": slow_block(asp.Transport(AGEING), asp.Damped(0.01)),
+    "inertial": slow_block(asp.Transport(AGEING), asp.Inertial(1e-3, 1e-3)),
+    "followed": slow_block(asp.Ensemble(AGEING, size=300), asp.Damped(0.01)),
+    "interface": AGED,
+}
+
+
+@cases({name: model for name, model in IN_TIME.items() if name != "interface"})
+def test_a_block_in_time_slips_as_along_steps(model: asp.Block) -> None:
+    simulation = model.simulation(velocity=0.1)
+    events = list(simulation.events(until=4.0))
+    simulation.hold(30.0)
+    simulation.velocity = 0.5
+    events += list(simulation.events(until=7.0))
+    steps = [asp.Step(0.1, duration=40.0), asp.Step(0.0, duration=30.0), asp.Step(0.5, duration=6.0)]
+    followed = model.follow(steps)
+    expected = followed.events
+    assert len(events) == len(expected) > 0
+    # Points of the trace that `follow` asks for end steps, so that results agree within the tolerance of
+    # steps, 1e-4 of the mean threshold, and for few contacts within the effect of one break.
+    digits = 0.02 if model is IN_TIME["followed"] else 2e-3
+    np.testing.assert_allclose([e.drop for e in events], expected["drop"], atol=digits)
+    assert simulation.drive == 7.0
+    assert simulation.time == pytest.approx(76.0, rel=1e-12)
+    np.testing.assert_allclose(simulation.force, followed.force[-1], atol=digits)
+    balance = simulation.energy
+    assert isinstance(balance, asp.Energy)
+    stored = balance.spring + balance.elastic + balance.kinetic - balance.strengthening
+    lost = balance.breaks + balance.slip + balance.viscous
+    # The energy balance closes to the error of steps.
+    np.testing.assert_allclose(balance.work, stored + lost, atol=5e-3)
+
+
+@cases(IN_TIME)
+def test_a_state_in_time_is_gone_on_from_bit_for_bit(model: Any) -> None:
+    simulation, other = model.simulation(velocity=0.1), model.simulation(velocity=0.1)
+    simulation.advance(2.5)
+    simulation.hold(3.0)
+    simulation.velocity = 0.2
+    state = simulation.state()
+    other.restore(state)
+    assert other.velocity == 0.2
+    for again in [simulation, other]:
+        again.advance(4.0)
+        again.hold(1.0)
+    assert seen(simulation) == seen(other)
+    np.testing.assert_array_equal(simulation.velocities, other.velocities)
+
+
+@cases(IN_TIME)
+def test_a_hold_takes_time_and_moves_no_load_point(model: Any) -> None:
+    simulation = model.simulation(velocity=0.1)
+    simulation.advance(0.5)
+    force, begun = simulation.force, simulation.time
+    told: list[float] = []
+    simulation.hold(20.0, progress=told.append)
+    assert simulation.drive == 0.5
+    assert simulation.time == pytest.approx(begun + 20.0, rel=1e-12)
+    assert told[-1] == 1.0
+    # No contact breaks, and the spring and the contacts stay in balance.
+    np.testing.assert_allclose(simulation.force, force, atol=5e-3)
+    assert np.all(simulation.velocities < 1e-2)
+    for wrong in [-1.0, np.nan, np.inf]:
+        with pytest.raises(ValueError, match="duration: expected a finite number, 0 or above"):
+            simulation.hold(wrong)
+        with pytest.raises(ValueError, match="velocity: expected a finite number above 0"):
+            simulation.velocity = wrong
+    with pytest.raises(ValueError, match="it moves forward only"):
+        simulation.advance(0.1)
+    assert simulation.drive == 0.5
+
+
 def test_breaks_of_an_ensemble_are_those_of_a_pull() -> None:
     ensemble = asp.Ensemble(CONTACTS, size=200)
     pull = ensemble.pull(5.0, 2)
@@ -245,12 +322,21 @@ def test_what_a_model_has_not_is_refused() -> None:
         _ = lattice.positions
     with pytest.raises(AttributeError, match="energy: "):
         _ = lattice.energy
+    for name in ["velocity", "velocities"]:
+        with pytest.raises(AttributeError, match=f"{name}: no time passes in this model"):
+            getattr(lattice, name)
+    with pytest.raises(AttributeError, match="hold: no time passes in this model"):
+        lattice.hold(1.0)
     with pytest.raises(IndexError, match="cell: expected a number below 1, got 1"):
         lattice.stretch_density(1)
     with pytest.raises(ValueError, match=r"drive\.velocity: expected a velocity above 0"):
         AGED.simulation()
     with pytest.raises(ValueError, match=r"block\.model: expected a MasterEquation or an Ensemble"):
         asp.Block(asp.Transport(AGEING), 1.0, asp.Damped(1.0)).simulation()
+    with pytest.raises(ValueError, match=r"block\.model: expected a Transport or an Ensemble"):
+        asp.Block(SOLVED, 1.0, asp.Damped(1.0)).simulation(velocity=1.0)
+    with pytest.raises(ValueError, match="slip: expected damped or inertial"):
+        asp.Block(asp.Transport(AGEING), 1.0, "arrest").simulation(velocity=1.0)
     forward = asp.MasterEquation(AGEING, velocity=1e-2).simulation()
     forward.advance(1.0)
     with pytest.raises(ValueError, match="drive: expected motion one way"):

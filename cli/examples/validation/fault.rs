@@ -4,9 +4,9 @@ use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Contacts, Initial, Rules};
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::{
-    CellLoading, Event, LoadPointSegment, RateDependentInterface, RateDependentInterfaceParameters, Slipped,
+    CellLoading, Event, RateDependentInterface, RateDependentInterfaceParameters, Slipped,
 };
-use asperity::history::{History, Piece};
+use asperity::history::{History, LoadPointSegment, Piece};
 use asperity::master::Transport;
 use asperity::rate_dependent::RateDependentContacts;
 use asperity::shape::{Edges, Shape};

@@ -29,7 +29,7 @@ pub use curves::{Curve, critical_stiffness};
 pub use events::{Event, Size, Sizes};
 pub use loading::Loading;
 pub use persistence::PersistenceLimit;
-pub use rate_dependent::{Moment, RateDependentSlip, Slide};
+pub use rate_dependent::{BlockMotion, BlockMotionState, Moment, RateDependentSlip, Slide};
 pub use regime::{Missing, Regime};
 pub use run::{Drive, StickSlip};
 pub use simulation::{BlockSimulation, SimulationState};

@@ -1,5 +1,7 @@
 //! Classification of sliding: smooth, transient or persistent stick-slip, runaway.
 
+use serde::{Deserialize, Serialize};
+
 use super::trace::{End, Point};
 
 /// The kind of sliding since the last turn of the drive. Its text gives the reason in words.
@@ -126,7 +128,7 @@ pub(super) fn classify(events: &[Jump], start: Point, last: Point, stretch: f64,
 }
 
 /// A local maximum of the velocity of the slider, in units of the velocity of the drive, and its position.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Oscillation {
     pub position: f64,
     pub velocity: f64,

@@ -34,7 +34,7 @@ pub struct SlidingCell {
 }
 
 /// How the secant slope has changed from one advance to the next.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlopeTrend {
     /// The change.
     change: f64,
@@ -141,7 +141,7 @@ impl SlidingCell {
     }
 
     /// Asks the contacts anew.
-    pub(crate) fn update_known(&mut self) {
+    fn update_known(&mut self) {
         let (contacts, force) = (self.contacts.as_ref(), self.contacts.force());
         let energies = Some(contacts.energies());
         self.known = KnownContacts { energies, ..KnownContacts::of(contacts, force) };

@@ -20,6 +20,7 @@ mod equation;
 mod lag;
 mod one_cell;
 mod slip_velocity;
+mod state;
 mod step_control;
 mod tr_bdf2;
 
@@ -29,10 +30,12 @@ pub use equation::{DriveMotion, EquationOfMotion};
 pub use lag::ContactLag;
 pub use one_cell::OneCell;
 pub use slip_velocity::{SLIP_VELOCITY, crossing};
+pub use state::MotionState;
 pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use self::tr_bdf2::TrBdf2Step;
 use crate::monitor::{Cost, Monitor, Watch};
@@ -58,7 +61,7 @@ pub struct SliderMotion {
 }
 
 /// Energies since the start that are not part of the energies of the contacts.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionEnergies {
     /// Work of the drive.
     pub work: f64,

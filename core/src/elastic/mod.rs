@@ -39,8 +39,7 @@ pub use coupling::Coupling;
 pub use event::{Event, Slipped};
 pub use parameters::{CellLoading, CellSlip, InterfaceParameters};
 pub use rate_dependent::{
-    LoadPointSegment, RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
-    SlipRates,
+    RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState, SlipRates,
 };
 pub use state::State;
 

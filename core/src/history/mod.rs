@@ -1,8 +1,10 @@
 //! The motion of a slider in time: pieces of constant velocity.
 
 mod measured;
+mod segment;
 
 pub use measured::{MeasuredPiece, measured_pieces};
+pub use segment::LoadPointSegment;
 
 use crate::{Error, Result};
 

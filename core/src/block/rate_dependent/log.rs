@@ -1,37 +1,17 @@
 //! The log of a slider's motion in time: trace, slips, and energy balance.
 
-use super::SlidingBlock;
+use serde::{Deserialize, Serialize};
+
+use super::moment::Moment;
+use super::sliding::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::trace::End;
-use crate::block::{EnergyBalance, Point, Regime};
-use crate::dynamics::{SLIP_VELOCITY, SliderMotion, crossing};
+use crate::block::{EnergyBalance, Regime};
+use crate::dynamics::SLIP_VELOCITY;
 use crate::record::{Quantity, Record};
 
-/// The state of a slider at one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
-    /// Time t since the start.
-    pub time: f64,
-    /// Drive X_T.
-    pub drive: f64,
-    /// Position X.
-    pub position: f64,
-    /// Velocity Ẋ.
-    pub velocity: f64,
-    /// Friction force F.
-    pub force: f64,
-    /// Force of the spring, K(X_T − X).
-    pub spring_force: f64,
-    /// Fraction of detached contacts.
-    pub free: f64,
-    /// Breaks so far, per contact.
-    pub broken: f64,
-    /// Present stored energies, and energies supplied and dissipated since the start.
-    pub energy: EnergyBalance,
-}
-
 /// A slip: the time during which the slider is more than ten times as fast as the drive, or until it comes to rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RateDependentSlip {
     /// State at its beginning.
     pub before: Moment,
@@ -64,6 +44,7 @@ pub struct Slide {
 }
 
 /// The log of a motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Log {
     trace: Vec<Moment>,
     slips: Vec<RateDependentSlip>,
@@ -87,72 +68,10 @@ pub(super) struct Log {
 }
 
 /// A slip that has not ended.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct OpenSlip {
     before: Moment,
     fastest: f64,
-}
-
-impl SlidingBlock {
-    /// The present state.
-    pub(super) fn moment(&self) -> Moment {
-        let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
-        let (cell, stiffness) = (self.cell(), equation.connection);
-        let (tangent, contact_energies) = (cell.contacts.tangent(), cell.contacts.energies());
-        let attached = cell.force - cell.known.free.force;
-        // After an arrest the slider is behind the position of its contacts, on their unloading line.
-        let back = equation.unloaded(cell, drive);
-        // The background force holds it there until the spring has gained 2B.
-        let slides = back < 0.0 && back <= equation.excess(cell, drive) / equation.resistance_alone(cell);
-        let velocity = if slides { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
-        let position = cell.position + back;
-        let spring_force = stiffness * (drive - position) + equation.background;
-        let energy = EnergyBalance {
-            work: energies.work,
-            spring: 0.5 * spring_force * spring_force / stiffness,
-            elastic: contact_energies.elastic + back * (attached + 0.5 * tangent * back),
-            kinetic: 0.5 * equation.mass * cell.velocity * cell.velocity,
-            strengthening: contact_energies.strengthening,
-            breaks: contact_energies.lost + energies.breaks,
-            slip: energies.arrest,
-            viscous: energies.viscous[0],
-            background: energies.background + contact_energies.sliding,
-            ..EnergyBalance::default()
-        };
-        let of_free = cell.known.free.viscosity * velocity;
-        let force = cell.force + of_free + tangent * back + equation.background(cell, drive);
-        let (free, broken) = (cell.contacts.free(), contact_energies.broken);
-        Moment { time, drive, position, velocity, force, spring_force, free, broken, energy }
-    }
-}
-
-impl Moment {
-    /// The state between this one and `next` at which the velocity is `velocity`, by linear interpolation in time.
-    fn until(&self, next: &Self, velocity: f64) -> Self {
-        let fraction = crossing(self.velocity, next.velocity, velocity);
-        let between = |value: fn(&Self) -> f64| value(self) + fraction * (value(next) - value(self));
-        Self {
-            time: between(|m| m.time),
-            drive: between(|m| m.drive),
-            position: between(|m| m.position),
-            velocity,
-            force: between(|m| m.force),
-            spring_force: between(|m| m.spring_force),
-            free: between(|m| m.free),
-            broken: between(|m| m.broken),
-            energy: self.energy + (next.energy - self.energy) * fraction,
-        }
-    }
-
-    /// Time and velocity.
-    fn time_and_velocity(&self) -> (f64, f64) {
-        (self.time, self.velocity)
-    }
-
-    /// Drive, position and forces.
-    pub fn point(&self) -> Point {
-        let &Self { drive, position, force, spring_force, .. } = self;
-        Point { drive, position, force, spring_force }
-    }
 }
 
 /// The maximum of the parabola through three points, if the middle one is the highest.
@@ -180,8 +99,8 @@ impl RateDependentSlip {
 }
 
 impl Log {
-    /// A log; `pulled` is the first velocity of the drive, `fraction` the fraction of contacts in the smallest slip.
-    pub fn new(slider: &SlidingBlock, pulled: f64, fraction: f64) -> Self {
+    /// A log; `fraction` is the fraction of contacts in the smallest slip.
+    pub fn new(slider: &SlidingBlock, fraction: f64) -> Self {
         let start = slider.moment();
         Self {
             trace: Vec::new(),
@@ -193,17 +112,15 @@ impl Log {
             rising: false,
             oscillations: Vec::new(),
             tolerance: slider.motion.control.tolerance,
-            pulled,
+            pulled: slider.segment.pulled,
             open: None,
             largest: (slider.cell().force.abs(), slider.cell().contacts.tangent()),
         }
     }
 
-    /// The drive continues at a velocity.
-    pub fn set_velocity(&mut self, velocity: f64) {
-        if velocity > 0.0 {
-            self.pulled = velocity;
-        }
+    /// The drive continues, as `slider` does.
+    pub fn begin_segment(&mut self, slider: &SlidingBlock) {
+        self.pulled = slider.segment.pulled;
         self.oscillations.clear();
     }
 
@@ -270,6 +187,13 @@ impl Log {
         });
     }
 
+    /// The slip that has just ended. Nothing else of the log is kept but what a slip that begins later needs.
+    pub fn take_slip(&mut self) -> Option<RateDependentSlip> {
+        self.trace.clear();
+        self.slips.pop()
+    }
+
+    /// The results of the motion so far, with the estimated error of the force.
     pub fn close(self, error: Option<f64>) -> Slide {
         /// Smallest amplitude of an oscillation, in tolerances.
         const SEEN: f64 = 10.0;
@@ -319,7 +243,7 @@ fn trace_record(trace: &[Moment]) -> Record {
 }
 
 /// The columns of slips in time.
-fn events_record(slips: &[RateDependentSlip]) -> Record {
+pub(super) fn events_record(slips: &[RateDependentSlip]) -> Record {
     let mut record = Record::default();
     let mut column = |name: &str, long_name: &str, quantity, value: fn(&RateDependentSlip) -> f64| {
         record.push(name, long_name, quantity, &["event"], slips.iter().map(value).collect());

@@ -9,15 +9,21 @@
 //! the slider slip, for which a mass or a damping is required.
 
 mod log;
+mod moment;
+mod motion;
+mod sliding;
 
 use super::{Block, Loading, Slip};
-use crate::dynamics::{Arrest, EquationOfMotion, OneCell, SliderMotion, SlidingCell};
+use crate::dynamics::{Arrest, EquationOfMotion};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts};
 use crate::{Error, Result};
 use log::Log;
-pub use log::{Moment, RateDependentSlip, Slide};
+pub use log::{RateDependentSlip, Slide};
+pub use moment::Moment;
+pub use motion::{BlockMotion, BlockMotionState};
+use sliding::SlidingBlock;
 
 impl Block {
     /// Moves the slider's top along `drive`, from equilibrium with `contacts` ([`RateDependentContacts::steady_velocity`]: at
@@ -79,34 +85,47 @@ impl Block {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
-        let equation = self.equation_of_motion()?;
-        if !(tolerance > 0.0 && tolerance.is_finite()) {
-            return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
-        }
+        let mut slider = self.balanced(contacts, tolerance)?;
         drive.check_times(times)?;
-        let mut slider = SlidingBlock::balanced(equation, contacts, tolerance);
         slider.motion.estimators = estimator.map(|estimator| vec![estimator]);
-        let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
-        let mut log = Log::new(&slider, moving.unwrap_or(f64::INFINITY), self.slip_fraction.unwrap_or(0.0));
+        let mut log = Log::new(&slider, self.slip_fraction.unwrap_or(0.0));
         if times.first() == Some(&0.0) {
             log.add_to_trace(slider.moment());
         }
         let mut requested = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
-        for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
-            slider.motion.change_drive_velocity(piece.velocity - slider.velocity);
-            slider.velocity = piece.velocity;
-            log.set_velocity(piece.velocity);
+        let mut follow = |slider: &mut SlidingBlock, log: &mut Log, end: f64| {
+            slider.begin_segment();
+            while slider.motion.time < end {
+                let fraction = slider.motion.time / drive.duration();
+                slider.step(end, &mut Aside { fraction, monitor })?;
+                log.record_step(slider);
+            }
+            Ok(())
+        };
+        for (i, knots) in drive.knots().windows(2).enumerate() {
+            let segment = drive.segment(i, 0.0);
+            slider.continue_at(segment.velocity, segment.pulled);
+            log.begin_segment(&slider);
             while let Some(time) = requested.next_if(|time| *time < knots[1].0) {
-                slider.follow(time, drive.duration(), &mut log, monitor)?;
+                follow(&mut slider, &mut log, time)?;
                 log.add_to_trace(slider.moment());
             }
-            slider.follow(knots[1].0, drive.duration(), &mut log, monitor)?;
+            follow(&mut slider, &mut log, knots[1].0)?;
             if requested.next_if_eq(&knots[1].0).is_some() {
                 log.add_to_trace(slider.moment());
             }
         }
         report(monitor, 1.0)?;
         Ok(log.close(slider.motion.error()))
+    }
+
+    /// The slider in equilibrium with `contacts`.
+    fn balanced(&self, contacts: &dyn RateDependentContacts, tolerance: f64) -> Result<SlidingBlock> {
+        let equation = self.equation_of_motion()?;
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
+        }
+        Ok(SlidingBlock::balanced(equation, contacts, tolerance))
     }
 
     /// The equation of motion of the slider.
@@ -152,44 +171,5 @@ impl Slip {
             Self::Overdamped => refused("overdamped"),
             Self::Arrest => refused("arrest"),
         }
-    }
-}
-
-/// A slider in motion.
-struct SlidingBlock {
-    motion: SliderMotion,
-    /// Present velocity of the drive.
-    velocity: f64,
-}
-
-impl SlidingBlock {
-    /// A slider in equilibrium with `contacts`: at rest, or in steady sliding at their velocity.
-    fn balanced(equation: EquationOfMotion, contacts: &dyn RateDependentContacts, tolerance: f64) -> Self {
-        let cell = SlidingCell::new(contacts.copy(), contacts.position());
-        let drag = (equation.viscosity + cell.known.free.viscosity) * cell.velocity;
-        let drive = cell.position + (cell.force + drag) / equation.connection;
-        let velocity = cell.velocity;
-        Self { motion: SliderMotion::new(equation, vec![cell], drive, tolerance), velocity }
-    }
-
-    fn cell(&self) -> &SlidingCell {
-        &self.motion.cells[0]
-    }
-
-    /// Continues until the time `end`. The whole motion lasts `whole`.
-    fn follow(&mut self, end: f64, whole: f64, log: &mut Log, monitor: &mut dyn Monitor) -> Result<()> {
-        let begin = (self.motion.time, self.motion.drive);
-        while self.motion.time < end {
-            let motion = &mut self.motion;
-            let left = end - motion.time;
-            let aside = &mut Aside { fraction: motion.time / whole, monitor };
-            if motion.step(&mut OneCell, self.velocity, left, aside)? >= left {
-                motion.time = end;
-            }
-            // From the beginning of the piece, so that rounding errors of steps do not add up.
-            motion.drive = begin.1 + self.velocity * (motion.time - begin.0);
-            log.record_step(self);
-        }
-        Ok(())
     }
 }

@@ -24,6 +24,7 @@ use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::energy::ContactEnergies;
 use crate::error::{not_negative, positive};
+use crate::history::LoadPointSegment;
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
@@ -84,26 +85,6 @@ impl RateDependentInterfaceParameters {
             return Ok(());
         }
         Err(Error::invalid("slip_fraction", "a number from 0 to 1", self.slip_fraction))
-    }
-}
-
-/// A part of the motion of the load point, at one velocity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LoadPointSegment {
-    /// Time at which it begins.
-    pub time: f64,
-    /// Load-point displacement X_T at its beginning.
-    pub drive: f64,
-    /// Velocity of the load point, 0 or above.
-    pub velocity: f64,
-    /// Velocity of the load point of which a slip is ten times: the last one above 0, since the load point may be at rest.
-    pub pulled: f64,
-}
-
-impl LoadPointSegment {
-    /// X_T at a time.
-    fn at(&self, time: f64) -> f64 {
-        self.drive + self.velocity * (time - self.time)
     }
 }
 

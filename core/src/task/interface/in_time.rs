@@ -1,10 +1,9 @@
 //! Cells that move in time as an interface that is driven at a velocity, or along a protocol.
 
-use crate::elastic::{
-    Event, LoadPointSegment, RateDependentInterface, RateDependentInterfaceState, SlipRates, Slipped,
-};
+use crate::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, SlipRates, Slipped};
 use crate::energy::EnergyBalance;
-use crate::history::History;
+use crate::error::{not_negative, positive};
+use crate::history::{History, LoadPointSegment};
 use crate::monitor::{Aside, Monitor};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, CellStart, Model};
@@ -71,6 +70,44 @@ impl DrivenRateDependentCells {
         Ok(Self::new(if required { interface.with_error() } else { interface }, motion))
     }
 
+    /// Velocity of the load point; `None` along a history.
+    pub fn velocity(&self) -> Option<f64> {
+        match self.motion {
+            LoadPointMotion::Velocity(velocity) => Some(velocity),
+            LoadPointMotion::History(_) => None,
+        }
+    }
+
+    /// The load point continues at a velocity.
+    ///
+    /// # Errors
+    /// A velocity that is not above 0.
+    pub fn set_velocity(&mut self, velocity: f64) -> Result<()> {
+        positive("velocity", velocity)?;
+        self.motion = LoadPointMotion::Velocity(velocity);
+        Ok(())
+    }
+
+    /// Holds the load point for a duration, through the events that end in it, which are returned.
+    ///
+    /// # Errors
+    /// A duration that is not a finite number, 0 or above; those of [`RateDependentInterface::follow_with`].
+    pub fn hold_with(
+        &mut self,
+        duration: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        not_negative("duration", duration)?;
+        let (time, drive) = (self.interface.time(), self.interface.drive());
+        let pulled = self.velocity().unwrap_or(f64::INFINITY);
+        let (segment, end) = (LoadPointSegment { time, drive, velocity: 0.0, pulled }, time + duration);
+        let mut events = Vec::new();
+        while self.interface.time() < end {
+            events.extend(self.interface.follow_with(&segment, end, monitor)?);
+        }
+        Ok(events)
+    }
+
     /// Follows the pieces of a history to the time `to`, or until events have ended, which it returns.
     fn next_in(&mut self, to: f64, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
         let Self { interface, origin, motion } = self;
@@ -84,22 +121,12 @@ impl DrivenRateDependentCells {
             let end = history.knots()[piece + 1].0.min(to);
             // Progress goes from one call of this function to the next.
             let aside = &mut Aside { fraction: 0.0, monitor };
-            let events = interface.follow_with(&segment(history, piece, *origin), end, aside)?;
+            let events = interface.follow_with(&history.segment(piece, *origin), end, aside)?;
             if !events.is_empty() || interface.time() >= to {
                 return Ok(events);
             }
         }
     }
-}
-
-/// A piece of a history as a motion of the load point from the drive `origin`.
-fn segment(history: &History, piece: usize, origin: f64) -> LoadPointSegment {
-    let (time, position) = history.knots()[piece];
-    let (pieces, velocity) = (history.pieces(), history.pieces()[piece].velocity);
-    // At rest, slips are those of the last motion, or of the first one if there was none.
-    let mut moving = pieces[..=piece].iter().rev().chain(&pieces[piece..]).map(|piece| piece.velocity);
-    let pulled = moving.find(|velocity| *velocity > 0.0).unwrap_or(f64::INFINITY);
-    LoadPointSegment { time, drive: origin + position, velocity, pulled }
 }
 
 /// The cells that `interface` describes, with the contacts and the accuracy of `model`.
