@@ -955,13 +955,23 @@ class Ensemble(Model):
     def seed(self, /) -> int:
         """The seed of the random numbers."""
 
-    def simulation(self, /) -> Simulation:
-        """Its events are the breaks of contacts.
+    def simulation(self, /, *, velocity: _Number | None = None) -> Simulation:
+        """Its events are the breaks of contacts; in time it has none.
+
+        Parameters
+        ----------
+        velocity
+            The velocity of the slider in time, above 0; required for time-dependent contacts.
 
         Returns
         -------
         Simulation
             A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
+
+        Raises
+        ------
+        ValueError
+            For time-dependent contacts without a velocity.
         """
 
     @property
@@ -3051,8 +3061,10 @@ class Series(Law):
 class Simulation:
     """A simulation that advances step by step, from event to event, with its state readable in between.
 
-    simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble returns one, at X_T = 0. Its events are
-    those of `drive` of the same model, bit for bit.
+    simulation() of an Interface, a Lattice, a Block, a MasterEquation, a Transport or an Ensemble returns one. Its events are
+    those of `drive` of the same model, bit for bit; those of a block in time are the same within the tolerance.
+
+    Over time-dependent contacts models move in time: their load point has a `velocity`, and `hold` lets it rest.
 
     Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
     simulation while another thread advances it raises RuntimeError.
@@ -3068,7 +3080,7 @@ class Simulation:
             An absolute displacement, not a step; larger than the present one, or, for sliders that can turn back,
             also smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is
             an equilibrium that is computed: stops may change the last digits of later results, and the drives of
-            events within drive_tolerance.
+            events within drive_tolerance. A stop of a block in time changes later results within its tolerance.
         progress
             As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
@@ -3147,7 +3159,7 @@ class Simulation:
 
     @property
     def model(self, /) -> Deformable | Block | Model:
-        """The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble."""
+        """The model of the simulation: an Interface, Lattice, Block, MasterEquation, Transport or Ensemble."""
 
     @property
     def positions(self, /) -> _Array:
@@ -3839,6 +3851,20 @@ class Transport(Model):
             For no steps.
         RuntimeError
             If that error is larger than a given tolerance.
+        """
+
+    def simulation(self, /, *, velocity: _Number) -> Simulation:
+        """The contacts under a rigid slider, to be moved step by step; `energy` is not computed, and there are no events.
+
+        Parameters
+        ----------
+        velocity
+            The velocity of the slider, above 0, which may be changed later.
+
+        Returns
+        -------
+        Simulation
+            A simulation that advances step by step, at X = 0.
         """
 
     @property

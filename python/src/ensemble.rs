@@ -103,14 +103,25 @@ impl Ensemble {
         typed::DisorderWord(convert::disorder(Self::plain(slf).disorder))
     }
 
-    /// Its events are the breaks of contacts.
+    /// Its events are the breaks of contacts; in time it has none.
+    ///
+    /// Parameters
+    /// ----------
+    /// velocity
+    ///     The velocity of the slider in time, above 0; required for time-dependent contacts.
     ///
     /// Returns
     /// -------
     /// Simulation
     ///     A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
-    fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
-        Model::simulation(slf.as_super())
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For time-dependent contacts without a velocity.
+    #[pyo3(signature = (*, velocity = None))]
+    fn simulation(slf: &Bound<'_, Self>, velocity: Option<f64>) -> PyResult<Simulation> {
+        Model::simulation(slf.as_super(), velocity)
     }
 
     /// Displaces the slider's base from X = 0 to distance, from break to break.

@@ -104,7 +104,7 @@ impl MasterEquation {
     /// Simulation
     ///     A simulation of the contacts under a rigid slider that advances step by step, at X = 0.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
-        Model::simulation(slf.as_super())
+        Model::simulation(slf.as_super(), None)
     }
 
     /// Displaces the slider's base from X = 0 to distance.

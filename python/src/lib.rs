@@ -2,7 +2,6 @@
 //! computed here. The documentation here is what Python shows.
 
 mod block;
-mod block_in_time;
 mod command;
 mod contacts;
 mod convert;
@@ -30,6 +29,7 @@ mod result;
 mod rules;
 mod scenario;
 mod simulated;
+mod simulated_in_time;
 mod simulation;
 mod stick_slip;
 mod stretches;

@@ -10,13 +10,13 @@ use asperity::{Error, Result, ensemble, master, scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::block_in_time::BlockInTime;
 use crate::contacts::Contacts;
 use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, Law, given};
 use crate::simulated::{self, Simulated, SliderContacts};
+use crate::simulated_in_time::{BlockInTime, ContactsInTime};
 use crate::simulation::Simulation;
 use crate::transport::Transport;
 use crate::watch::watched;
@@ -123,10 +123,22 @@ impl Model {
         })
     }
 
-    /// The contacts under a rigid slider, to be moved step by step.
-    pub fn simulation(model: &Bound<'_, Self>) -> PyResult<Simulation> {
-        let rigid = block::Block::new(Loading::Rigid, Slip::Overdamped, None).map_err(error::core)?;
-        Simulation::new(model.as_super(), (None, None), vec![1], Self::simulated(model, &rigid)?)
+    /// The contacts under a rigid slider, to be moved step by step, at a velocity in time.
+    pub fn simulation(model: &Bound<'_, Self>, velocity: Option<f64>) -> PyResult<Simulation> {
+        let simulated = match velocity {
+            Some(velocity) => {
+                let solver = Self::solver(model);
+                watched(None, model.py(), |monitor| {
+                    let contacts = solver.in_time(monitor)?.0;
+                    Ok(Box::new(ContactsInTime::new(contacts, velocity)?) as Box<dyn Simulated>)
+                })?
+            }
+            None => {
+                let rigid = block::Block::new(Loading::Rigid, Slip::Overdamped, None);
+                Self::simulated(model, &rigid.map_err(error::core)?)?
+            }
+        };
+        Simulation::new(model.as_super(), (velocity, None), vec![1], simulated)
     }
 
     /// The model of a scenario with a block over these contacts, by the master equation, and their velocity if they have one.

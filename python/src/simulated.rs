@@ -62,7 +62,7 @@ pub trait Simulated: Send {
     /// Advances to a drive.
     fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// The model as one that moves in time; `None` if no time passes in it.
+    /// The model as one that moves in time; `None` where no time passes.
     fn in_time(&mut self) -> Option<&mut dyn MovedInTime> {
         None
     }

@@ -25,11 +25,10 @@ struct Heading {
 
 /// A simulation that advances step by step, from event to event, with its state readable in between.
 ///
-/// simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble returns one, at X_T = 0. Its events are
+/// simulation() of an Interface, a Lattice, a Block, a MasterEquation, a Transport or an Ensemble returns one. Its events are
 /// those of `drive` of the same model, bit for bit; those of a block in time are the same within the tolerance.
 ///
-/// Over time-dependent contacts an Interface and a Block move in time: their load point has a `velocity`, and `hold` lets it
-/// rest.
+/// Over time-dependent contacts models move in time: their load point has a `velocity`, and `hold` lets it rest.
 ///
 /// Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
 /// simulation while another thread advances it raises RuntimeError.
@@ -94,7 +93,7 @@ impl Simulation {
 
 #[pymethods]
 impl Simulation {
-    /// The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble.
+    /// The model of the simulation: an Interface, Lattice, Block, MasterEquation, Transport or Ensemble.
     #[getter]
     fn model<'py>(&self, py: Python<'py>) -> typed::SimulatedModel<'py> {
         typed::SimulatedModel(self.model.bind(py).clone())
@@ -159,7 +158,9 @@ impl Simulation {
         match self.with(|simulated| detached(py, move || simulated.energy()).map_err(error::core))? {
             Some(Energy::Slider(energy)) => Ok(typed::AnyEnergy(values::energy(py, &energy)?.0)),
             Some(Energy::Interface(energy)) => Ok(typed::AnyEnergy(values::interface_energy(py, &energy)?.0)),
-            None => Err(PyAttributeError::new_err("energy: not computed for contacts coupled one by one")),
+            None => Err(PyAttributeError::new_err(
+                "energy: not computed for contacts coupled one by one, and for a rigid slider in time",
+            )),
         }
     }
 

@@ -17,6 +17,7 @@ use crate::law::{AnyLaw, given};
 use crate::model::Model;
 use crate::model::{built, interface, interface_arguments, steady_interface};
 use crate::record::Record;
+use crate::simulation::Simulation;
 use crate::watch::watched;
 
 /// A step of a motion in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
@@ -220,6 +221,22 @@ impl Transport {
     #[getter]
     fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).tolerance
+    }
+
+    /// The contacts under a rigid slider, to be moved step by step; `energy` is not computed, and there are no events.
+    ///
+    /// Parameters
+    /// ----------
+    /// velocity
+    ///     The velocity of the slider, above 0, which may be changed later.
+    ///
+    /// Returns
+    /// -------
+    /// Simulation
+    ///     A simulation that advances step by step, at X = 0.
+    #[pyo3(signature = (*, velocity))]
+    fn simulation(slf: &Bound<'_, Self>, velocity: f64) -> PyResult<Simulation> {
+        Model::simulation(slf.as_super(), Some(velocity))
     }
 
     /// Follows the contacts from t = 0 through the steps, one after the other.

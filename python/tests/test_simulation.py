@@ -123,6 +123,34 @@ def test_a_block_in_time_slips_as_along_steps(model: asp.Block) -> None:
     np.testing.assert_allclose(balance.work, stored + lost, atol=5e-3)
 
 
+@cases({"cohorts": asp.Transport(AGEING), "one by one": asp.Ensemble(AGEING, size=300)})
+def test_contacts_in_time_have_the_force_of_a_protocol(model: asp.Transport | asp.Ensemble) -> None:
+    simulation = model.simulation(velocity=0.1)
+    forces = []
+    for stop in [0.5, 1.5]:
+        assert list(simulation.events(until=stop)) == []
+        forces.append(simulation.force)
+    simulation.hold(20.0)
+    assert simulation.velocities == [0.0]
+    forces.append(simulation.force)
+    simulation.velocity = 1.0
+    state = simulation.state()
+    for _ in range(2):
+        simulation.restore(state)
+        simulation.advance(2.0)
+    forces.append(simulation.force)
+    assert simulation.velocities == [1.0]
+    assert simulation.time == pytest.approx(35.5, rel=1e-12)
+    steps = [asp.Step(0.1, distance=0.5, points=2), asp.Step(0.1, distance=1.0, points=2)]
+    steps += [asp.Step(hold=20.0, points=2), asp.Step(1.0, distance=0.5, points=2)]
+    followed = asp.Transport(AGEING).follow(steps)
+    # The tolerance of cohorts; for 300 contacts four standard errors of the mean stretch, 0.6/√300.
+    digits = 1e-5 if isinstance(model, asp.Transport) else 0.14
+    np.testing.assert_allclose(forces, followed["force"][1:], atol=digits)
+    with pytest.raises(AttributeError, match="energy: not computed"):
+        _ = simulation.energy
+
+
 @cases(IN_TIME)
 def test_a_state_in_time_is_gone_on_from_bit_for_bit(model: Any) -> None:
     simulation, other = model.simulation(velocity=0.1), model.simulation(velocity=0.1)
