@@ -1,8 +1,10 @@
-//! What a sweep costs beside its cases: CPU time over a plain loop, files and bytes of stored cases, and a restart without work.
+//! What a sweep costs beside its cases: CPU time over a plain loop, files and bytes of stored cases, and a restart without work;
+//! and what the command costs beside the task of a run.
 //!
-//! `cargo run --release -p asperity-cli --example sweep_cost`
+//! `cargo build --release && cargo run --release -p asperity-cli --example sweep_cost`
 
 use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 use asperity::scenario::{Law, Scenario};
@@ -84,6 +86,36 @@ fn main() {
         );
     }
     many(folder.path());
+    command(folder.path());
+}
+
+/// What `asperity run --no-figures` takes beside its task, from the start of the process to its end. Least of many times, one of
+/// each after the other, so that other work of the machine counts little.
+fn command(folder: &Path) {
+    const TIMES: usize = 60;
+    let text = MAP.split("[sweep]").next().expect("a beginning").replace("20.0", "40.0");
+    std::fs::write(folder.join("one.toml"), &text).expect("a file");
+    let scenario = input::parse(&text, "one", Path::new(""), &[]).expect("a valid scenario").scenario;
+    let examples = std::env::current_exe().expect("a path");
+    let program = examples.ancestors().nth(2).expect("the folder of programs").join("asperity");
+    let mut least = [f64::INFINITY; 2];
+    for _ in 0..TIMES {
+        let begun = Instant::now();
+        asperity_runner::run(&scenario, &mut Free).expect("a task that succeeds");
+        least[0] = least[0].min(begun.elapsed().as_secs_f64());
+        let begun = Instant::now();
+        let mut run = Command::new(&program);
+        run.args(["run", "one.toml", "--no-figures", "--quiet"]).current_dir(folder);
+        assert!(run.status().expect("the command, built before").success());
+        least[1] = least[1].min(begun.elapsed().as_secs_f64());
+    }
+    let [task, whole] = least;
+    println!(
+        "a task of {:.1} ms: {:.2} times that for asperity run --no-figures, {:.1} ms more",
+        1e3 * task,
+        whole / task,
+        1e3 * (whole - task)
+    );
 }
 
 /// The files of many cases, and what a restart takes when all are there.
@@ -116,10 +148,11 @@ fn many(folder: &Path) {
     for what in ["gathered for the first time", "a restart without work"] {
         let begun = Instant::now();
         let mut store = Store::new(&directory, many.identity());
-        let gathered = store.gathered().expect("the store can be read");
-        assert_eq!(gathered.missing().count(), 0);
+        let there = store.there().expect("the store can be read");
+        assert!(!there.contains(&false));
         store.finish().expect("the store can be written");
-        write(&directory, &Dataset::of_plan(&many, &gathered), &[]).expect("results are written");
+        let gathered = store.gathered(&many.places(), u64::MAX).expect("the store can be read");
+        write(&directory, &Dataset::of_plan(&many, gathered), &[]).expect("results are written");
         let (files, bytes) = size(store.folder());
         println!(
             "{what}: {:.2} s; then {files} files, {:.1} MB",

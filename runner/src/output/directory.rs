@@ -3,7 +3,8 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::sync::Arc;
+use std::thread::{self, Scope, ScopedJoinHandle};
 
 use super::error::{Error, Result};
 use super::listing::{Listing, Summed};
@@ -165,17 +166,26 @@ impl Staging {
         unreachable!("numbers do not end")
     }
 
-    /// Writes files, adds them to the listing, and writes the listing.
+    /// Writes files, adds them to the listing, and writes the listing. Each is flushed to the disk while others are written: most of
+    /// that time the disk is waited for, and it takes several together.
     fn store(&self, files: &[NewFile<'_>], listing: &mut Listing) -> Result<()> {
-        let mut written = Vec::new();
-        for new in files {
-            let (path, file, size, checksum) = self.write(new)?;
-            listing.add(&new.name, size, checksum);
-            written.push((path, file));
-        }
-        let (path, file, ..) = self.write(&NewFile::of(MARKER, listing.to_text()))?;
-        written.push((path, file));
-        flush(&written)
+        thread::scope(|scope| {
+            let mut flushed = Vec::new();
+            let mut store = |new: &NewFile<'_>| -> Result<(u64, u32)> {
+                let (path, file, size, checksum) = self.write(new)?;
+                flushed.push(flush(scope, Arc::new((path, file))));
+                Ok((size, checksum))
+            };
+            for new in files {
+                let (size, checksum) = store(new)?;
+                listing.add(&new.name, size, checksum);
+            }
+            store(&NewFile::of(MARKER, listing.to_text()))?;
+            flushed.into_iter().try_for_each(|flushed| match flushed {
+                Ok(flushed) => flushed.join().expect("a file is flushed or refused"),
+                Err(done) => done,
+            })
+        })
     }
 
     /// Writes a file. Returns its path, with the size and the checksum of its content.
@@ -214,23 +224,15 @@ impl Staging {
     }
 }
 
-/// Flushes files to the disk, all at once: most of the time the disk is waited for, and it takes several together.
-fn flush(files: &[(PathBuf, File)]) -> Result<()> {
+/// Flushes a file to the disk on another thread, or on this one if the system has no more.
+fn flush<'a>(
+    scope: &'a Scope<'a, '_>,
+    file: Arc<(PathBuf, File)>,
+) -> std::result::Result<ScopedJoinHandle<'a, Result<()>>, Result<()>> {
     // A full disk may be reported only now.
-    let flush = |(path, file): &(PathBuf, File)| file.sync_all().map_err(Error::system(path, "write"));
-    thread::scope(|scope| {
-        let begun: Vec<_> = files
-            .iter()
-            .map(|file| thread::Builder::new().spawn_scoped(scope, move || flush(file)).map_err(|_| file))
-            .collect();
-        let ended = begun.into_iter().map(|flushed| match flushed {
-            Ok(flushed) => flushed.join().expect("a file is flushed or refused"),
-            // The system has no more threads.
-            Err(file) => flush(file),
-        });
-        // Every one is waited for, also after an error.
-        ended.collect::<Vec<_>>().into_iter().collect()
-    })
+    let flush = |file: &(PathBuf, File)| file.1.sync_all().map_err(Error::system(&file.0, "write"));
+    let other = file.clone();
+    thread::Builder::new().spawn_scoped(scope, move || flush(&other)).map_err(|_| flush(&file))
 }
 
 impl Drop for Staging {
