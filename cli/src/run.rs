@@ -48,9 +48,8 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let most = memory.unwrap_or_else(memory::available) / SHOWN;
     let figures =
-        threads::on(arguments.threads, || draw(&mut outcome, (&stored, most), (&style, arguments.quiet)))??;
+        threads::on(arguments.threads, || draw(&mut outcome, (&stored, memory), (&style, arguments.quiet)))??;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let results = (&outcome, Some(&stored));
     let written =
@@ -204,15 +203,16 @@ fn estimate(scenario: &Scenario, memory: Option<u64>) {
     say(&format!("memory: up to {} for the interface, of {available} available", memory::words(needed)));
 }
 
-/// The pictures. Of columns that have outgrown the memory they show what takes about `most` bytes.
+/// The pictures. Of columns that have outgrown the memory they show what takes a fraction of it.
 fn draw(
     outcome: &mut Outcome,
-    (stored, most): (&StoredColumns, u64),
+    (stored, memory): (&StoredColumns, Option<u64>),
     (style, quiet): (&Figure, bool),
 ) -> Result<Vec<Attachment>, Failure> {
     if style.formats.is_empty() || stored.columns().is_empty() {
         return figure::draw(outcome, style).map_err(Failure::run);
     }
+    let most = memory.unwrap_or_else(memory::available) / SHOWN;
     let record = output::drawn(&outcome.record, stored, most)
         .map_err(|error| Failure::run(format_args!("cannot read columns of the results: {error}")))?;
     let [shown, all] = [record.bytes(), outcome.record.bytes() + stored.bytes()];

@@ -3,11 +3,13 @@
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Numbers in a file. What was never written is NaN.
 #[derive(Debug)]
 pub struct NumbersInFile {
-    file: File,
+    /// Several threads may read it, each from a place of its own.
+    file: Mutex<File>,
     length: usize,
 }
 
@@ -17,7 +19,11 @@ impl NumbersInFile {
 
     /// A file in this folder, with no numbers.
     pub fn within(folder: &Path) -> io::Result<Self> {
-        Ok(Self { file: tempfile::tempfile_in(folder)?, length: 0 })
+        Ok(Self { file: Mutex::new(tempfile::tempfile_in(folder)?), length: 0 })
+    }
+
+    fn file(&self) -> MutexGuard<'_, File> {
+        self.file.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Number of values.
@@ -32,20 +38,22 @@ impl NumbersInFile {
 
     /// Writes values from an index on.
     pub fn put(&mut self, from: usize, values: &[f64]) -> io::Result<()> {
-        self.file.seek(place(from))?;
+        let mut file = self.file();
+        file.seek(place(from))?;
         let mut bytes = Vec::with_capacity(Self::PIECE.min(values.len()) * size_of::<f64>());
         for piece in values.chunks(Self::PIECE) {
             bytes.clear();
             bytes.extend(piece.iter().flat_map(|&value| stored(value)));
-            self.file.write_all(&bytes)?;
+            file.write_all(&bytes)?;
         }
+        drop(file);
         self.length = self.length.max(from + values.len());
         Ok(())
     }
 
     /// Makes the file longer, with NaN.
     pub fn extend_to(&mut self, length: usize) -> io::Result<()> {
-        self.file.set_len((length * size_of::<f64>()) as u64)?;
+        self.file().set_len((length * size_of::<f64>()) as u64)?;
         self.length = length;
         Ok(())
     }
@@ -56,7 +64,7 @@ impl NumbersInFile {
     /// The system refuses.
     pub fn read(&self, from: usize, count: usize) -> io::Result<Vec<f64>> {
         let count = count.min(self.length - from.min(self.length));
-        let mut file = &self.file;
+        let mut file = self.file();
         file.seek(place(from))?;
         let mut values = Vec::with_capacity(count);
         let mut bytes = [0; Self::PIECE * size_of::<f64>()];
@@ -114,6 +122,6 @@ mod tests {
         numbers.put(25_000, &[7.0]).unwrap();
         assert_eq!((numbers.count(), numbers.read(25_000, 1).unwrap()), (30_000, vec![7.0]));
         assert!(numbers.read(24_999, 1).unwrap()[0].is_nan() && numbers.read(29_999, 1).unwrap()[0].is_nan());
-        assert_eq!(numbers.read(30_000, 1).unwrap(), []);
+        assert!(numbers.read(30_000, 1).unwrap().is_empty());
     }
 }

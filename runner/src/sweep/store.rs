@@ -28,7 +28,7 @@ const PARTIAL: &str = "partial";
 /// Number of files of one level that are merged into one of the next.
 const MERGED: usize = 64;
 /// Bytes of files that are merged, at most: they are merged in memory.
-const LARGE: u64 = 64 << 20;
+const LARGE: u64 = 16 << 20;
 /// Age at which a file that is being written belongs to a process that was killed.
 const ABANDONED: Duration = Duration::from_secs(600);
 
