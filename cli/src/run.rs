@@ -40,7 +40,9 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     if !arguments.quiet {
         estimate(&input.scenario, memory);
     }
-    let in_memory = memory.unwrap_or_else(memory::available) / SHARE;
+    // Only interfaces have columns that grow; to ask the system takes as long as to read the scenario.
+    let room = |_| memory.unwrap_or_else(memory::available) / SHARE;
+    let in_memory = input.scenario.interface.as_ref().map_or(0, room);
     let mut stored = StoredColumns::beside(&directory, in_memory);
     let storage = (checkpoints.as_mut(), &mut stored);
     let mut outcome = compute(&input, storage, (arguments, memory), &interrupts)?;
