@@ -175,6 +175,7 @@ bench: $(venv)/installed $(venv)-peers/installed
 	cargo bench --locked --package asperity --bench ensemble --bench block --bench coupling --bench elastic --bench fit --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
 	$(venv)/bin/python -P python/benches/overhead.py
 	$(venv)/bin/python -P python/benches/fit.py
+	cargo build --release --locked --quiet
 	cargo run --release --locked --package asperity-cli --example sweep_cost
 	$(venv)/bin/python -P python/benches/sweep.py
 	$(paired)

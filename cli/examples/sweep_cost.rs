@@ -1,8 +1,10 @@
-//! What a sweep costs beside its cases: CPU time over a plain loop, files and bytes of stored cases, and a restart without work.
+//! What a sweep costs beside its cases: CPU time over a plain loop, files and bytes of stored cases, and a restart without work;
+//! and what the command costs beside the task of a run.
 //!
-//! `cargo run --release -p asperity-cli --example sweep_cost`
+//! `cargo build --release && cargo run --release -p asperity-cli --example sweep_cost`
 
 use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 use asperity::scenario::{Law, Scenario};
@@ -65,7 +67,13 @@ fn plain(plan: &Plan) -> f64 {
     begun.elapsed().as_secs_f64()
 }
 
+/// The argument with which this program computes one task.
+const TASK: &str = "task";
+
 fn main() {
+    if std::env::args().nth(1).is_some_and(|argument| argument == TASK) {
+        return task();
+    }
     let folder = tempfile::tempdir().expect("a folder");
     let map = plan(MAP);
     let cases: Vec<usize> = (0..map.count()).collect();
@@ -84,6 +92,48 @@ fn main() {
         );
     }
     many(folder.path());
+    command(folder.path());
+}
+
+/// What `asperity run --no-figures` takes beside its task, from the start of the process to its end. The task is computed by a new
+/// process, too. Least of many times, one of each after the other, so that other work of the machine counts little.
+fn command(folder: &Path) {
+    const TIMES: usize = 60;
+    std::fs::write(folder.join("one.toml"), one()).expect("a file");
+    let own = std::env::current_exe().expect("a path");
+    let program = own.ancestors().nth(2).expect("the folder of programs").join("asperity");
+    let mut least = [f64::INFINITY; 2];
+    for number in 0..TIMES {
+        let task = Command::new(&own).arg(TASK).output().expect("this program").stdout;
+        let task: f64 = String::from_utf8_lossy(&task).trim().parse().expect("seconds");
+        let results = format!("one-{number}");
+        let begun = Instant::now();
+        let mut run = Command::new(&program);
+        run.args(["run", "one.toml", "--no-figures", "--quiet", "-o", &results]).current_dir(folder);
+        assert!(run.status().expect("the command, built before").success());
+        let whole = begun.elapsed().as_secs_f64();
+        least = [least[0].min(task), least[1].min(whole)];
+    }
+    let [task, whole] = least;
+    println!(
+        "a task of {:.1} ms: {:.2} times that for asperity run --no-figures, {:.1} ms more",
+        1e3 * task,
+        whole / task,
+        1e3 * (whole - task)
+    );
+}
+
+/// One case of the map, over some of the distance.
+fn one() -> String {
+    MAP.split("[sweep]").next().expect("a beginning").replace("20.0", "25.0")
+}
+
+/// Prints the seconds of a task.
+fn task() {
+    let scenario = input::parse(&one(), "one", Path::new(""), &[]).expect("a valid scenario").scenario;
+    let begun = Instant::now();
+    asperity_runner::run(&scenario, &mut Free).expect("a task that succeeds");
+    println!("{}", begun.elapsed().as_secs_f64());
 }
 
 /// The files of many cases, and what a restart takes when all are there.
@@ -116,10 +166,11 @@ fn many(folder: &Path) {
     for what in ["gathered for the first time", "a restart without work"] {
         let begun = Instant::now();
         let mut store = Store::new(&directory, many.identity());
-        let gathered = store.gathered().expect("the store can be read");
-        assert_eq!(gathered.missing().count(), 0);
+        let there = store.there().expect("the store can be read");
+        assert!(!there.contains(&false));
         store.finish().expect("the store can be written");
-        write(&directory, &Dataset::of_plan(&many, &gathered), &[]).expect("results are written");
+        let gathered = store.gathered(&many.places(), u64::MAX).expect("the store can be read");
+        write(&directory, &Dataset::of_plan(&many, gathered), &[]).expect("results are written");
         let (files, bytes) = size(store.folder());
         println!(
             "{what}: {:.2} s; then {files} files, {:.1} MB",

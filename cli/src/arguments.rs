@@ -148,6 +148,9 @@ pub struct Sweep {
     /// Number of threads; results do not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads::parse)]
     pub threads: Option<usize>,
+    /// Memory that the sweep may take (8GB, 7.5GiB, 16G), shared by the cases side by side [default: what the machine has free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    pub memory: Option<u64>,
     /// Stop after this time (90s, 10min, 1h30min, 23:50:00); what is finished is stored
     #[arg(long, value_name = "TIME", value_parser = duration::parse)]
     pub max_time: Option<Duration>,

@@ -19,7 +19,7 @@ use std::fmt;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use asperity_runner::{checkpoint, input, output};
+use asperity_runner::{checkpoint, input, memory, output};
 use clap::{CommandFactory as _, Parser as _};
 
 use arguments::{Arguments, Command, Pictures};
@@ -127,14 +127,19 @@ fn check(scenario: &arguments::Scenario) -> Result<(), Failure> {
 
 /// Draws the pictures of a folder of results anew.
 fn plot(folder: &Path, pictures: &Pictures) -> Result<(), Failure> {
-    if folder.join("sweep.nc").is_file() {
-        let words = "a sweep, whose pictures asperity sweep SCENARIO --resume draws anew";
-        return Err(Failure::Input(format!("error: {}: {words}\n", folder.display())));
-    }
-    let mut outcome = output::read(folder).map_err(Failure::run)?;
-    let style = pictures.style(&input::figure(&outcome.scenario));
-    run::checked(&style)?;
-    let drawn = figure::draw(&mut outcome, &style).map_err(Failure::run)?;
+    let drawn = if folder.join("sweep.nc").is_file() {
+        let dataset = asperity_runner::sweep::read_drawn(folder).map_err(Failure::run)?;
+        let style = pictures.style(&input::figure(&dataset.scenario));
+        run::checked(&style)?;
+        figure::of_sweep(&dataset, &style)
+    } else {
+        let most = run::allowed(None)?.unwrap_or_else(memory::available) / run::SHOWN;
+        let mut outcome = output::read_drawn(folder, most).map_err(Failure::run)?;
+        let style = pictures.style(&input::figure(&outcome.scenario));
+        run::checked(&style)?;
+        figure::draw(&mut outcome, &style)
+    };
+    let drawn = drawn.map_err(Failure::run)?;
     run::report(&output::attach(folder, &drawn).map_err(Failure::run)?);
     let names: Vec<String> = drawn.into_iter().map(|picture| picture.name).collect();
     let names = run::drawn(&names).unwrap_or_else(|| "none for these results".into());

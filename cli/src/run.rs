@@ -16,7 +16,9 @@ use super::progress::Progress;
 use super::{Failure, drawing, figure, print, summary, threads};
 
 /// Columns of results are kept in memory up to this fraction of it.
-const SHARE: u64 = 8;
+pub const SHARE: u64 = 8;
+/// Pictures are drawn of what takes this fraction of the memory.
+pub const SHOWN: u64 = 4;
 /// Bytes of an interface that are worth a word.
 const LARGE: u64 = 256 << 20;
 
@@ -34,11 +36,13 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     }
     let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
-    let memory = allowed(arguments)?;
+    let memory = allowed(arguments.memory)?;
     if !arguments.quiet {
         estimate(&input.scenario, memory);
     }
-    let in_memory = memory.unwrap_or_else(memory::available) / SHARE;
+    // Only interfaces have columns that grow; to ask the system takes as long as to read the scenario.
+    let room = |_| memory.unwrap_or_else(memory::available) / SHARE;
+    let in_memory = input.scenario.interface.as_ref().map_or(0, room);
     let mut stored = StoredColumns::beside(&directory, in_memory);
     let storage = (checkpoints.as_mut(), &mut stored);
     let mut outcome = compute(&input, storage, (arguments, memory), &interrupts)?;
@@ -46,7 +50,8 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures = threads::on(arguments.threads, || draw(&mut outcome, &stored, (&style, arguments.quiet)))??;
+    let figures =
+        threads::on(arguments.threads, || draw(&mut outcome, (&stored, memory), (&style, arguments.quiet)))??;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let results = (&outcome, Some(&stored));
     let written =
@@ -186,8 +191,8 @@ fn compute(
 }
 
 /// The memory that the run may take, if the command or the environment says.
-fn allowed(arguments: &Run) -> Result<Option<u64>, Failure> {
-    let given = arguments.memory.map_or_else(memory::in_environment, |given| Ok(Some(given)));
+pub fn allowed(given: Option<u64>) -> Result<Option<u64>, Failure> {
+    let given = given.map_or_else(memory::in_environment, |given| Ok(Some(given)));
     given.map_err(|wrong| Failure::Input(format!("error: {wrong}\n")))
 }
 
@@ -200,22 +205,25 @@ fn estimate(scenario: &Scenario, memory: Option<u64>) {
     say(&format!("memory: up to {} for the interface, of {available} available", memory::words(needed)));
 }
 
-/// The pictures, unless they need columns that have outgrown the memory.
+/// The pictures. Of columns that have outgrown the memory they show what takes a fraction of it.
 fn draw(
     outcome: &mut Outcome,
-    stored: &StoredColumns,
+    (stored, memory): (&StoredColumns, Option<u64>),
     (style, quiet): (&Figure, bool),
 ) -> Result<Vec<Attachment>, Failure> {
     if style.formats.is_empty() || stored.columns().is_empty() {
         return figure::draw(outcome, style).map_err(Failure::run);
     }
-    if !quiet {
-        let size = memory::words(stored.bytes());
-        say(&format!(
-            "no pictures are drawn: {size} of results were written as they came; asperity plot draws them where they fit in memory"
-        ));
+    let most = memory.unwrap_or_else(memory::available) / SHOWN;
+    let record = output::drawn(&outcome.record, stored, most)
+        .map_err(|error| Failure::run(format_args!("cannot read columns of the results: {error}")))?;
+    let [shown, all] = [record.bytes(), outcome.record.bytes() + stored.bytes()];
+    if shown < all && !quiet {
+        let [shown, all] = [shown, all].map(memory::words);
+        say(&format!("pictures show {shown} of {all}: of maps some, evenly spaced"));
     }
-    Ok(Vec::new())
+    let (scenario, summary) = (outcome.scenario.clone(), outcome.summary.clone());
+    figure::draw(&mut Outcome { scenario, summary, record }, style).map_err(Failure::run)
 }
 
 /// The reason why a run was stopped.

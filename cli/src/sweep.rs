@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use asperity_runner::output::{self, Written};
-use asperity_runner::sweep::{Dataset, Error, KeptReport, Part, Plan, Report, Store, Values};
-use asperity_runner::{input, sweep};
+use asperity_runner::sweep::{
+    AxisReport, Dataset, Error, Gathered, KeptReport, Part, Plan, Report, Store, Values,
+};
+use asperity_runner::{input, memory, sweep};
 
 use super::arguments::Sweep;
 use super::figure::{self, digits};
@@ -29,15 +31,16 @@ pub fn sweep(arguments: &Sweep) -> Result<(), Failure> {
         run::warn(&input.scenario);
     }
     let part = arguments.part.unwrap_or(Part::ALL);
+    let memory = run::allowed(arguments.memory)?;
     let _lock = store.lock(arguments.part.map(|part| part.to_string()).as_deref())?;
     if !arguments.gather {
         arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
-        compute(&plan, part, &mut store, arguments, &interrupts)?;
+        compute(&plan, part, &mut store, (arguments, memory), &interrupts)?;
     }
     if arguments.part.is_some() && !arguments.gather {
         return computed(part, &mut store, arguments);
     }
-    let dataset = gathered(&plan, &mut store, arguments)?;
+    let dataset = gathered(&plan, &mut store, (arguments, memory))?;
     let figures = figure::of_sweep(&dataset, &style).map_err(Failure::run)?;
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let written = sweep::write(&directory, &dataset, &figures)?;
@@ -58,14 +61,14 @@ fn compute(
     plan: &Plan,
     part: Part,
     store: &mut Store,
-    arguments: &Sweep,
+    (arguments, memory): (&Sweep, Option<u64>),
     interrupts: &Interrupts,
 ) -> Result<(), Failure> {
-    let gathered = store.gathered()?;
+    let there = store.there()?;
     tell_of_store(store, arguments);
     let all = (0..plan.count()).filter(|&case| part.has(case)).count();
-    let missing: Vec<usize> = gathered.missing().filter(|&case| part.has(case)).collect();
-    let stored = gathered.there.iter().filter(|there| **there).count();
+    let missing: Vec<usize> = (0..plan.count()).filter(|&case| part.has(case) && !there[case]).collect();
+    let stored = there.iter().filter(|there| **there).count();
     if stored > 0 && !arguments.resume && arguments.part.is_none() {
         let path = store.folder().to_owned();
         return Err(Error::Unfinished { path, stored, all }.into());
@@ -74,7 +77,7 @@ fn compute(
         store.note_parts(part.of)?;
     }
     interrupts.take_over();
-    let mut monitor = Progress::new(arguments.quiet, None, interrupts);
+    let mut monitor = Progress::new(arguments.quiet, memory, interrupts);
     let before = all - missing.len();
     let work = || sweep::run(plan, &missing, before, store, &mut monitor);
     match threads::on(arguments.threads, work)? {
@@ -104,40 +107,55 @@ fn computed(part: Part, store: &mut Store, arguments: &Sweep) -> Result<(), Fail
     if arguments.quiet {
         return Ok(());
     }
-    let gathered = store.gathered()?;
-    let stored = gathered.there.iter().filter(|there| **there).count();
+    let there = store.there()?;
+    let stored = there.iter().filter(|there| **there).count();
     let text = format!(
         "{:<22} {stored} of {} cases, in {}\n",
         format!("part {}/{}", part.index, part.of),
-        gathered.there.len(),
+        there.len(),
         store.folder().display()
     );
-    let next = if stored == gathered.there.len() { "--gather writes the results\n" } else { "" };
+    let next = if stored == there.len() { "--gather writes the results\n" } else { "" };
     print(&(text + next))
 }
 
 /// All cases, or the error that names those that are missing.
-fn gathered(plan: &Plan, store: &mut Store, arguments: &Sweep) -> Result<Dataset, Failure> {
-    let gathered = store.gathered()?;
+fn gathered(
+    plan: &Plan,
+    store: &mut Store,
+    (arguments, memory): (&Sweep, Option<u64>),
+) -> Result<Dataset, Failure> {
     if arguments.gather {
+        let there = store.there()?;
         tell_of_store(store, arguments);
-    }
-    if gathered.missing().next().is_some() {
-        return Err(store.missing(&gathered)?.into());
+        if there.contains(&false) {
+            return Err(store.missing(&there)?.into());
+        }
     }
     store.finish()?;
-    Ok(Dataset::of_plan(plan, &gathered))
+    let in_memory = memory.unwrap_or_else(memory::available) / run::SHARE;
+    let gathered = store.gathered(&plan.places(), in_memory)?;
+    if gathered.there.contains(&false) {
+        return Err(store.missing(&gathered.there)?.into());
+    }
+    Ok(Dataset::of_plan(plan, gathered))
 }
 
 /// What would be computed.
 fn explained(plan: &Plan, store: &mut Store) -> Result<String, Failure> {
-    let gathered = store.gathered()?;
-    let stored = gathered.there.iter().filter(|there| **there).count();
-    let dataset = Dataset::of_plan(plan, &gathered);
-    let mut text = heading(&Report::new(&dataset));
-    for variable in &dataset.variables {
-        let unit = if variable.units.is_empty() { String::new() } else { format!(" ({})", variable.units) };
-        let _ = writeln!(text, "{:<22} {}{unit}", "keep", said(&variable.name, &variable.long_name));
+    let there = store.there()?;
+    let stored = there.iter().filter(|there| **there).count();
+    // What there will be, without values.
+    let dataset = Dataset::of_plan(plan, Gathered::new(0, &plan.places()));
+    let axes: Vec<AxisReport> = dataset.axes.iter().map(AxisReport::new).collect();
+    let mut text = heading(&dataset.title, (plan.count(), 0), &axes);
+    for kept in &dataset.variables {
+        let unit = if kept.units.is_empty() { String::new() } else { format!(" ({})", kept.units) };
+        let _ = writeln!(text, "{:<22} {}{unit}", "keep", said(&kept.name, &kept.long_name));
+    }
+    let curves = plan.bytes_of_curves();
+    if curves > 0 {
+        let _ = writeln!(text, "{:<22} {} in sweep.nc", "curves", memory::words(curves));
     }
     let _ = writeln!(
         text,
@@ -155,12 +173,11 @@ fn said(name: &str, meaning: &str) -> String {
 }
 
 /// Title, cases and axes.
-fn heading(report: &Report) -> String {
-    let mut text = if report.title.is_empty() { String::new() } else { format!("{}\n\n", report.title) };
-    let failed =
-        if report.failed == 0 { String::new() } else { format!(", {} of them failed", report.failed) };
-    let _ = writeln!(text, "{:<22} {}{failed}", "cases", report.cases);
-    for axis in &report.axes {
+fn heading(title: &str, (cases, failed): (usize, usize), axes: &[AxisReport]) -> String {
+    let mut text = if title.is_empty() { String::new() } else { format!("{title}\n\n") };
+    let failed = if failed == 0 { String::new() } else { format!(", {failed} of them failed") };
+    let _ = writeln!(text, "{:<22} {cases}{failed}", "cases");
+    for axis in axes {
         let range = axis
             .range
             .map_or(String::new(), |[low, high]| format!(" from {} to {}", digits(low), digits(high)));
@@ -176,7 +193,7 @@ fn summarise(
     written: &Written,
     arguments: &Sweep,
 ) -> Result<(), Failure> {
-    let report = Report::new(dataset);
+    let report = Report::new(dataset).map_err(Failure::run)?;
     if arguments.json {
         let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
         return print(&format!("{json}\n"));
@@ -184,7 +201,7 @@ fn summarise(
     if arguments.quiet {
         return Ok(());
     }
-    let mut text = heading(&report);
+    let mut text = heading(&report.title, (report.cases, report.failed), &report.axes);
     // Estimated errors are in the files.
     let kept = || report.kept.iter().filter(|kept| !["failure", "accuracy"].contains(&kept.name.as_str()));
     let width = kept().fold(22, |widest, kept| widest.max(kept.name.chars().count()));

@@ -59,10 +59,15 @@ fn six_hundred_megabytes_are_written_in_less_memory() {
 #[test]
 fn what_was_written_as_it_came_is_what_would_have_been_kept_in_memory() {
     let folder = folder();
-    folder.succeed(&["run", "chain.toml", "--no-figures", "-o", "whole"]);
-    let limited = folder.run(&["run", "chain.toml", "--memory", "32MB", "-o", "pieces"]);
+    folder.succeed(&["run", "chain.toml", "--figures", "svg", "-o", "whole"]);
+    let limited = folder.run(&["run", "chain.toml", "--memory", "32MB", "--figures", "svg", "-o", "pieces"]);
     assert!(limited.status.success(), "{}", errors(&limited));
-    assert!(errors(&limited).contains("no pictures are drawn"), "{}", errors(&limited));
+    assert!(errors(&limited).contains("pictures show"), "{}", errors(&limited));
+    let [of_whole, of_pieces] = ["whole", "pieces"].map(|name| support::names(&folder.path().join(name)));
+    assert!(of_whole == of_pieces && of_whole.iter().any(|name| name == "space_time.svg"), "{of_pieces:?}");
+    let catalogue =
+        ["whole", "pieces"].map(|name| fs::read(folder.path().join(name).join("catalogue.svg")).unwrap());
+    assert!(catalogue[0] == catalogue[1], "events are drawn as they are");
     let [whole, pieces] = ["whole", "pieces"].map(|name| {
         let mut outcome = output::read(&folder.path().join(name)).unwrap();
         outcome.record.variables.sort_by(|a, b| a.name.cmp(&b.name));
@@ -72,6 +77,9 @@ fn what_was_written_as_it_came_is_what_would_have_been_kept_in_memory() {
     assert!(whole.record.variables.iter().any(|variable| variable.values.len() == 2001 * 1000));
     // Numbers that are equal, and no NaN, which is not equal to itself.
     assert_eq!(whole.record, pieces.record);
+    let again = after(&folder, "export ASPERITY_MEMORY=32MB", &["plot", "pieces", "--figures", "svg"]);
+    assert!(again.status.success(), "{}", errors(&again));
+    assert_eq!(support::names(&folder.path().join("pieces")), of_pieces);
     for name in ["trace.csv", "events.csv"] {
         let [whole, pieces] =
             ["whole", "pieces"].map(|run| fs::read(folder.path().join(run).join(name)).unwrap());

@@ -244,6 +244,65 @@ fn a_folder_that_cannot_be_written_is_found_before_any_work() {
     }
 }
 
+/// Curves of 4 MB, of which 1 MB may be in memory.
+#[test]
+fn curves_that_outgrow_the_memory_are_written_as_if_they_had_not() {
+    let folder = small();
+    let fine = SMALL.replace("points = 7", "points = 20001");
+    folder.write("fine.toml", &fine);
+    let run = |more: &[&str]| {
+        folder.succeed(&[&["sweep", "fine.toml", "--figures", "svg", "--quiet"], more].concat());
+    };
+    run(&["-o", "memory"]);
+    run(&["-o", "files", "--memory", "8MB"]);
+    assert!(bytes(&folder, "files") == bytes(&folder, "memory"));
+    for name in ["summary.json", "static_friction_force.svg"] {
+        let [one, other] =
+            ["files", "memory"].map(|run| std::fs::read(folder.path().join(run).join(name)).unwrap());
+        assert!(one == other && !one.is_empty(), "{name}");
+    }
+    let text = folder.succeed(&["sweep", "fine.toml", "--explain"]);
+    assert!(text.contains("curves                 4 MiB in sweep.nc"), "{text}");
+}
+
+/// The pictures of a folder are those of its sweep: lines with replicas and without, maps of numbers and of words.
+#[test]
+fn pictures_of_a_sweep_are_drawn_anew() {
+    let folder = small();
+    folder.write(
+        "line.toml",
+        &SMALL
+            .replace("\"contacts.count\" = [1, 10, 100]", "")
+            .replace("\"contacts.stiffness\" = [1.0, 0.1, 0.01]", "")
+            .replace("zip = [[\"contacts.count\", \"contacts.stiffness\"]]", ""),
+    );
+    let map = std::fs::read_to_string(scenarios().join("sweep-stability.toml")).unwrap();
+    folder.write("map.toml", &map.replace("points = 20", "points = 5"));
+    for (scenario, some) in
+        [("small", "kinetic_friction.svg"), ("line", "ensemble_force.svg"), ("map", "regime.svg")]
+    {
+        folder.succeed(&[
+            "sweep",
+            &format!("{scenario}.toml"),
+            "--figures",
+            "svg",
+            "--quiet",
+            "-o",
+            scenario,
+        ]);
+        let results = folder.path().join(scenario);
+        let pictures: Vec<String> =
+            names(&results).into_iter().filter(|name| name.ends_with(".svg")).collect();
+        assert!(pictures.iter().any(|name| name == some), "{scenario}: {pictures:?}");
+        let read = || pictures.iter().map(|name| std::fs::read(results.join(name)).unwrap());
+        let before: Vec<_> = read().collect();
+        pictures.iter().for_each(|name| std::fs::remove_file(results.join(name)).unwrap());
+        let told = folder.succeed(&["plot", scenario, "--figures", "svg"]);
+        assert!(told.contains(some.trim_end_matches(".svg")), "{told}");
+        assert!(read().zip(&before).all(|(now, before)| now == *before), "{scenario}");
+    }
+}
+
 /// Between two corners that are valid may be a case that is not.
 #[test]
 fn a_case_that_fails_is_a_value() {

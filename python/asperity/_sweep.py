@@ -89,6 +89,8 @@ def sweep(
         For an invalid value of the scenario at a corner of the axes, before anything is computed.
     FileExistsError
         For a folder that asperity did not make, or in which another sweep runs.
+    MemoryError
+        For curves of all cases that do not fit in memory; `asperity sweep` writes them to a file.
 
     Examples
     --------

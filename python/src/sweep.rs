@@ -14,7 +14,7 @@ use asperity_runner::sweep::{
 };
 use asperity_runner::{input, memory, output};
 use numpy::IntoPyArray as _;
-use pyo3::exceptions::{PyFileExistsError, PyOSError, PyValueError};
+use pyo3::exceptions::{PyFileExistsError, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
 use rayon::ThreadPoolBuilder;
@@ -44,6 +44,16 @@ enum Kind {
     Function(Identity, Vec<Axis>),
 }
 
+impl Kind {
+    /// Numbers of places of the grids of curves.
+    fn places(&self) -> Vec<usize> {
+        match self {
+            Self::Scenario(plan, _) => plan.places(),
+            Self::Function(..) => Vec::new(),
+        }
+    }
+}
+
 struct State {
     gathered: Gathered,
     store: Option<Store>,
@@ -58,15 +68,24 @@ impl Sweep {
             Kind::Scenario(plan, _) => plan.identity(),
             Kind::Function(identity, _) => identity.clone(),
         };
+        let places = kind.places();
+        let needed = places.iter().map(|&places| (places * identity.cases * size_of::<f64>()) as u64).sum();
+        let free = memory::available();
+        if needed > free {
+            let [needed, free] = [needed, free].map(memory::words);
+            return Err(PyMemoryError::new_err(format!(
+                "sweep.keep: expected curves that fit in the {free} of memory available, got {needed}; asperity sweep writes them to a file"
+            )));
+        }
         let Some(directory) = &folder else {
-            let gathered = Gathered::new(identity.cases);
+            let gathered = Gathered::new(identity.cases, &places);
             let state = State { gathered, store: None, waiting: Vec::new(), _lock: None };
             return Ok(Self { kind, folder, state: Mutex::new(state) });
         };
         output::check(directory).map_err(error::files)?;
         let mut store = Store::new(directory, identity);
         let lock = store.lock(None).map_err(failed)?;
-        let gathered = store.gathered().map_err(failed)?;
+        let gathered = store.gathered(&places, u64::MAX).map_err(failed)?;
         let state = State { gathered, store: Some(store), waiting: Vec::new(), _lock: Some(lock) };
         Ok(Self { kind, folder, state: Mutex::new(state) })
     }
@@ -130,7 +149,7 @@ impl Sweep {
 
     /// The numbers of the cases that are not there.
     fn missing(&self) -> Vec<usize> {
-        self.state().gathered.missing().collect()
+        missing(&self.state().gathered)
     }
 
     /// Computes the missing cases of a scenario in this process.
@@ -217,12 +236,12 @@ impl Sweep {
     fn work(&self, plan: &Plan, monitor: &mut dyn Monitor) -> sweep::Result<()> {
         let mut state = self.state();
         let State { gathered, store, .. } = &mut *state;
-        let missing: Vec<usize> = gathered.missing().collect();
+        let missing = missing(gathered);
         match store {
-            None => gathered.add(&Batch::new(&sweep::compute(plan, &missing, monitor)?)),
+            None => gathered.add(&Batch::new(&sweep::compute(plan, &missing, monitor)?)).map_err(added)?,
             Some(store) => {
                 sweep::run(plan, &missing, gathered.there.len() - missing.len(), store, monitor)?;
-                *gathered = store.gathered()?;
+                *gathered = store.gathered(&plan.places(), u64::MAX)?;
             }
         }
         Ok(())
@@ -233,8 +252,7 @@ impl Sweep {
         if let Some(store) = &mut state.store {
             store.add_batch(batch)?;
         }
-        state.gathered.add(batch);
-        Ok(())
+        state.gathered.add(batch).map_err(added)
     }
 
     fn dataset(&self) -> sweep::Result<Dataset> {
@@ -242,10 +260,12 @@ impl Sweep {
         if let Some(store) = &mut state.store {
             store.finish()?;
         }
+        // Nothing is asked of them again.
+        let gathered = std::mem::take(&mut state.gathered);
         let dataset = match &self.kind {
-            Kind::Scenario(plan, _) => Dataset::of_plan(plan, &state.gathered),
+            Kind::Scenario(plan, _) => Dataset::of_plan(plan, gathered),
             Kind::Function(Identity { hash, text, .. }, axes) => {
-                Dataset::of_cases("", (hash, text), axes.clone(), &state.gathered)
+                Dataset::of_cases("", (hash, text), axes.clone(), gathered)
             }
         };
         if let Some(folder) = &self.folder {
@@ -253,6 +273,16 @@ impl Sweep {
         }
         Ok(dataset)
     }
+}
+
+/// The numbers of the cases that are not there.
+fn missing(gathered: &Gathered) -> Vec<usize> {
+    (0..gathered.there.len()).filter(|&case| !gathered.there[case]).collect()
+}
+
+/// Cases cannot be added to what is there.
+fn added(source: std::io::Error) -> sweep::Error {
+    sweep::Error::System { path: PathBuf::new(), action: "add cases", source }
 }
 
 /// Computes cases of a scenario on some threads: what a worker does. Returns the bytes that `_Sweep.add` takes.
@@ -338,10 +368,7 @@ fn argument(name: String, values: &Bound<'_, PyAny>) -> PyResult<Axis> {
         Ok(numbers) => Values::Numbers(numbers),
         Err(_) => Values::Texts(values.extract()?),
     };
-    let length = match &values {
-        Values::Numbers(numbers) => numbers.len(),
-        Values::Texts(texts) => texts.len(),
-    };
+    let length = values.count();
     let coordinates = vec![Labelled {
         name: name.clone(),
         long_name: String::new(),
@@ -361,8 +388,8 @@ fn labelled<'py>(py: Python<'py>, variable: &Labelled) -> PyResult<Bound<'py, Py
         about.set_item(name, label)?;
     }
     let values = match &variable.values {
-        Values::Numbers(numbers) => numbers.clone().into_pyarray(py).into_any(),
         Values::Texts(texts) => PyList::new(py, texts)?.into_any(),
+        numbers => numbers.read(0, usize::MAX)?.into_owned().into_pyarray(py).into_any(),
     };
     Ok((&variable.name, &variable.dimensions, values, about).into_pyobject(py)?.into_any())
 }

@@ -94,6 +94,8 @@ def test_a_folder_is_that_of_the_command(tmp_path: Path) -> None:
     written = (results / "sweep.nc").read_bytes()
     subprocess.run([*command, "--resume", "--no-figures"], check=True, cwd=ROOT)
     assert (results / "sweep.nc").read_bytes() == written
+    subprocess.run([*COMMAND, "plot", str(results), "--figures", "svg"], check=True, cwd=ROOT)
+    assert (results / "kinetic_friction.svg").stat().st_size > 1000
 
 
 def test_an_interrupted_sweep_is_continued(tmp_path: Path) -> None:
@@ -180,6 +182,15 @@ def test_replicas_have_seeds_of_their_own() -> None:
 )
 def test_wrong_sweeps_are_refused(tmp_path: Path, over: Any, keep: Any, text: str) -> None:
     with pytest.raises(ValueError, match=text):
+        asp.sweep(TEXT, over, keep, folder=tmp_path / "results")
+    assert not list(tmp_path.iterdir())
+
+
+def test_curves_beyond_the_memory_are_refused(tmp_path: Path) -> None:
+    over = {"contacts.count": {"from": 1.0, "to": 2.0, "points": 1_000_000}}
+    # 8 TB.
+    keep = [{"variable": "force", "at": {"from": 0.0, "to": 3.0, "points": 1_000_000}}]
+    with pytest.raises(MemoryError, match="asperity sweep writes them to a file"):
         asp.sweep(TEXT, over, keep, folder=tmp_path / "results")
     assert not list(tmp_path.iterdir())
 

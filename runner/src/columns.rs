@@ -1,9 +1,6 @@
 //! Columns of results that outgrow the memory, in files beside the folder of results.
-//!
-//! The files have no names, so that the system removes them when the process ends, however it ends.
 
-use std::fs::File;
-use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity::record::Variable;
@@ -11,6 +8,7 @@ use asperity::task::ColumnStore;
 use asperity::{Error, Result};
 
 use crate::folder::{self, Made};
+use crate::numbers::NumbersInFile;
 use crate::output;
 
 /// Columns of results in files.
@@ -30,9 +28,8 @@ pub struct StoredColumns {
 pub struct StoredColumn {
     /// What it is, without its values.
     pub variable: Variable,
-    /// Number of values.
-    pub length: usize,
-    file: File,
+    /// Its values.
+    pub values: NumbersInFile,
 }
 
 impl StoredColumns {
@@ -48,7 +45,7 @@ impl StoredColumns {
 
     /// Bytes that all of them take.
     pub fn bytes(&self) -> u64 {
-        self.columns.iter().map(|column| (column.length * size_of::<f64>()) as u64).sum()
+        self.columns.iter().map(|column| (column.values.count() * size_of::<f64>()) as u64).sum()
     }
 
     /// The error that stopped the computation, if a column could not be stored or read.
@@ -70,7 +67,7 @@ impl StoredColumns {
         let place = match self.columns.binary_search_by(|column| column.variable.name.cmp(&variable.name)) {
             Ok(place) => place,
             Err(place) => {
-                let file = tempfile::tempfile_in(folder::above(&self.directory))?;
+                let values = NumbersInFile::within(folder::above(&self.directory))?;
                 let variable = Variable {
                     name: variable.name.clone(),
                     long_name: variable.long_name.clone(),
@@ -78,7 +75,7 @@ impl StoredColumns {
                     dimensions: variable.dimensions.clone(),
                     values: Vec::new(),
                 };
-                self.columns.insert(place, StoredColumn { variable, length: 0, file });
+                self.columns.insert(place, StoredColumn { variable, values });
                 place
             }
         };
@@ -92,7 +89,7 @@ impl ColumnStore for StoredColumns {
     }
 
     fn append(&mut self, variable: &Variable) -> Result<()> {
-        let stored = self.column(variable).and_then(|column| column.append(&variable.values));
+        let stored = self.column(variable).and_then(|column| column.values.append(&variable.values));
         stored.map_err(|error| self.failed("write a column of the results beside it, in", error))
     }
 
@@ -100,45 +97,9 @@ impl ColumnStore for StoredColumns {
         let Some(column) = self.columns.iter().find(|column| column.variable.name == name) else {
             return Ok(Vec::new());
         };
-        column.read(0, column.length).map_err(|error| self.failed("read a column of the results in", error))
-    }
-}
-
-impl StoredColumn {
-    /// Values that are converted at once.
-    const PIECE: usize = 1 << 13;
-
-    fn append(&mut self, values: &[f64]) -> io::Result<()> {
-        // Values may have been read in the meantime.
-        self.file.seek(SeekFrom::End(0))?;
-        let mut bytes = Vec::with_capacity(Self::PIECE * size_of::<f64>());
-        for piece in values.chunks(Self::PIECE) {
-            bytes.clear();
-            bytes.extend(piece.iter().flat_map(|value| value.to_ne_bytes()));
-            self.file.write_all(&bytes)?;
-        }
-        self.length += values.len();
-        Ok(())
-    }
-
-    /// Values from an index on, at most `count`.
-    ///
-    /// # Errors
-    /// The system refuses.
-    pub fn read(&self, from: usize, count: usize) -> io::Result<Vec<f64>> {
-        let count = count.min(self.length - from.min(self.length));
-        let mut file = &self.file;
-        file.seek(SeekFrom::Start((from * size_of::<f64>()) as u64))?;
-        let mut values = Vec::with_capacity(count);
-        let mut bytes = [0; Self::PIECE];
-        let mut left = count * size_of::<f64>();
-        while left > 0 {
-            let piece = &mut bytes[..left.min(Self::PIECE)];
-            file.read_exact(piece)?;
-            let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("of this length"));
-            values.extend(piece.chunks_exact(size_of::<f64>()).map(number));
-            left -= piece.len();
-        }
-        Ok(values)
+        column
+            .values
+            .read(0, usize::MAX)
+            .map_err(|error| self.failed("read a column of the results in", error))
     }
 }

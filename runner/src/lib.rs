@@ -9,6 +9,7 @@ pub mod duration;
 mod folder;
 pub mod input;
 pub mod memory;
+mod numbers;
 pub mod output;
 // The sampler of posteriors, which runs may need, asks an operating system for a clock and for random numbers; WebAssembly has
 // neither.

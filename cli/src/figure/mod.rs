@@ -104,9 +104,11 @@ pub fn of_sweep(dataset: &Dataset, style: &Figure) -> Result<Vec<Attachment>, St
         return Ok(Vec::new());
     }
     let page = formats::page(style);
-    let title = if style.title { dataset.title.clone() } else { String::new() };
-    let titled = Dataset { title, ..dataset.clone() };
-    files(sweep::scenes(&titled, page).into_iter(), &page.heading(&titled.title).0, style)
+    let mut drawn = dataset.drawn().map_err(|error| format!("curves cannot be read: {error}"))?;
+    if !style.title {
+        drawn.title.clear();
+    }
+    files(sweep::scenes(&drawn, page).into_iter(), &page.heading(&drawn.title).0, style)
 }
 
 /// Scenes with their names as files of all formats.

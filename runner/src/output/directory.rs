@@ -3,7 +3,8 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::thread::{self, Scope, ScopedJoinHandle};
 
 use super::error::{Error, Result};
 use super::listing::{Listing, Summed};
@@ -22,7 +23,7 @@ pub struct Renamed {
 }
 
 /// Writes the content of a file.
-type Writer<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+type Writer<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + Sync + 'a>;
 
 /// A file that is to be written.
 pub(crate) struct NewFile<'a> {
@@ -34,7 +35,7 @@ pub(crate) struct NewFile<'a> {
 
 impl<'a> NewFile<'a> {
     /// A file with this content.
-    pub(crate) fn of(name: impl Into<String>, content: impl AsRef<[u8]> + 'a) -> Self {
+    pub(crate) fn of(name: impl Into<String>, content: impl AsRef<[u8]> + Sync + 'a) -> Self {
         Self { name: name.into(), write: Box::new(move |to| to.write_all(content.as_ref())) }
     }
 }
@@ -141,6 +142,9 @@ fn free_name(dir: &Path, name: &str, wanted: PathBuf) -> PathBuf {
     std::iter::once(wanted).chain(others).find(is_free).expect("numbers do not end")
 }
 
+/// The thread that writes and flushes a file, or what has come of it on this one.
+type Flushed<'scope> = std::result::Result<ScopedJoinHandle<'scope, Result<()>>, Result<()>>;
+
 /// A hidden folder next to the destination, which is removed when dropped.
 struct Staging {
     path: PathBuf,
@@ -165,17 +169,46 @@ impl Staging {
         unreachable!("numbers do not end")
     }
 
-    /// Writes files, adds them to the listing, and writes the listing.
+    /// Writes files, adds them to the listing, and writes the listing. Each file has a thread, which also flushes it to the disk: the
+    /// disk is waited for most of that time, and takes several together.
     fn store(&self, files: &[NewFile<'_>], listing: &mut Listing) -> Result<()> {
-        let mut written = Vec::new();
-        for new in files {
+        thread::scope(|scope| {
+            let begun: Vec<_> = files.iter().map(|new| self.begin(scope, new)).collect();
+            let mut all = Vec::new();
+            for (new, (written, flushed)) in files.iter().zip(begun) {
+                if let Ok((size, checksum)) = written.recv() {
+                    listing.add(&new.name, size, checksum);
+                }
+                all.push(flushed);
+            }
+            let (path, file, ..) = self.write(&NewFile::of(MARKER, listing.to_text()))?;
+            let marked = flush(&path, &file);
+            // Every one is waited for, also after an error.
+            let flushed = all.into_iter().map(|flushed| match flushed {
+                Ok(thread) => thread.join().expect("a file is written or refused"),
+                Err(done) => done,
+            });
+            flushed.collect::<Vec<_>>().into_iter().chain([marked]).collect()
+        })
+    }
+
+    /// Writes and flushes a file on another thread, or on this one if the system has no more. The size and the checksum of its
+    /// content come first.
+    fn begin<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        new: &'scope NewFile<'_>,
+    ) -> (Receiver<(u64, u32)>, Flushed<'scope>) {
+        let (sender, receiver) = mpsc::channel();
+        let write = move |sender: Sender<(u64, u32)>| -> Result<()> {
             let (path, file, size, checksum) = self.write(new)?;
-            listing.add(&new.name, size, checksum);
-            written.push((path, file));
-        }
-        let (path, file, ..) = self.write(&NewFile::of(MARKER, listing.to_text()))?;
-        written.push((path, file));
-        flush(&written)
+            // Where nobody receives it, another file has failed.
+            let _ = sender.send((size, checksum));
+            flush(&path, &file)
+        };
+        let other = sender.clone();
+        let thread = thread::Builder::new().spawn_scoped(scope, move || write(other));
+        (receiver, thread.map_err(|_| write(sender)))
     }
 
     /// Writes a file. Returns its path, with the size and the checksum of its content.
@@ -214,23 +247,9 @@ impl Staging {
     }
 }
 
-/// Flushes files to the disk, all at once: most of the time the disk is waited for, and it takes several together.
-fn flush(files: &[(PathBuf, File)]) -> Result<()> {
-    // A full disk may be reported only now.
-    let flush = |(path, file): &(PathBuf, File)| file.sync_all().map_err(Error::system(path, "write"));
-    thread::scope(|scope| {
-        let begun: Vec<_> = files
-            .iter()
-            .map(|file| thread::Builder::new().spawn_scoped(scope, move || flush(file)).map_err(|_| file))
-            .collect();
-        let ended = begun.into_iter().map(|flushed| match flushed {
-            Ok(flushed) => flushed.join().expect("a file is flushed or refused"),
-            // The system has no more threads.
-            Err(file) => flush(file),
-        });
-        // Every one is waited for, also after an error.
-        ended.collect::<Vec<_>>().into_iter().collect()
-    })
+/// Flushes a file to the disk. A full one may be reported only now.
+fn flush(path: &Path, file: &File) -> Result<()> {
+    file.sync_all().map_err(Error::system(path, "write"))
 }
 
 impl Drop for Staging {

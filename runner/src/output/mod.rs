@@ -3,6 +3,7 @@
 mod attributes;
 mod csv;
 mod directory;
+mod drawn;
 mod error;
 mod fitted;
 mod hdf5;
@@ -24,8 +25,12 @@ pub use attributes::{Attribute, FORMAT, attributes, common};
 pub use csv::shortest;
 pub(crate) use directory::NewFile;
 pub use directory::{Renamed, check};
+pub use drawn::drawn;
 pub use error::{Error, Result};
-pub use read::read;
+pub(crate) use hdf5::{Array, Values as Place, place};
+pub(crate) use netcdf::{text, write_numbers};
+pub(crate) use read::{open, text as text_of};
+pub use read::{read, read_drawn};
 
 /// A finished run.
 #[derive(Debug, Clone, PartialEq)]

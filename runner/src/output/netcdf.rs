@@ -3,6 +3,7 @@
 //! `netcdf-writer` assembles a file in memory. It is given one value of each array, and [`super::hdf5`] makes places for the
 //! others behind what it assembled; values are written there a piece at a time.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use asperity::record::{Quantity, Variable};
@@ -79,18 +80,37 @@ impl Assembled<'_> {
     /// The system refuses to write it, or to read values.
     pub(super) fn write(&self, to: &mut dyn Write) -> io::Result<()> {
         to.write_all(&self.bytes)?;
-        for array in &self.arrays {
-            let quantity = array.variable().quantity;
-            let mut bytes = Vec::with_capacity(PIECE * size_of::<f64>());
-            for from in (0..array.len()).step_by(PIECE) {
-                bytes.clear();
-                encode(quantity, &array.read(from, PIECE)?, &mut bytes);
-                to.write_all(&bytes)?;
-            }
-            to.write_all(&[0; 8][..padding(array.len() as u64 * size(quantity))])?;
-        }
-        Ok(())
+        self.arrays.iter().try_for_each(|array| {
+            let values = |from, count| array.read(from, count);
+            write_values(to, (array.variable().quantity, array.len()), values)
+        })
     }
+}
+
+/// Writes `count` numbers where an array has its place, a piece at a time; `values` gives some from an index on.
+///
+/// # Errors
+/// The system refuses to write them, or to read values.
+pub(crate) fn write_numbers<'a>(
+    to: &mut dyn Write,
+    count: usize,
+    values: impl Fn(usize, usize) -> io::Result<Cow<'a, [f64]>>,
+) -> io::Result<()> {
+    write_values(to, (Quantity::Number, count), values)
+}
+
+fn write_values<'a>(
+    to: &mut dyn Write,
+    (quantity, count): (Quantity, usize),
+    values: impl Fn(usize, usize) -> io::Result<Cow<'a, [f64]>>,
+) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(PIECE.min(count) * size_of::<f64>());
+    for from in (0..count).step_by(PIECE) {
+        bytes.clear();
+        encode(quantity, &values(from, PIECE)?, &mut bytes);
+        to.write_all(&bytes)?;
+    }
+    to.write_all(&[0; 8][..padding(count as u64 * size(quantity))])
 }
 
 /// Bytes of a value.
@@ -111,7 +131,7 @@ fn encode(quantity: Quantity, values: &[f64], bytes: &mut Vec<u8>) {
 /// limited in length.
 fn describe(file: &mut NcFileBuilder, outcome: &Outcome) -> Result<()> {
     for (name, attribute) in attributes(&outcome.summary) {
-        file.add_attribute(name, value(attribute))?;
+        file.add_attribute(name, attribute.into())?;
     }
     let scenario = file.add_string_variable("scenario", &[])?;
     file.write_string_variable(scenario, &[&outcome.scenario])?;
@@ -170,15 +190,18 @@ fn add(
     Ok(())
 }
 
-fn value(attribute: Attribute) -> NcAttrValue {
-    match attribute {
-        Attribute::Text(text) => NcAttrValue::Chars(text),
-        Attribute::Whole(number) => NcAttrValue::Int64s(vec![number]),
-        Attribute::Seed(number) => NcAttrValue::UInt64s(vec![number]),
-        Attribute::Number(number) => NcAttrValue::Doubles(vec![number]),
+impl From<Attribute> for NcAttrValue {
+    fn from(attribute: Attribute) -> Self {
+        match attribute {
+            Attribute::Text(text) => Self::Chars(text),
+            Attribute::Whole(number) => Self::Int64s(vec![number]),
+            Attribute::Seed(number) => Self::UInt64s(vec![number]),
+            Attribute::Number(number) => Self::Doubles(vec![number]),
+        }
     }
 }
 
-fn text(value: &str) -> NcAttrValue {
+/// A text as an attribute.
+pub(crate) fn text(value: &str) -> NcAttrValue {
     NcAttrValue::Chars(value.to_owned())
 }

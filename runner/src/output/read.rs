@@ -1,14 +1,16 @@
 //! Reading of a result folder.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::Path;
+use std::sync::Arc;
 
 use asperity::record::{Quantity, Record, Variable};
 use asperity::task::summary::Summary;
-use netcdf_reader::{NcFile, NcVariable};
+use netcdf_reader::{FileStorage, NcFile, NcSliceInfo, NcSliceInfoElem, NcVariable};
 use serde_json::{Map, Value};
 
 use super::attributes::FORMAT_ATTRIBUTE;
+use super::drawn::{Described, Selection};
 use super::{Error, FORMAT, Outcome, Result};
 
 /// Reads the files of [`super::write`], with every number unchanged.
@@ -16,6 +18,18 @@ use super::{Error, FORMAT, Outcome, Result};
 /// # Errors
 /// A file that is missing, cannot be read, or was not written by asperity.
 pub fn read(dir: &Path) -> Result<Outcome> {
+    read_with(dir, record)
+}
+
+/// The same with what pictures show of the results, in about `most` bytes.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_drawn(dir: &Path, most: u64) -> Result<Outcome> {
+    read_with(dir, |path| shown(path, most))
+}
+
+fn read_with(dir: &Path, record: impl FnOnce(&Path) -> Result<Record>) -> Result<Outcome> {
     let path = dir.join("summary.json");
     let scenario = text(&dir.join("scenario.toml"))?;
     let summary = summary(&text(&path)?).map_err(Error::malformed(&path))?;
@@ -45,7 +59,8 @@ fn summary(text: &str) -> serde_json::Result<Summary> {
     serde_json::from_value(Value::Object(summary))
 }
 
-fn text(path: &Path) -> Result<String> {
+/// The text of a file.
+pub(crate) fn text(path: &Path) -> Result<String> {
     fs::read_to_string(path).map_err(Error::system(path, "read"))
 }
 
@@ -61,6 +76,49 @@ fn record(path: &Path) -> Result<Record> {
     decode().map_err(Error::malformed(path))
 }
 
+/// Opens a file of which parts are read.
+pub(crate) fn open(path: &Path) -> Result<NcFile> {
+    let file = File::open(path).map_err(Error::system(path, "read"))?;
+    let storage = FileStorage::from_file(file).map_err(Error::malformed(path))?;
+    NcFile::from_storage(Arc::new(storage)).map_err(Error::malformed(path))
+}
+
+/// What pictures show of a file, of which only that is read.
+fn shown(path: &Path, most: u64) -> Result<Record> {
+    let file = open(path)?;
+    is_known(&file, path)?;
+    let decode = || -> netcdf_reader::Result<Record> {
+        let numbers = file.variables()?.iter().filter(|v| attribute(v, "quantity").is_some());
+        let length = |v: &NcVariable| v.shape().iter().product::<u64>() as usize;
+        let described = numbers.map(|v| Ok(Described { variable: labels(v)?, length: length(v) }));
+        let described: Vec<Described> = described.collect::<netcdf_reader::Result<_>>()?;
+        let selection = Selection::of(&described, most);
+        let mut record = Record::default();
+        for described in described {
+            let (name, length) = (described.variable.name.clone(), described.length);
+            let shape = file.variable(&name)?.shape();
+            let read = |from, count| part(&file, (&name, &shape), (from, count, length));
+            record.variables.extend(selection.shown(described, read)?);
+        }
+        Ok(record)
+    };
+    decode().map_err(Error::malformed(path))
+}
+
+/// All values of a variable, or a row of its first dimension, from an index on.
+fn part(
+    file: &NcFile,
+    (name, shape): (&str, &[u64]),
+    (from, count, length): (usize, usize, usize),
+) -> netcdf_reader::Result<Vec<f64>> {
+    if count == length {
+        return Ok(file.read_variable_as_f64(name)?.into_iter().collect());
+    }
+    let mut slice = NcSliceInfo::all(shape.len());
+    slice.selections[0] = NcSliceInfoElem::Index((from / count) as u64);
+    Ok(file.read_variable_slice_as_f64(name, &slice)?.into_iter().collect())
+}
+
 /// Refuses a file of a later form. One that states none was written before forms had numbers, and is read as the first.
 fn is_known(file: &NcFile, path: &Path) -> Result<()> {
     let stated = |name: &str| file.global_attribute(name).ok().map(|attribute| &attribute.value);
@@ -73,6 +131,12 @@ fn is_known(file: &NcFile, path: &Path) -> Result<()> {
 }
 
 fn variable(file: &NcFile, found: &NcVariable) -> netcdf_reader::Result<Variable> {
+    let values = file.read_variable_as_f64(found.name())?.into_iter().collect();
+    Ok(Variable { values, ..labels(found)? })
+}
+
+/// What a variable is, without its values.
+fn labels(found: &NcVariable) -> netcdf_reader::Result<Variable> {
     let name = found.name().to_owned();
     let label = attribute(found, "quantity").unwrap_or_default();
     let quantity = Quantity::ALL.into_iter().find(|q| q.name() == label);
@@ -81,7 +145,7 @@ fn variable(file: &NcFile, found: &NcVariable) -> netcdf_reader::Result<Variable
         quantity: quantity.ok_or_else(unknown)?,
         long_name: attribute(found, "long_name").unwrap_or_default(),
         dimensions: found.dimensions().iter().map(|d| d.name.clone()).collect(),
-        values: file.read_variable_as_f64(&name)?.into_iter().collect(),
+        values: Vec::new(),
         name,
     })
 }

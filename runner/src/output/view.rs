@@ -68,7 +68,7 @@ impl<'a> View<'a> {
     pub fn len(self) -> usize {
         match self {
             Self::Kept(variable) => variable.values.len(),
-            Self::Stored(column) => column.length,
+            Self::Stored(column) => column.values.count(),
         }
     }
 
@@ -82,7 +82,7 @@ impl<'a> View<'a> {
                 let end = from.saturating_add(count).min(variable.values.len());
                 Ok(Cow::Borrowed(&variable.values[from.min(end)..end]))
             }
-            Self::Stored(column) => column.read(from, count).map(Cow::Owned),
+            Self::Stored(column) => column.values.read(from, count).map(Cow::Owned),
         }
     }
 }

@@ -1,13 +1,18 @@
 //! A finished sweep as labelled arrays along its axes: what files, pictures and xarray are made of.
 
+use std::borrow::Cow;
+use std::io;
+use std::sync::Arc;
+
 use asperity::record::Quantity;
 use asperity::scenario::{SweepDimension, SweepValue, Units};
 
-use super::gathered::Gathered;
+use super::gathered::{Curve, CurveValues, Gathered};
 use super::keep::{ACCURACY, Keep};
 use super::plan::Plan;
 use super::schema;
 use crate::input;
+use crate::numbers::NumbersInFile;
 
 /// Values of a variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +21,34 @@ pub enum Values {
     Numbers(Vec<f64>),
     /// Words; empty where there is none.
     Texts(Vec<String>),
+    /// Numbers in a file; NaN where there is none.
+    Stored(Arc<NumbersInFile>),
+}
+
+impl Values {
+    /// Number of values.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Texts(texts) => texts.len(),
+            Self::Stored(numbers) => numbers.count(),
+        }
+    }
+
+    /// Numbers from an index on, at most `count`; none of words.
+    ///
+    /// # Errors
+    /// The system refuses to read a file.
+    pub fn read(&self, from: usize, count: usize) -> io::Result<Cow<'_, [f64]>> {
+        match self {
+            Self::Numbers(numbers) => {
+                let end = from.saturating_add(count).min(numbers.len());
+                Ok(Cow::Borrowed(&numbers[from.min(end)..end]))
+            }
+            Self::Texts(_) => Ok(Cow::Borrowed(&[])),
+            Self::Stored(numbers) => numbers.read(from, count).map(Cow::Owned),
+        }
+    }
 }
 
 /// A variable with its labels.
@@ -86,7 +119,7 @@ pub fn named(path: &str) -> String {
 
 impl Dataset {
     /// The data set of a plan.
-    pub fn of_plan(plan: &Plan, gathered: &Gathered) -> Self {
+    pub fn of_plan(plan: &Plan, mut gathered: Gathered) -> Self {
         let units = &plan.scenario.units;
         let scenario = schemars::schema_for!(asperity::scenario::Scenario).to_value();
         let label = |path: &str| {
@@ -108,14 +141,19 @@ impl Dataset {
             variables: Vec::new(),
             failed: gathered.failures.len(),
         };
-        dataset.add_entries(gathered, &kept, label);
-        dataset.add_curves(gathered, plan);
-        dataset.add_failures(gathered);
+        dataset.add_entries(&mut gathered, &kept, label);
+        dataset.add_curves(std::mem::take(&mut gathered.curves), plan);
+        dataset.add_failures(&gathered);
         dataset
     }
 
     /// The data set of cases without a scenario.
-    pub fn of_cases(title: &str, (hash, text): (&str, &str), axes: Vec<Axis>, gathered: &Gathered) -> Self {
+    pub fn of_cases(
+        title: &str,
+        (hash, text): (&str, &str),
+        axes: Vec<Axis>,
+        mut gathered: Gathered,
+    ) -> Self {
         let mut dataset = Self {
             title: title.to_owned(),
             hash: hash.to_owned(),
@@ -125,14 +163,19 @@ impl Dataset {
             variables: Vec::new(),
             failed: gathered.failures.len(),
         };
-        dataset.add_entries(gathered, &[], |_| (String::new(), String::new()));
-        dataset.add_failures(gathered);
+        dataset.add_entries(&mut gathered, &[], |_| (String::new(), String::new()));
+        dataset.add_failures(&gathered);
         dataset
     }
 
     /// Number of cases.
     pub fn cases(&self) -> usize {
         self.axes.iter().map(|axis| axis.length).product()
+    }
+
+    /// The axes and the grids.
+    pub fn dimensions(&self) -> impl Iterator<Item = &Axis> {
+        self.axes.iter().chain(&self.grids)
     }
 
     /// The variable called `name`.
@@ -145,8 +188,14 @@ impl Dataset {
     }
 
     /// Adds the entries of summaries: those of a kept path in the order of what is kept, and by their names below it.
-    fn add_entries(&mut self, gathered: &Gathered, kept: &[&str], label: impl Fn(&str) -> (String, String)) {
-        let mut paths: Vec<&str> = gathered.numbers.keys().map(String::as_str).collect();
+    fn add_entries(
+        &mut self,
+        gathered: &mut Gathered,
+        kept: &[&str],
+        label: impl Fn(&str) -> (String, String),
+    ) {
+        let found: Vec<String> = gathered.numbers.keys().cloned().collect();
+        let mut paths: Vec<&str> = found.iter().map(String::as_str).collect();
         // An entry that no case has is there, too.
         let below = |path: &str, kept: &str| {
             path.strip_prefix(kept).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
@@ -169,20 +218,21 @@ impl Dataset {
         }
     }
 
-    fn add_curves(&mut self, gathered: &Gathered, plan: &Plan) {
-        let curves = plan.keep.iter().filter_map(|keep| match keep {
+    fn add_curves(&mut self, curves: Vec<Curve>, plan: &Plan) {
+        let kept = plan.keep.iter().filter_map(|keep| match keep {
             Keep::Curve { variable, long_name, quantity, along, places } => {
                 Some((variable, long_name, *quantity, along, places))
             }
             Keep::Entry(_) => None,
         });
-        for (i, (variable, long_name, quantity, along, places)) in curves.enumerate() {
+        for ((variable, long_name, quantity, along, places), curve) in kept.zip(curves) {
             let grid = self.grid(variable, along, places, &plan.scenario.units);
             let mut dimensions = self.along();
             dimensions.push(grid);
-            let values = gathered.curves.get(i).map(|curve| curve.values.clone());
-            let none = || vec![f64::NAN; self.cases() * places.len()];
-            let values = Values::Numbers(values.filter(|values| !values.is_empty()).unwrap_or_else(none));
+            let values = match curve.into_values() {
+                CurveValues::Kept(values) => Values::Numbers(values),
+                CurveValues::Stored(values) => Values::Stored(values),
+            };
             let units = plan.scenario.units.label(quantity);
             let (name, long_name, key) = (variable.clone(), long_name.clone(), variable.clone());
             self.variables.push(Labelled { name, long_name, key, units, dimensions, values });
@@ -232,12 +282,13 @@ impl Dataset {
 }
 
 /// The values of an entry: words if any case has one.
-fn values(gathered: &Gathered, path: &str, count: usize) -> Values {
-    let numbers = gathered.numbers.get(path);
-    let Some(words) = gathered.words.get(path) else {
-        return Values::Numbers(numbers.cloned().unwrap_or_else(|| vec![f64::NAN; count]));
+fn values(gathered: &mut Gathered, path: &str, count: usize) -> Values {
+    let numbers = gathered.numbers.remove(path);
+    let Some(words) = gathered.words.remove(path) else {
+        return Values::Numbers(numbers.unwrap_or_else(|| vec![f64::NAN; count]));
     };
-    let number = |case: usize| numbers.map(|numbers| numbers[case]).filter(|number| !number.is_nan());
+    let number =
+        |case: usize| numbers.as_ref().map(|numbers| numbers[case]).filter(|number| !number.is_nan());
     let text = |case: usize| {
         let word = words.get(&case).cloned();
         word.or_else(|| number(case).map(crate::output::shortest)).unwrap_or_default()

@@ -43,7 +43,7 @@ pub enum Error {
         /// Parts, or numbers of cases, in words.
         which: String,
     },
-    /// A name that is kept was found in no case.
+    /// The monitor stopped the work, or a case cannot be computed.
     #[error("{0}")]
     Stopped(asperity::Error),
     /// The system refused: permissions, a full disk, …

@@ -1,10 +1,11 @@
 //! The folder of a finished sweep: the scenario, a summary, a table and `sweep.nc`.
 
+use std::io;
 use std::path::Path;
 
 use serde::Serialize;
 
-use super::dataset::{Dataset, Labelled, Values};
+use super::dataset::{Axis, Dataset, Labelled, Values};
 use super::error::Result;
 use super::{netcdf, table};
 use crate::output::{self, Attachment, NewFile, Written};
@@ -58,26 +59,41 @@ pub struct KeptReport {
 
 impl Report {
     /// The report of a data set.
-    pub fn new(dataset: &Dataset) -> Self {
-        let axes = dataset.axes.iter().map(|axis| AxisReport {
-            keys: axis.coordinates.iter().map(|coordinate| coordinate.key.clone()).collect(),
-            values: axis.length,
-            range: range(&axis.coordinates[0].values),
-        });
-        Self {
+    ///
+    /// # Errors
+    /// The system refuses to read curves.
+    pub fn new(dataset: &Dataset) -> io::Result<Self> {
+        Ok(Self {
             title: dataset.title.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             sweep: dataset.hash.clone(),
             cases: dataset.cases(),
             failed: dataset.failed,
-            axes: axes.collect(),
-            kept: dataset.variables.iter().map(KeptReport::new).collect(),
+            axes: dataset.axes.iter().map(AxisReport::new).collect(),
+            kept: dataset.variables.iter().map(KeptReport::new).collect::<io::Result<_>>()?,
+        })
+    }
+}
+
+impl AxisReport {
+    /// The report of an axis.
+    pub fn new(axis: &Axis) -> Self {
+        Self {
+            keys: axis.coordinates.iter().map(|coordinate| coordinate.key.clone()).collect(),
+            values: axis.length,
+            range: match &axis.coordinates[0].values {
+                Values::Numbers(numbers) => range(numbers),
+                _ => None,
+            },
         }
     }
 }
 
 impl KeptReport {
-    fn new(variable: &Labelled) -> Self {
+    /// Numbers that are read at once.
+    const PIECE: usize = 1 << 16;
+
+    fn new(variable: &Labelled) -> io::Result<Self> {
         let mut words: Vec<(String, usize)> = Vec::new();
         if let Values::Texts(texts) = &variable.values {
             for text in texts.iter().filter(|text| !text.is_empty()) {
@@ -88,18 +104,24 @@ impl KeptReport {
             }
         }
         let (name, units) = (variable.name.clone(), variable.units.clone());
-        Self { name, units, range: range(&variable.values), words }
+        let mut found = None;
+        for from in (0..variable.values.count()).step_by(Self::PIECE) {
+            found = joined(found, range(&variable.values.read(from, Self::PIECE)?));
+        }
+        Ok(Self { name, units, range: found, words })
     }
 }
 
 /// The smallest and the largest finite number.
-fn range(values: &Values) -> Option<[f64; 2]> {
-    let Values::Numbers(numbers) = values else { return None };
-    let finite = numbers.iter().copied().filter(|number| number.is_finite());
-    finite.fold(None, |range, number| match range {
-        None => Some([number, number]),
-        Some([low, high]) => Some([number.min(low), number.max(high)]),
-    })
+fn range(numbers: &[f64]) -> Option<[f64; 2]> {
+    let finite = numbers.iter().filter(|number| number.is_finite());
+    finite.fold(None, |found, &number| joined(found, Some([number, number])))
+}
+
+/// The range of two ranges.
+fn joined(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let both = one.zip(other).map(|([a, b], [c, d])| [a.min(c), b.max(d)]);
+    both.or(one).or(other)
 }
 
 /// Writes a sweep and its pictures as the folder `dir`, as [`output::write`] writes a run.
@@ -107,13 +129,17 @@ fn range(values: &Values) -> Option<[f64; 2]> {
 /// # Errors
 /// `dir` was not made by asperity or cannot be written; results too large for one file.
 pub fn write(dir: &Path, dataset: &Dataset, attachments: &[Attachment]) -> Result<Written> {
-    let mut summary = serde_json::to_vec_pretty(&Report::new(dataset)).expect("a report is plain data");
+    let unread =
+        |source| output::Error::System { path: dir.to_owned(), action: "read curves beside", source };
+    let report = Report::new(dataset).map_err(unread)?;
+    let mut summary = serde_json::to_vec_pretty(&report).expect("a report is plain data");
     summary.push(b'\n');
+    let result = netcdf::assemble(dataset)?;
     let files = vec![
         NewFile::of("scenario.toml", dataset.scenario.as_bytes()),
         NewFile::of("summary.json", summary),
-        NewFile::of("sweep.csv", table::csv(dataset)),
-        NewFile::of("sweep.nc", netcdf::encode(dataset)?),
+        NewFile { name: "sweep.csv".to_owned(), write: Box::new(|to| table::write(dataset, to)) },
+        NewFile { name: "sweep.nc".to_owned(), write: Box::new(move |to| result.write(to)) },
     ];
     Ok(output::write_files(dir, files, attachments)?)
 }

@@ -1,20 +1,32 @@
 //! All cases of a sweep, value by value, in the order of their numbers: the order in which they came does not matter.
 
 use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
 
 use super::batch::Batch;
+use crate::numbers::NumbersInFile;
 
 /// The values of a variable on its grid, case by case; NaN of cases that have none.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug)]
 pub struct Curve {
     /// Number of places of the grid.
-    pub places: usize,
-    /// The values.
-    pub values: Vec<f64>,
+    places: usize,
+    values: CurveValues,
+}
+
+/// Where the values of a curve are.
+#[derive(Debug)]
+pub enum CurveValues {
+    /// In memory.
+    Kept(Vec<f64>),
+    /// In a file.
+    Stored(Arc<NumbersInFile>),
 }
 
 /// What is stored of a sweep.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Default)]
 pub struct Gathered {
     /// Whether a case is there.
     pub there: Vec<bool>,
@@ -29,13 +41,32 @@ pub struct Gathered {
 }
 
 impl Gathered {
-    /// Of `count` cases, none.
-    pub fn new(count: usize) -> Self {
-        Self { there: vec![false; count], ..Self::default() }
+    /// Of `count` cases, none; each has curves on grids of so many places.
+    pub fn new(count: usize, places: &[usize]) -> Self {
+        let curve =
+            |&places: &usize| Curve { places, values: CurveValues::Kept(vec![f64::NAN; places * count]) };
+        Self { there: vec![false; count], curves: places.iter().map(curve).collect(), ..Self::default() }
+    }
+
+    /// The same, with curves in files without names in a folder.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn with_curves_in(folder: &Path, count: usize, places: &[usize]) -> io::Result<Self> {
+        let curve = |&places: &usize| -> io::Result<Curve> {
+            let mut values = NumbersInFile::within(folder)?;
+            values.extend_to(places * count)?;
+            Ok(Curve { places, values: CurveValues::Stored(Arc::new(values)) })
+        };
+        let curves = places.iter().map(curve).collect::<io::Result<_>>()?;
+        Ok(Self { there: vec![false; count], curves, ..Self::default() })
     }
 
     /// Adds cases. One that is there already is the same.
-    pub fn add(&mut self, batch: &Batch) {
+    ///
+    /// # Errors
+    /// Curves in files cannot be written.
+    pub fn add(&mut self, batch: &Batch) -> io::Result<()> {
         let count = self.there.len();
         let place = |number: u64| usize::try_from(number).ok().filter(|&number| number < count);
         let cases: Vec<Option<usize>> = batch.cases.iter().map(|&number| place(number)).collect();
@@ -50,31 +81,30 @@ impl Gathered {
             let words = self.words.entry(batch.columns[*column as usize].clone()).or_default();
             cases[*place as usize].map(|case| words.insert(case, word.clone()));
         }
-        if self.curves.is_empty() {
-            self.curves = vec![Curve::default(); batch.curves.len()];
-        }
-        for (curve, values) in self.curves.iter_mut().zip(&batch.curves) {
-            curve.add(count, &cases, &values.0);
-        }
         for (place, reason) in &batch.failures {
             cases[*place as usize].map(|case| self.failures.insert(case, reason.clone()));
         }
-    }
-
-    /// The numbers of the cases that are not there.
-    pub fn missing(&self) -> impl Iterator<Item = usize> {
-        self.there.iter().enumerate().filter(|(_, there)| !**there).map(|(case, _)| case)
+        self.curves.iter_mut().zip(&batch.curves).try_for_each(|(curve, values)| curve.add(&cases, &values.0))
     }
 }
 
 impl Curve {
-    fn add(&mut self, count: usize, cases: &[Option<usize>], values: &[f64]) {
-        let places = values.len() / cases.len().max(1);
-        if self.values.is_empty() {
-            *self = Self { places, values: vec![f64::NAN; places * count] };
+    /// Its values.
+    pub fn into_values(self) -> CurveValues {
+        self.values
+    }
+
+    fn add(&mut self, cases: &[Option<usize>], values: &[f64]) -> io::Result<()> {
+        let each = cases.iter().zip(values.chunks_exact(self.places.max(1)));
+        for (case, values) in each.filter_map(|(case, values)| Some(((*case)?, values))) {
+            let from = case * self.places;
+            match &mut self.values {
+                CurveValues::Kept(kept) => kept[from..][..self.places].copy_from_slice(values),
+                CurveValues::Stored(file) => {
+                    Arc::get_mut(file).expect("nobody else has it yet").put(from, values)?;
+                }
+            }
         }
-        for (case, values) in cases.iter().zip(values.chunks_exact(places.max(1))) {
-            case.map(|case| self.values[case * places..][..places].copy_from_slice(values));
-        }
+        Ok(())
     }
 }

@@ -66,6 +66,20 @@ impl Plan {
         self.dimensions.iter().map(|dimension| dimension.length).product()
     }
 
+    /// Numbers of places of the grids of curves, in the order of the scenario.
+    pub fn places(&self) -> Vec<usize> {
+        let places = |keep: &Keep| match keep {
+            Keep::Curve { places, .. } => Some(places.len()),
+            Keep::Entry(_) => None,
+        };
+        self.keep.iter().filter_map(places).collect()
+    }
+
+    /// Bytes of the curves of all cases.
+    pub fn bytes_of_curves(&self) -> u64 {
+        self.places().iter().map(|&places| (places * self.count() * size_of::<f64>()) as u64).sum()
+    }
+
     /// The table `[sweep]`.
     ///
     /// # Panics

@@ -15,6 +15,8 @@ use super::store::Store;
 
 /// The least work of which the results are stored together.
 const BATCH: Duration = Duration::from_millis(200);
+/// The largest number of values of curves that wait until they are stored, 16 MB.
+const VALUES: usize = 2_000_000;
 
 /// A part of the cases: each `of`th, from the one with this index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -166,6 +168,7 @@ impl Shared<'_> {
     /// Takes cases until there are none left, and passes them on in batches.
     fn work(&self, keep: &(dyn Fn(&[Case]) -> ControlFlow<()> + Sync), mut monitor: Watch<'_, '_>) {
         let (mut batch, mut began) = (Vec::new(), Instant::now());
+        let each: usize = self.plan.places().iter().sum();
         while !self.stopped.load(Ordering::Relaxed) {
             let Some(&number) = self.cases.get(self.next.fetch_add(1, Ordering::Relaxed)) else { break };
             let scenario = self.plan.case(number);
@@ -174,7 +177,7 @@ impl Shared<'_> {
             batch.push(case);
             self.done.fetch_add(1, Ordering::Relaxed);
             let _ = monitor.progress(0.0);
-            if began.elapsed() >= BATCH {
+            if began.elapsed() >= BATCH || batch.len() * each >= VALUES {
                 if keep(&batch).is_break() {
                     self.stopped.store(true, Ordering::Relaxed);
                 }

@@ -27,6 +27,8 @@ const CASES: &str = "cases";
 const PARTIAL: &str = "partial";
 /// Number of files of one level that are merged into one of the next.
 const MERGED: usize = 64;
+/// Bytes of files that are merged, at most: they are merged in memory.
+const LARGE: u64 = 16 << 20;
 /// Age at which a file that is being written belongs to a process that was killed.
 const ABANDONED: Duration = Duration::from_secs(600);
 
@@ -74,7 +76,7 @@ impl Store {
         &self.folder
     }
 
-    /// The damaged files found by [`Store::gathered`], which count as not there.
+    /// The damaged files found when cases were last read, which count as not there.
     pub fn damaged(&self) -> &[(PathBuf, String)] {
         &self.damaged
     }
@@ -112,25 +114,57 @@ impl Store {
         })
     }
 
-    /// Reads all stored cases.
+    /// Which cases are stored.
     ///
     /// # Errors
     /// The system refuses.
-    pub fn gathered(&mut self) -> Result<Gathered> {
-        let mut gathered = Gathered::new(self.identity.cases);
-        self.damaged.clear();
-        for path in self.files(CASES)? {
-            match fs::read(&path) {
-                Ok(bytes) => match Batch::decode(&bytes) {
-                    Ok(batch) => gathered.add(&batch),
-                    Err(what) => self.damaged.push((path, what)),
-                },
-                // Another process may have merged it; what it holds was written before.
-                Err(error) if error.kind() == ErrorKind::NotFound => return self.gathered(),
-                Err(error) => return Err(Error::system(&path, "read")(error)),
-            }
-        }
+    pub fn there(&mut self) -> Result<Vec<bool>> {
+        let mut there = vec![false; self.identity.cases];
+        self.each(|batch| {
+            let cases = batch.cases.iter().filter_map(|&case| usize::try_from(case).ok());
+            cases.for_each(|case| there.get_mut(case).into_iter().for_each(|there| *there = true));
+            Ok(())
+        })?;
+        Ok(there)
+    }
+
+    /// Reads all stored cases, with curves on grids of so many `places`. Those are put into files without names beside the folder
+    /// of results where they take more than `in_memory` bytes.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn gathered(&mut self, places: &[usize], in_memory: u64) -> Result<Gathered> {
+        let count = self.identity.cases;
+        let bytes: u64 = places.iter().map(|&places| (places * count * size_of::<f64>()) as u64).sum();
+        let folder = folder::above(&self.directory).to_owned();
+        let failed = Error::system(&folder, "write curves beside the results, in");
+        let mut gathered = if bytes <= in_memory {
+            Gathered::new(count, places)
+        } else {
+            Gathered::with_curves_in(&folder, count, places).map_err(failed)?
+        };
+        let failed = |error| Error::system(&folder, "write curves beside the results, in")(error);
+        self.each(|batch| gathered.add(batch).map_err(failed))?;
         Ok(gathered)
+    }
+
+    /// Reads the stored cases file by file. Some may come twice, while other processes merge their files.
+    fn each(&mut self, mut take: impl FnMut(&Batch) -> Result<()>) -> Result<()> {
+        'all: loop {
+            self.damaged.clear();
+            for path in self.files(CASES)? {
+                match fs::read(&path) {
+                    Ok(bytes) => match Batch::decode(&bytes) {
+                        Ok(batch) => take(&batch)?,
+                        Err(what) => self.damaged.push((path, what)),
+                    },
+                    // Another process may have merged it; what it holds was written before.
+                    Err(error) if error.kind() == ErrorKind::NotFound => continue 'all,
+                    Err(error) => return Err(Error::system(&path, "read")(error)),
+                }
+            }
+            return Ok(());
+        }
     }
 
     /// Stores cases.
@@ -154,14 +188,24 @@ impl Store {
         self.keep(path, 0)
     }
 
-    /// Makes one file of all, when every case is there.
+    /// Makes one file of all, or some large ones, when every case is there.
     ///
     /// # Errors
     /// The system refuses.
     pub fn finish(&mut self) -> Result<()> {
         let files = self.files(CASES)?;
-        if files.len() > 1 {
-            self.merge(&files)?;
+        let mut rest = &files[..];
+        while !rest.is_empty() {
+            let mut bytes = 0;
+            let small = rest.iter().take_while(|path| {
+                bytes += length(path);
+                bytes <= LARGE
+            });
+            let (together, others) = rest.split_at(small.count().max(1));
+            if together.len() > 1 {
+                self.merge(together)?;
+            }
+            rest = others;
         }
         for path in self.files(PARTIAL)? {
             let age = fs::metadata(&path)
@@ -190,8 +234,8 @@ impl Store {
     ///
     /// # Errors
     /// The system refuses.
-    pub fn missing(&self, gathered: &Gathered) -> Result<Error> {
-        let missing: Vec<usize> = gathered.missing().collect();
+    pub fn missing(&self, there: &[bool]) -> Result<Error> {
+        let missing: Vec<usize> = (0..there.len()).filter(|&case| !there[case]).collect();
         let mut of: Vec<usize> = Vec::new();
         if let Ok(entries) = fs::read_dir(&self.folder) {
             let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
@@ -260,6 +304,9 @@ impl Store {
             return Ok(());
         }
         let files = std::mem::take(&mut self.levels[level]);
+        if files.iter().map(|path| length(path)).sum::<u64>() > LARGE {
+            return Ok(());
+        }
         let merged = self.merge(&files)?;
         self.keep(merged, level + 1)
     }
@@ -311,6 +358,11 @@ fn beside(directory: &Path, hash: &str) -> PathBuf {
     let mut name = directory.file_name().unwrap_or_default().to_owned();
     name.push(format!(".sweep-{hash}"));
     directory.with_file_name(name)
+}
+
+/// Bytes of a file; none if it is gone.
+fn length(path: &Path) -> u64 {
+    fs::metadata(path).map_or(0, |found| found.len())
 }
 
 /// Some of the numbers, for a message.

@@ -1,15 +1,20 @@
 //! `sweep.csv`: a row for each case, with its values of the axes, what was kept of it, and why it failed.
 
+use std::io::{self, Write};
+
 use super::dataset::{Dataset, Labelled, Values};
 use crate::output::shortest;
 
-/// The text of the table. Curves are in `sweep.nc` alone.
-pub fn csv(dataset: &Dataset) -> String {
+/// Writes the table. Curves are in `sweep.nc` alone.
+///
+/// # Errors
+/// The system refuses.
+pub(super) fn write(dataset: &Dataset, to: &mut dyn Write) -> io::Result<()> {
     let along = dataset.axes.len();
     let columns: Vec<&Labelled> = dataset.variables.iter().filter(|v| v.dimensions.len() == along).collect();
     let coordinates = || dataset.axes.iter().flat_map(|axis| &axis.coordinates);
     let names: Vec<_> = coordinates().chain(columns.iter().copied()).map(|v| quoted(&v.name)).collect();
-    let mut text = names.join(",") + "\n";
+    writeln!(to, "{}", names.join(","))?;
     for case in 0..dataset.cases() {
         let mut cells = Vec::new();
         let mut stride = dataset.cases();
@@ -19,16 +24,17 @@ pub fn csv(dataset: &Dataset) -> String {
             cells.extend(axis.coordinates.iter().map(|coordinate| cell(&coordinate.values, index)));
         }
         cells.extend(columns.iter().map(|column| cell(&column.values, case)));
-        text += &cells.join(",");
-        text.push('\n');
+        writeln!(to, "{}", cells.join(","))?;
     }
-    text
+    Ok(())
 }
 
 fn cell(values: &Values, place: usize) -> String {
     match values {
         Values::Numbers(numbers) => shortest(numbers[place]),
         Values::Texts(texts) => quoted(&texts[place]),
+        // Only curves are in files.
+        Values::Stored(_) => String::new(),
     }
 }
 
