@@ -52,20 +52,8 @@ impl Case {
         table.is_some_and(|table| table.remove(key).is_some())
     }
 
-    /// How often the contacts move at another velocity, behind another spring, or from another start.
+    /// How often the contacts move at another velocity, or from another start.
     pub fn solutions(&self) -> usize {
-        /// Springs that a bisection tries.
-        const BISECTED: usize = 8;
-        let listed = |key: &str| {
-            let list = self.scenario.get("stability").and_then(|table| table.get(key));
-            list.and_then(Value::as_array).map(Vec::len)
-        };
-        let springs = if self.scenario.contains_key("stability") {
-            listed("stiffnesses").unwrap_or(BISECTED)
-        } else {
-            1
-        };
-        let map = springs.max(1) * listed("velocities").unwrap_or(1).max(1);
         let points = |task: &str| {
             let table = self.scenario.get(task).and_then(Value::as_table);
             let points =
@@ -73,7 +61,7 @@ impl Case {
             table.map_or(1, |_| points.clamp(1, 41) as usize)
         };
         let temperatures = if self.given("velocity_curve.temperatures") { 3 } else { 1 };
-        points("velocity_curve") * temperatures * points("hold_curve") * map
+        points("velocity_curve") * temperatures * points("hold_curve")
     }
 }
 
