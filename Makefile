@@ -282,7 +282,7 @@ cost:
 	ASPERITY_UPDATE=1 cargo test --release --locked --package asperity-runner --test cost
 
 # All combinations of a distribution, a task, a temperature and a rule of ageing, one after the other; those that fail are left in
-# target/fuzz. CASE=1234 runs that one, PART=3/20 the twentieth of all that begins with number 3.
+# target/fuzz. CASE=1234 runs that one, PART=3/20 the one of twenty parts that has number 3, from 0 on.
 grid:
 	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(PART),ASPERITY_PART=$(PART)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact all_combinations

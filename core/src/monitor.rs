@@ -265,6 +265,11 @@ impl<'a> Watch<'a> {
         if self.stops() { Err(Error::Stopped) } else { Ok(()) }
     }
 
+    /// The same in a loop over cells, each of which takes some microseconds: asks at every sixteenth.
+    pub(crate) fn check_at(&self, cell: usize) -> Result<()> {
+        if cell.is_multiple_of(16) { self.check() } else { Ok(()) }
+    }
+
     /// Computes `each`(number) for all numbers below `count` on all threads, each with its own `tools`;
     /// returns the results in order. The calling thread works, too, since it calls the monitor only between
     /// pieces of its own work.

@@ -2,13 +2,15 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Contacts, Initial, Start, ThresholdFokkerPlanck};
+use asperity::contacts::{Ageing, Contacts, Initial, Start, ThresholdEvolution, ThresholdFokkerPlanck};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::{Exponential, Gamma, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
+use asperity::monitor::Monitor;
 use common::finite_volumes::{DiffusionStep, NO_FLOOR, Work};
 use common::gaussian;
 
@@ -135,4 +137,48 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     // Those that break twice are a thousandth of them.
     let off = (position - pull.force[0] - lost) / pull.error[0];
     assert!(off.abs() < 4.0, "{off} standard errors, of {:e}", pull.error[0]);
+}
+
+/// Counts what it is asked.
+struct Counting(usize);
+
+impl Monitor for Counting {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        self.0 += 1;
+        ControlFlow::Continue(())
+    }
+}
+
+/// The threshold of a contact, and whether a table was computed for it: that asks its monitor.
+fn aged(contacts: &Contacts) -> (f64, bool) {
+    let mut asked = Counting(0);
+    let evolution = ThresholdEvolution::of_with(contacts, &mut asked).unwrap();
+    (evolution.threshold(0.9, 0.7), asked.0 > 0)
+}
+
+/// Velocities, tolerances and solvers share a table; other distributions and times have their own.
+#[test]
+fn copies_of_contacts_compute_their_thresholds_once() {
+    let newborn: SharedLaw = Arc::new(Gamma::new(1.0, 0.3).unwrap());
+    let mature: SharedLaw = Arc::new(Gamma::new(1.5, 0.2).unwrap());
+    let aging = |mature: &SharedLaw, time: f64| Some(Ageing::FrozenRank { mature: mature.clone(), time });
+    let mut contacts = Contacts::new(newborn, Arc::new(Point::new(0.0).unwrap()));
+    contacts.rules.ageing = aging(&mature, 1.0);
+    let (threshold, computed) = aged(&contacts);
+    assert!(computed);
+    assert_eq!(aged(&contacts.clone()), (threshold, false));
+    // With the place for a table of other contacts, which is not theirs.
+    let same: SharedLaw = Arc::new(Gamma::new(1.5, 0.2).unwrap());
+    let other: SharedLaw = Arc::new(Gamma::new(1.6, 0.2).unwrap());
+    for (ageing, equal) in
+        [(aging(&same, 1.0), true), (aging(&mature, 2.0), false), (aging(&other, 1.0), false)]
+    {
+        let mut changed = contacts.clone();
+        changed.rules.ageing = ageing;
+        let (found, computed) = aged(&changed);
+        assert!(computed);
+        assert_eq!(found == threshold, equal);
+    }
+    // The last one was kept: made anew, to the same bits.
+    assert_eq!(aged(&contacts), (threshold, true));
 }

@@ -6,11 +6,12 @@ use std::ops::ControlFlow;
 
 use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
-use asperity::contacts::Contacts;
+use asperity::contacts::{Ageing, Contacts, Rules};
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{self, InterfaceParameters};
 use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
 use asperity::monitor::Monitor;
 use asperity::scenario;
@@ -87,6 +88,21 @@ fn blocks() {
             holds(&format!("{slip:?}"), taken, said);
         }
     }
+}
+
+/// Contacts that are tried on copies in each step.
+fn blocks_in_time() {
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 }), ..Rules::default() };
+    let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
+    let model = Ensemble::new(contacts, initial(&point(0.0)), 1 << 16, 1, Disorder::Annealed).unwrap();
+    let said = needed(model.in_time_with(&mut Full));
+    let slide = History::new(vec![Piece { velocity: 0.1, duration: 20.0 }]).unwrap();
+    let taken = most(|| {
+        let contacts = model.in_time().unwrap();
+        let block = Block::new(Loading::Spring(0.3), Slip::Damped { damping: 0.1 }, None).unwrap();
+        block.follow(&contacts, &slide, &[], 1e-3).unwrap();
+    });
+    holds("a block in time", taken, said);
 }
 
 fn lattices() {
@@ -169,6 +185,7 @@ fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: u
 fn nothing_takes_more_than_it_is_refused_for() {
     pulls();
     blocks();
+    blocks_in_time();
     lattices();
     interfaces();
 }

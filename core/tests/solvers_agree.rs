@@ -179,6 +179,14 @@ fn a_tolerance_is_kept_where_contacts_break_as_soon_as_they_form() {
     assert!(off < 1e-4, "{off:e}");
 }
 
+/// The table of thresholds by rank is the same for both tolerances, of which one is to tell what the other is off by.
+#[test]
+fn what_ranks_are_off_by_is_told() {
+    let rule =
+        |case: &Case| case.rule == "frozen_rank" && matches!(case.law, "exponential" | "gamma with a pole");
+    compare(1e-6, rule);
+}
+
 /// Weak contacts break as the exponent of the catastrophe barrier has a singularity where they meet their thresholds.
 #[test]
 fn a_tolerance_is_kept_where_weak_contacts_meet_their_thresholds() {

@@ -7,7 +7,9 @@ mod stiffness;
 mod temperature;
 
 pub use crate::rate_dependent::FreeFriction;
-pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
+pub use ageing::{
+    Ageing, AgeingRule, Closure, SharedRanks, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge,
+};
 pub(crate) use ageing::{Label, NodalLabels, Rank, ThresholdTrajectory};
 pub use free_time::FreeTime;
 pub use stiffness::{Stiffness, StiffnessTable};
@@ -48,6 +50,8 @@ pub struct Rules {
     pub delay: FreeTime,
     /// The friction force of a free contact.
     pub free_friction: FreeFriction,
+    /// Thresholds of [`Ageing::FrozenRank`], once a solver has computed them.
+    pub ranks: SharedRanks,
 }
 
 impl Rules {

@@ -34,7 +34,8 @@ pub use state::MotionState;
 pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
 
-use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
 use serde::{Deserialize, Serialize};
 
 use self::tr_bdf2::TrBdf2Step;
@@ -149,9 +150,11 @@ impl SliderMotion {
                 duration *= factor;
                 continue;
             }
-            // The estimators move before the step is accepted: if the monitor stops them, nothing
-            // has moved.
-            self.estimate(&step, duration, monitor)?;
+            // What may be stopped comes before the step is accepted: then nothing has moved.
+            let followed = self.estimate(&step, duration, monitor)?;
+            let mut step = step;
+            settle(&mut step.end, monitor)?;
+            self.accept_estimate(followed);
             monitor.cost(Cost::Steps, 1);
             self.control.accept(step.error, duration, left);
             self.energies.work += step.work;
@@ -161,7 +164,6 @@ impl SliderMotion {
             self.energies.background += self.equation.background * moved;
             self.energies.work += self.equation.background * drive.velocity * duration;
             self.cells = step.end;
-            self.settle();
             self.arrest(drive.after(duration));
             return Ok(duration);
         }
@@ -176,21 +178,10 @@ impl SliderMotion {
         self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))
     }
 
-    /// Simplifies the contacts of all cells, of many on all threads.
-    fn settle(&mut self) {
-        /// Cells of a thread, which repay its start.
-        const SHARE: usize = 16;
-        if self.cells.len() <= SHARE {
-            self.cells.iter_mut().for_each(SlidingCell::settle);
-        } else {
-            self.cells.par_iter_mut().with_min_len(SHARE).for_each(SlidingCell::settle);
-        }
-    }
-
-    /// Moves copies of the error estimators in the same step, so that nothing has moved if the monitor stops it.
-    fn estimate(&mut self, step: &TrBdf2Step, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Copies of the error estimators moved in the same step, of cells whose contacts have moved, with their errors.
+    fn estimate(&self, step: &TrBdf2Step, duration: f64, monitor: &mut dyn Monitor) -> Result<Followed> {
         let (cells, time) = (&self.cells, GAMMA * duration);
-        let Some(estimators) = &mut self.estimators else { return Ok(()) };
+        let Some(estimators) = &self.estimators else { return Ok(Followed::new()) };
         let watch = &Watch::new(monitor);
         let follow = |(): &mut (), j: usize| {
             let [middle, end] = [&step.middle[j], &step.end[j]];
@@ -204,13 +195,35 @@ impl SliderMotion {
             }
             Ok(Some((estimator, apart)))
         };
-        let followed = watch.share(cells.len(), || (), follow)?.into_iter().collect::<Result<Vec<_>>>()?;
-        for (estimator, followed) in estimators.iter_mut().zip(followed) {
+        watch.share(cells.len(), || (), follow)?.into_iter().collect()
+    }
+
+    /// Takes the estimators of an accepted step.
+    fn accept_estimate(&mut self, followed: Followed) {
+        for (estimator, followed) in self.estimators.iter_mut().flatten().zip(followed) {
             if let Some((followed, apart)) = followed {
                 *estimator = followed;
                 self.error = self.error.max(apart);
             }
         }
-        Ok(())
     }
+}
+
+/// For each cell its estimator after a step, with the error of the force; `None` where contacts have not moved.
+type Followed = Vec<Option<(ErrorEstimator, f64)>>;
+
+/// Simplifies the contacts of all cells, of many on all threads.
+fn settle(cells: &mut [SlidingCell], monitor: &mut dyn Monitor) -> Result<()> {
+    /// Cells of a thread, which repay its start.
+    const SHARE: usize = 16;
+    if cells.len() <= SHARE {
+        cells.iter_mut().for_each(SlidingCell::settle);
+        return Ok(());
+    }
+    let shares: Vec<Mutex<&mut [SlidingCell]>> = cells.chunks_mut(SHARE).map(Mutex::new).collect();
+    let share = |(): &mut (), number: usize| {
+        let mut cells = shares[number].lock().unwrap_or_else(PoisonError::into_inner);
+        cells.iter_mut().for_each(SlidingCell::settle);
+    };
+    Watch::new(monitor).share(shares.len(), || (), share).map(drop)
 }

@@ -25,8 +25,8 @@ const CHUNK: usize = 256;
 /// The contacts of an ensemble that move together in time.
 ///
 /// Under a slider that follows a history they have the lives of [`Ensemble::follow`]; diffusing thresholds
-/// have other random numbers, as these are drawn step by step. A step visits every contact, and so does a
-/// copy; each takes 128 bytes.
+/// have other random numbers, as these are drawn step by step. A step visits every contact, which takes 128
+/// bytes; a copy shares contacts until either takes a step.
 #[derive(Debug, Clone)]
 pub struct EnsembleInTime {
     lives: Arc<Lives>,
@@ -34,7 +34,9 @@ pub struct EnsembleInTime {
     stiffness: Stiffness,
     delay: FreeTime,
     friction: FreeFriction,
-    contacts: Vec<ContactInTime>,
+    /// All of them, [`CHUNK`] at a time, shared with copies until either takes a step.
+    contacts: Vec<Arc<Vec<ContactInTime>>>,
+    size: usize,
     time: f64,
     position: f64,
     now: SumsInTime,
@@ -70,7 +72,8 @@ impl Ensemble {
             stiffness: self.contacts.stiffness.clone(),
             delay: self.contacts.rules.delay.clone(),
             friction: self.contacts.rules.free_friction,
-            contacts: Vec::new(),
+            contacts: Vec::with_capacity(self.size.div_ceil(CHUNK)),
+            size: self.size,
             time: 0.0,
             position: 0.0,
             now: SumsInTime::default(),
@@ -78,12 +81,11 @@ impl Ensemble {
             scale: self.contacts.count / self.size as f64,
         };
         let mut streams = ensemble.streams();
-        ensemble.contacts.reserve_exact(size as usize);
-        for index in 0..size {
-            if (index as usize).is_multiple_of(CHUNK) {
-                report(monitor, 0.0)?;
-            }
-            ensemble.contacts.push(ensemble.drawn(index, &mut streams));
+        for first in (0..size).step_by(CHUNK) {
+            report(monitor, 0.0)?;
+            let end = size.min(first.saturating_add(CHUNK as u32));
+            let chunk = (first..end).map(|index| ensemble.drawn(index, &mut streams)).collect();
+            ensemble.contacts.push(Arc::new(chunk));
         }
         ensemble.advance(&Segment { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
         // Nothing has been lost before the beginning.
@@ -194,6 +196,11 @@ impl EnsembleInTime {
         }
     }
 
+    /// All contacts in their order.
+    fn contacts(&self) -> impl Iterator<Item = &ContactInTime> {
+        self.contacts.iter().flat_map(|chunk| chunk.iter())
+    }
+
     /// A contact as it is at t = 0, before anything breaks.
     fn drawn(&self, index: u32, streams: &mut RandomStreams) -> ContactInTime {
         let life = streams.lives.first(index.into());
@@ -215,11 +222,11 @@ impl EnsembleInTime {
     /// not updated.
     fn advance(&mut self, segment: &Segment, monitor: &mut dyn Monitor) -> Result<()> {
         let mut contacts = std::mem::take(&mut self.contacts);
-        // A chunk is locked once, by the thread that advances it.
-        let chunks: Vec<Mutex<&mut [ContactInTime]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
+        // A chunk is locked once, by the thread that advances it, which copies it first where it is shared.
+        let chunks: Vec<Mutex<&mut Arc<Vec<ContactInTime>>>> = contacts.iter_mut().map(Mutex::new).collect();
         let chunk = |streams: &mut RandomStreams, number: usize| {
             let mut contacts = chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
-            contacts.iter_mut().fold(
+            Arc::make_mut(&mut contacts).iter_mut().fold(
                 (SegmentTotals::default(), SumsInTime::default()),
                 |(totals, sums), contact| {
                     (
@@ -375,7 +382,7 @@ impl RateDependentContacts for EnsembleInTime {
     }
 
     fn free_friction(&self) -> FreeFriction {
-        self.friction.scaled(self.scale * self.contacts.len() as f64 * self.free())
+        self.friction.scaled(self.scale * self.size as f64 * self.free())
     }
 
     fn energies(&self) -> ContactEnergies {
@@ -383,21 +390,21 @@ impl RateDependentContacts for EnsembleInTime {
         let sliding = self.scale * self.friction.force * slid;
         let [elastic, lost, strengthening] =
             [self.now.energy, lost, strengthening].map(|energy| self.scale * energy);
-        ContactEnergies { elastic, lost, strengthening, sliding, broken: broken / self.contacts.len() as f64 }
+        ContactEnergies { elastic, lost, strengthening, sliding, broken: broken / self.size as f64 }
     }
 
     fn free(&self) -> f64 {
-        1.0 - self.now.count / self.contacts.len() as f64
+        1.0 - self.now.count / self.size as f64
     }
 
     fn stretches(&self) -> Vec<StretchInterval> {
-        let fraction = 1.0 / self.contacts.len() as f64;
+        let fraction = 1.0 / self.size as f64;
         let portion = |contact: &ContactInTime| {
             // Those just re-formed may lie below 0 by rounding.
             let stretch = contact.stretch(self.position).max(0.0);
             StretchInterval { low: stretch, high: stretch, fraction }
         };
-        self.contacts.iter().filter(|contact| contact.holds).map(portion).collect()
+        self.contacts().filter(|contact| contact.holds).map(portion).collect()
     }
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
@@ -420,16 +427,17 @@ impl RateDependentContacts for EnsembleInTime {
 
     fn state(&self) -> ContactsState {
         let &Self { time, position, now, past, .. } = self;
-        ContactsState::of(&EnsembleSnapshot { time, position, contacts: self.contacts.clone(), now, past })
+        let contacts = self.contacts().copied().collect();
+        ContactsState::of(&EnsembleSnapshot { time, position, contacts, now, past })
     }
 
     fn restore(&mut self, state: &ContactsState) -> Result<()> {
         let EnsembleSnapshot { time, position, contacts, now, past } = state.read()?;
-        if contacts.len() != self.contacts.len() {
+        if contacts.len() != self.size {
             return Err(ContactsState::another(&format!("that of {} contacts", contacts.len())));
         }
-        (self.time, self.position, self.contacts, self.now, self.past) =
-            (time, position, contacts, now, past);
+        self.contacts = contacts.chunks(CHUNK).map(|chunk| Arc::new(chunk.to_vec())).collect();
+        (self.time, self.position, self.now, self.past) = (time, position, now, past);
         Ok(())
     }
 }

@@ -22,6 +22,8 @@ pub struct Root {
     breakpoints: Vec<(f64, f64)>,
     /// Panel boundaries for Gauss quadrature, from x = 0 up.
     nodes: Vec<RootNode>,
+    /// The lower end of the support.
+    lowest: f64,
     std: f64,
 }
 
@@ -45,7 +47,8 @@ impl Root {
         let mut breakpoints: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();
         breakpoints.sort_by(|a, b| a.0.total_cmp(&b.0));
         breakpoints.dedup();
-        let mut law = Self { factor, areas, breakpoints, nodes: Vec::new(), std: 0.0 };
+        let lowest = factor * areas.quantile(0.0).sqrt();
+        let mut law = Self { factor, areas, breakpoints, nodes: Vec::new(), lowest, std: 0.0 };
         law.nodes = law.sum_nodes();
         let mean = law.mean();
         law.std = law.integrate(-1.0, |x| Complex64::from((x - mean).powi(2))).re.sqrt();
@@ -219,7 +222,7 @@ impl Law for Root {
         }
         let x = x.max(0.0);
         // Below the support there is nothing to integrate, and its end, which need not be a breakpoint, is a jump at rounding.
-        let after = if x < self.quantile(0.0) { 0 } else { self.nodes.partition_point(|node| node.x <= x) };
+        let after = if x < self.lowest { 0 } else { self.nodes.partition_point(|node| node.x <= x) };
         if let (1 | 3, 0, Some(whole)) = (order, after, self.nodes.first()) {
             return if order == 1 { whole.first } else { whole.third };
         }

@@ -234,6 +234,7 @@ impl Contacts {
             ageing: ageing.transpose()?,
             delay: delay.transpose()?.unwrap_or_default(),
             free_friction: self.free_friction.unwrap_or_default(),
+            ranks: contacts::SharedRanks::default(),
         })
     }
 

@@ -3,6 +3,7 @@
 
 pub mod curve;
 pub mod finite_volumes;
+pub mod patience;
 pub mod polyline;
 pub mod pulled;
 pub mod sliders;

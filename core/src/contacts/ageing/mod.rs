@@ -9,11 +9,13 @@ mod closure;
 mod fokker_planck;
 mod ranks;
 mod rule;
+mod shared_ranks;
 mod threshold_evolution;
 
 pub use closure::Closure;
 pub use fokker_planck::ThresholdFokkerPlanck;
 pub use rule::{Ageing, AgeingRule};
+pub use shared_ranks::SharedRanks;
 pub(crate) use threshold_evolution::{Label, NodalLabels, Rank, ThresholdTrajectory};
 pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 pub(crate) use super::ranks::Rank;
 use super::ranks::{ContactAtThreshold, RankTable, RanksAtAge};
-use super::{Ageing, Contacts, ThresholdFokkerPlanck, ranks};
+use super::{Ageing, Contacts, SharedRanks, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
 use crate::numerics::legendre::{NODES, Nodal};
@@ -114,7 +114,7 @@ impl ThresholdEvolution {
         let kind = match ageing {
             &Ageing::Logarithmic { growth, time } => Kind::Logarithmic { growth, time },
             Ageing::FrozenRank { mature, time } => {
-                Kind::ranked(&contacts.thresholds, mature, *time, monitor)?
+                Kind::ranked([&contacts.thresholds, mature], *time, &contacts.rules.ranks, monitor)?
             }
             Ageing::Smoluchowski { .. } | Ageing::MeanField { .. } => {
                 let key = format!("ageing.{}", ageing.name());
@@ -276,7 +276,12 @@ impl Affine {
 
 impl Kind {
     /// Closed form between Gaussians, else a table.
-    fn ranked(newborn: &SharedLaw, mature: &SharedLaw, time: f64, monitor: &mut dyn Monitor) -> Result<Self> {
+    fn ranked(
+        [newborn, mature]: [&SharedLaw; 2],
+        time: f64,
+        ranks: &SharedRanks,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         if let (Some(newborn), Some(mature)) = (Normal::of(newborn.as_ref()), Normal::of(mature.as_ref())) {
             return Ok(Self::Gaussian { newborn, mature, time });
         }
@@ -284,9 +289,12 @@ impl Kind {
             let expected = "a law with a density, to age by frozen_rank";
             return Err(Error::invalid("thresholds", expected, "thresholds that many contacts share"));
         }
-        let diffusion = mature.std().powi(2) / time;
-        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
-        Ok(Self::Ranked(Arc::new(RankTable::new(newborn, &maturing, time, monitor)?)))
+        let compute = || {
+            let diffusion = mature.std().powi(2) / time;
+            let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
+            RankTable::new(newborn, &maturing, time, monitor)
+        };
+        ranks.table([newborn, mature], time, compute).map(Self::Ranked)
     }
 }
 

@@ -57,8 +57,7 @@ impl Guess {
     }
 
     /// Takes the force from contacts that have been moved.
-    fn take(&mut self, contacts: Box<dyn RateDependentContacts>, advance: f64) {
-        let force = contacts.force();
+    fn take(&mut self, (contacts, force): (Box<dyn RateDependentContacts>, f64), advance: f64) {
         if self.moved.is_some() {
             // Contacts move from the beginning of the stage each time: what they do depends on the
             // whole path, not on the last guess.
@@ -92,8 +91,11 @@ impl StageSolver for CoupledCells<'_> {
             // A secant method: contacts give their force after an advance, but no derivative of it
             // over a whole stage.
             if by.iter().all(|by| by.abs() <= stage.accuracy) {
-                let end = |(j, guess): (usize, Guess)| guess.end(stage, j, stands[j]);
-                return Ok(Some(guesses.into_iter().enumerate().map(end).collect()));
+                let end = |(j, guess): (usize, Guess)| {
+                    watch.check_at(j)?;
+                    Ok(guess.end(stage, j, stands[j]))
+                };
+                return guesses.into_iter().enumerate().map(end).collect::<Result<_>>().map(Some);
             }
             advance(stage, &mut guesses, &by, watch)?;
         }
@@ -180,11 +182,13 @@ fn advance(stage: &ImplicitStage<'_>, guesses: &mut [Guess], by: &[f64], watch: 
     watch.cost(Cost::Residuals, 1);
     let ahead = |(): &mut (), number: usize| {
         let (j, advance) = going[number];
-        stage.from[j].contacts_ahead(advance, stage.duration, watch)
+        let contacts = stage.from[j].contacts_ahead(advance, stage.duration, watch)?;
+        let force = contacts.force();
+        Ok((contacts, force))
     };
     let ahead = watch.share(going.len(), || (), ahead)?;
-    for (&(j, advance), contacts) in going.iter().zip(ahead) {
-        guesses[j].take(contacts?, advance);
+    for (&(j, advance), ahead) in going.iter().zip(ahead) {
+        guesses[j].take(ahead?, advance);
     }
     Ok(())
 }

@@ -57,6 +57,8 @@ pub(super) struct GridPanel {
     density: Nodal,
     /// ∫ P_ci dh_0 above it, point masses included.
     pub(super) survival: f64,
+    /// The same with h_0 as a factor, once it has been asked for.
+    moment: OnceLock<f64>,
     /// [`Self::LOWEST`], [`Self::MIDDLE`] and [`Self::HIGHEST`], with their ranks.
     marks: [(f64, Option<Rank>); 3],
 }
@@ -96,8 +98,14 @@ impl GridPanel {
             weights: std::array::from_fn(|i| weights[i] * density[i]),
             density: RULE.coefficients(&density.map(|density| half * density)),
             survival: law.survival(whole.high),
+            moment: OnceLock::new(),
             marks,
         }
+    }
+
+    /// ∫ P_ci h_0 dh_0 above it.
+    pub(super) fn moment(&self, law: &dyn Law) -> f64 {
+        *self.moment.get_or_init(|| law.upper_moment(1, self.whole.high))
     }
 
     /// One of its labels.

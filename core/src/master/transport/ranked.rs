@@ -405,7 +405,7 @@ impl RankedThresholds {
         let touched = self.touched(left, aged.as_ref());
         let count = (self.untouched(left, top) + touched[0]) / left.newborn;
         let stiffness = if aged.is_some() {
-            (touched[1] + self.untouched_stiffness(top, age)) / left.newborn
+            (touched[1] + self.untouched_stiffness(left, top, age)) / left.newborn
         } else {
             count
         };
@@ -435,11 +435,19 @@ impl RankedThresholds {
         }
     }
 
-    /// ∫ P_ci h dh_0 above a fresh threshold, without point masses.
-    fn untouched_stiffness(&self, from: f64, age: f64) -> f64 {
+    /// ∫ P_ci h dh_0 above the fresh threshold `from`, the [`Self::top`] of these contacts, without point masses.
+    fn untouched_stiffness(&self, left: &SurvivingRanks, from: f64, age: f64) -> f64 {
         let beyond = self.atoms.iter().filter(|atom| atom.position > from);
         let atoms: f64 = beyond.map(|atom| atom.weight * self.evolution.threshold(atom.position, age)).sum();
-        (self.evolution.moments_above(self.law.as_ref(), from, age)[1] - atoms).max(0.0)
+        let law = self.law.as_ref();
+        let whole = match (&self.thermal, &left.band) {
+            // Of thresholds that stay as they are the panel knows it.
+            (Some((_, grid)), Some(band)) if !band.is_empty() && self.evolution.is_constant() => {
+                grid.kept(band.end() - 1).moment(law)
+            }
+            _ => self.evolution.moments_above(law, from, age)[1],
+        };
+        (whole - atoms).max(0.0)
     }
 
     /// ∫ P_ci e^{−A} dh_0 over the band above c and over point masses; and the same with the present threshold as a factor, if

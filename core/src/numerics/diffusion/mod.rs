@@ -124,9 +124,11 @@ pub fn bernoulli(z: f64) -> f64 {
 /// each mass is divided between the two nearest middles, which conserves the mean, however rough the
 /// distribution of the points.
 pub fn cloud_in_cell(middles: &[f64], points: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
-    let mut masses = vec![0.0; middles.len()];
+    let (mut masses, mut above) = (vec![0.0; middles.len()], 0);
     for (place, mass) in points {
-        let above = middles.partition_point(|&middle| middle <= place);
+        // Points mostly rise: the next middle above one is near that above the last one.
+        above += middles[above..].iter().take_while(|middle| **middle <= place).count();
+        above -= middles[..above].iter().rev().take_while(|middle| **middle > place).count();
         if above == 0 || above == middles.len() {
             masses[above.min(middles.len() - 1)] += mass;
             continue;
