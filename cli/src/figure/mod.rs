@@ -2,6 +2,7 @@
 
 mod advance;
 mod catalogue;
+mod clip;
 mod corner;
 mod covariance;
 mod curve;
@@ -18,6 +19,7 @@ mod grey;
 mod hold_curve;
 mod potential;
 mod protocol;
+mod raster;
 mod sizes;
 mod slip;
 mod slip_rate;
@@ -116,7 +118,7 @@ fn files(
     style: &Figure,
 ) -> Result<Vec<Attachment>, String> {
     let drawn: Vec<(String, String)> =
-        scenes.map(|(name, scene)| (name, formats::svg(&scene, title, style))).collect();
+        scenes.map(|(name, scene)| (name, formats::svg(scene, title, style))).collect();
     let files: Vec<_> =
         drawn.iter().flat_map(|picture| style.formats.iter().map(move |format| (picture, *format))).collect();
     let convert = |((name, svg), format): (&(String, String), FigureFormat)| {

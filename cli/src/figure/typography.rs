@@ -81,7 +81,7 @@ fn numbers(text: &str) -> String {
 }
 
 /// A number as it is printed; `None` if the word is none that would change.
-fn typeset_number(word: &str) -> Option<String> {
+pub fn typeset_number(word: &str) -> Option<String> {
     word.parse::<f64>().ok().filter(|value| value.is_finite())?;
     let Some((mantissa, exponent)) = word.split_once('e') else { return Some(word.replace('-', "−")) };
     let mantissa = mantissa.replace('-', "−");
