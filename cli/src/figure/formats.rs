@@ -117,12 +117,14 @@ fn opaque(mut dots: Vec<u8>) -> Vec<u8> {
     dots
 }
 
-/// Red, green and blue of dots as a PNG file. Fast compression takes a tenth of the time of the usual one for a few more bytes.
+/// Red, green and blue of dots as a PNG file. Fast compression of differences to the row above takes a twentieth of the time of
+/// the usual compression, for half as many bytes more.
 pub(super) fn compressed(dots: &[u8], [width, height]: [u32; 2]) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Up);
     encoder.write_header()?.write_image_data(dots)?;
     Ok(bytes)
 }

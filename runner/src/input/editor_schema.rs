@@ -38,24 +38,44 @@ fn rewrite(schema: &mut Value, types: &Value) {
     }
 }
 
-/// A table with unknown keys is told of these alone: one of them may be a required key with another name.
+/// A table with unknown keys is told of these alone: one of them may be a required key with another name. What a key excludes
+/// or needs is written as conditions, as Taplo does not know `dependentSchemas` and `dependentRequired`, and within `then`, as it
+/// does not explain a table that has `allOf`.
 fn after_names(table: &mut Map<String, Value>) {
     let Some(known) = table.get("properties").and_then(Value::as_object) else { return };
     if table.get("additionalProperties") != Some(&false.into()) || table.contains_key("if") {
         return;
     }
-    let known: Vec<&String> = known.keys().collect();
-    let names = json!({ "propertyNames": { "enum": known } });
-    let needed: Map<String, Value> = ["required", "anyOf"]
-        .into_iter()
-        .filter(|key| table.get(*key).is_some_and(|rule| *key == "required" || is_of_required_keys(rule)))
-        .map(|key| (key.to_owned(), table[key].clone()))
-        .collect();
-    if !needed.is_empty() {
-        needed.keys().for_each(|key| _ = table.remove(key));
-        table.insert("if".into(), names);
-        table.insert("then".into(), needed.into());
+    let names = json!({ "propertyNames": { "enum": known.keys().collect::<Vec<_>>() } });
+    let mut rules = Map::new();
+    for key in ["required", "anyOf"] {
+        if table.get(key).is_some_and(|rule| key == "required" || is_of_required_keys(rule)) {
+            rules.extend(table.remove_entry(key));
+        }
     }
+    let conditions = conditions(table);
+    if !conditions.is_empty() {
+        rules.insert("allOf".into(), conditions.into());
+    }
+    if !rules.is_empty() {
+        table.insert("if".into(), names);
+        table.insert("then".into(), rules.into());
+    }
+}
+
+/// What single keys exclude or need, taken out of a table.
+fn conditions(table: &mut Map<String, Value>) -> Vec<Value> {
+    let mut taken = |keyword: &str| match table.remove(keyword) {
+        Some(Value::Object(rules)) => rules,
+        _ => Map::new(),
+    };
+    let (schemas, needs) = (taken("dependentSchemas"), taken("dependentRequired"));
+    let needs = needs.into_iter().map(|(key, needed)| (key, json!({ "required": needed })));
+    schemas
+        .into_iter()
+        .chain(needs)
+        .map(|(key, rule)| json!({ "if": { "required": [key] }, "then": rule }))
+        .collect()
 }
 
 fn is_of_required_keys(rule: &Value) -> bool {
