@@ -95,7 +95,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Schema => print(&format!("{}\n", input::editor_schema())),
         Command::Example { name: None } => print(&examples::list()),
         Command::Example { name: Some(name) } => match examples::find(&name) {
-            Some(text) => print(text),
+            Some(text) => print(&text),
             None => Err(Failure::Input(match examples::nearest(&name) {
                 Some(nearest) => format!(
                     "error: there is no example {name}; did you mean {nearest}? (asperity example lists all)\n"

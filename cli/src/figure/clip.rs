@@ -170,7 +170,7 @@ impl Frame {
     fn rectangle(&self, [x, y, width, height]: [f64; 4]) -> Option<[f64; 4]> {
         let (left, right) = (x.max(self.across.0), (x + width).min(self.across.1));
         let (top, bottom) = (y.max(self.along.0), (y + height).min(self.along.1));
-        (left < right && top < bottom).then(|| [left, top, right - left, bottom - top])
+        (left < right && top < bottom).then_some([left, top, right - left, bottom - top])
     }
 }
 

@@ -6,7 +6,7 @@ use asperity::scenario::{Figure, FigureFormat};
 use krilla_svg::{SurfaceExt, SvgSettings};
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::Scene;
-use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::tiny_skia::{PixmapMut, Transform};
 use resvg::usvg::{self, Tree, fontdb};
 
 use super::clip::cut;
@@ -83,38 +83,39 @@ fn resized(svg: &str, attributes: &str) -> String {
     )
 }
 
-/// An SVG picture in another format.
+/// An SVG picture in another format. `dots` is memory, which may be that of another picture.
 ///
 /// # Errors
 /// What cannot be drawn.
-pub fn converted(svg: &str, format: FigureFormat, style: &Figure) -> Result<Vec<u8>, String> {
+pub fn converted(
+    svg: &str,
+    format: FigureFormat,
+    style: &Figure,
+    dots: &mut Vec<u8>,
+) -> Result<Vec<u8>, String> {
     if format == FigureFormat::Svg {
         return Ok(svg.as_bytes().to_vec());
     }
     let options = usvg::Options { fontdb: fonts(), font_family: FAMILY.into(), ..usvg::Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
-    if format == FigureFormat::Pdf { pdf(&tree) } else { png(&tree, style.dpi / PER_INCH) }
+    if format == FigureFormat::Pdf { pdf(&tree) } else { png(&tree, style.dpi / PER_INCH, dots) }
 }
 
-fn png(tree: &Tree, scale: f64) -> Result<Vec<u8>, String> {
+fn png(tree: &Tree, scale: f64, dots: &mut Vec<u8>) -> Result<Vec<u8>, String> {
     let (width, height) = (f64::from(tree.size().width()) * scale, f64::from(tree.size().height()) * scale);
-    let mut dots = Pixmap::new(width.ceil() as u32, height.ceil() as u32)
+    let size = [width.ceil() as u32, height.ceil() as u32];
+    let count = size.map(|side| side as usize).iter().product::<usize>();
+    // White. A fraction of a dot may remain at the right and at the bottom.
+    dots.clear();
+    dots.resize(4 * count, 255);
+    let mut picture = PixmapMut::from_bytes(dots, size[0], size[1])
         .ok_or_else(|| format!("{width:.0} × {height:.0} dots are too many"))?;
-    // A fraction of a dot may remain at the right and at the bottom.
-    dots.fill(Color::WHITE);
-    resvg::render(tree, Transform::from_scale(scale as f32, scale as f32), &mut dots.as_mut());
-    let size = [dots.width(), dots.height()];
-    compressed(&opaque(dots.take()), size).map_err(|error| error.to_string())
-}
-
-/// Dots without their opacity, which is full, in the memory that they have.
-fn opaque(mut dots: Vec<u8>) -> Vec<u8> {
-    let count = dots.len() / 4;
+    resvg::render(tree, Transform::from_scale(scale as f32, scale as f32), &mut picture);
+    // Without the opacity, which is full.
     for i in 0..count {
         dots.copy_within(4 * i..4 * i + 3, 3 * i);
     }
-    dots.truncate(3 * count);
-    dots
+    compressed(&dots[..3 * count], size).map_err(|error| error.to_string())
 }
 
 /// Red, green and blue of dots as a PNG file. Fast compression of differences to the row above takes a twentieth of the time of
