@@ -64,9 +64,14 @@ const SHIPPED: [Shipped; 47] = shipped![
     "measured-noise.csv",
 ];
 
-/// The text of the example `name`, with or without `.toml`.
-pub fn find(name: &str) -> Option<&'static str> {
-    SHIPPED.iter().find(|(file, _)| *file == name || file.strip_suffix(".toml") == Some(name)).map(|s| s.1)
+/// The first line of scenarios, by which editors find their schema.
+const SCHEMA: &str = "#:schema asperity.schema.json";
+
+/// The text of the example `name`, with or without `.toml`; scenarios name their schema.
+pub fn find(name: &str) -> Option<String> {
+    let is_named = |file: &str| file == name || file.strip_suffix(".toml") == Some(name);
+    let (file, text) = SHIPPED.iter().find(|(file, _)| is_named(file))?;
+    Some(if file.ends_with(".toml") { format!("{SCHEMA}\n{text}") } else { (*text).to_owned() })
 }
 
 /// The name of the example that is most similar to `name`, if one is similar at all.
@@ -105,7 +110,9 @@ mod tests {
 
     #[test]
     fn scenarios_are_found_by_bare_name_and_listed_with_their_titles() {
-        assert!(find("fig2").unwrap().contains("[pull]"));
+        let text = find("fig2").unwrap();
+        assert!(text.contains("[pull]") && text.starts_with("#:schema asperity.schema.json\n"));
+        assert!(find("first_loading.csv").unwrap().starts_with("position"));
         assert!(find("fig9").is_none());
         assert_eq!((nearest("stick-slip-reste"), nearest("x")), (Some("stick-slip-reset"), None));
         assert!(list().lines().any(|line| line.starts_with("fig2 ") && line.contains("Braun")));

@@ -92,10 +92,10 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Explore(asked) => explore::explore(&asked),
         Command::Check(scenario) => check(&scenario),
         Command::Plot { folder, pictures } => plot(&folder, &pictures),
-        Command::Schema => print(&format!("{}\n", input::schema())),
+        Command::Schema => print(&format!("{}\n", input::editor_schema())),
         Command::Example { name: None } => print(&examples::list()),
         Command::Example { name: Some(name) } => match examples::find(&name) {
-            Some(text) => print(text),
+            Some(text) => print(&text),
             None => Err(Failure::Input(match examples::nearest(&name) {
                 Some(nearest) => format!(
                     "error: there is no example {name}; did you mean {nearest}? (asperity example lists all)\n"

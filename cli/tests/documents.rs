@@ -16,7 +16,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use serde_json::Value;
 use support::{Folder, names, scenarios};
 
 /// The folder of the project.
@@ -232,7 +231,7 @@ fn rows(page: &str) -> BTreeMap<String, String> {
 
 #[test]
 fn the_tables_of_keys_are_those_of_the_schema() {
-    let schema: Value = serde_json::from_str(&Folder::new().succeed(&["schema"])).unwrap();
+    let schema = asperity_runner::input::schema();
     let page = document("docs/scenarios.md");
     let known: usize = table::keys(&schema).iter().map(|keys| keys.len()).sum();
     assert!(known > 80, "only {known}");
@@ -262,7 +261,7 @@ fn the_glossary_names_what_there_is() {
 
 #[test]
 fn the_table_of_laws_is_complete() {
-    let schema: Value = serde_json::from_str(&Folder::new().succeed(&["schema"])).unwrap();
+    let schema = asperity_runner::input::schema();
     let laws = schema["$defs"]["Law"]["oneOf"].as_array().unwrap();
     let known: Vec<_> = laws
         .iter()

@@ -48,7 +48,61 @@ def test_the_schema_of_the_command_refuses_most_wrong_scenarios(validator: Any) 
     assert len(refused) >= 115, sorted(set(wrong) - set(refused))
 
 
-def test_a_wrong_number_has_one_message_in_the_schema_of_the_command(validator: Any) -> None:
-    scenario = {"contacts": {"thresholds": {"gaussian": {"mean": 1.0, "std": -0.1}}}, "pull": {"velocity": 0}}
-    paths = {error.json_path for error in validator.iter_errors(scenario)}
-    assert paths == {"$.contacts.thresholds", "$.pull.velocity"}
+def test_a_mistake_has_one_message_in_the_schema_of_the_command(validator: Any) -> None:
+    """Two keys of these are wrong, or missing."""
+    two = {"empty.toml", "mean_field_temperature.toml", "steady_start_quenched.toml"}
+    wrong = scenarios(ROOT / "scenarios" / "invalid")
+    messages = {name: len(list(validator.iter_errors(scenario))) for name, scenario in wrong.items()}
+    assert {name for name, count in messages.items() if count > 1} == two
+    assert {messages[name] for name in two} == {2}
+
+
+@pytest.mark.parametrize(
+    ("path", "keys"),
+    [
+        (
+            "contacts.thresholds.gaussian.std",
+            {"contacts": {"thresholds": {"gaussian": {"mean": 1, "std": -1}}}},
+        ),
+        ("contacts.thresholds", {"contacts": {"thresholds": {"gausian": {"mean": 1, "std": 1}}}}),
+        ("contacts.thresholds.gaussian", {"contacts": {"thresholds": {"gaussian": {"mean": 1, "sdt": 1}}}}),
+        (
+            "contacts",
+            {
+                "contacts": {
+                    "stiffness": 1.0,
+                    "areas": {"law": {"exponential": {"mean": 1}}, "modulus": 1, "strength": 1},
+                }
+            },
+        ),
+        ("contacts.delay.time", {"contacts": {"delay": {"time": -1}}, "pull": {"velocity": 1}}),
+        ("pull.velocity", {"pull": {"velocity": 0}}),
+        ("", {"drive": {"distance": 1}}),
+        (
+            "block.slip.damped.damping",
+            {"pull": None, "drive": {}, "block": {"stiffness": 1, "slip": {"damped": {"damping": 0}}}},
+        ),
+        ("block.slip", {"pull": None, "drive": {}, "block": {"stiffness": 1, "slip": "sticky"}}),
+        (
+            "interface",
+            {
+                "interface": {
+                    "cells": [8],
+                    "contacts": "one",
+                    "connection": 1,
+                    "coupling": {"neighbours": {"stiffness": 1}},
+                    "mass": 1,
+                },
+                "pull": None,
+                "drive": {"velocity": 1},
+            },
+        ),
+    ],
+)
+def test_messages_are_at_the_key_that_is_wrong(validator: Any, path: str, keys: dict[str, Any]) -> None:
+    """This validator names the table of a key that must not be there, editors name the key."""
+    scenario = {"contacts": {"thresholds": {"gaussian": {"mean": 1.0, "std": 0.1}}}, "pull": {}} | keys
+    scenario = {key: value for key, value in scenario.items() if value is not None}
+    if "thresholds" not in scenario["contacts"] and "areas" not in scenario["contacts"]:
+        scenario["contacts"] |= {"thresholds": {"gaussian": {"mean": 1.0, "std": 0.1}}}
+    assert [error.json_path for error in validator.iter_errors(scenario)] == [f"$.{path}".rstrip(".")]

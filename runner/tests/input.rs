@@ -141,7 +141,7 @@ fn tables_are_read_relative_to_the_scenario() {
 
 #[test]
 fn every_law_has_a_name_that_overrides_know() {
-    let schema: serde_json::Value = serde_json::from_str(&input::schema()).unwrap();
+    let schema = input::schema();
     let laws = schema["$defs"]["Law"]["oneOf"].as_array().unwrap();
     let names: Vec<_> = laws.iter().map(|law| law["required"][0].as_str().unwrap()).collect();
     assert_eq!(names, Law::NAMES);

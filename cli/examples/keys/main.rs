@@ -7,6 +7,5 @@ use asperity_runner::input;
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/scenarios.md");
 
 fn main() -> std::io::Result<()> {
-    let schema = serde_json::from_str(&input::schema())?;
-    std::fs::write(PAGE, table::page(&std::fs::read_to_string(PAGE)?, &schema))
+    std::fs::write(PAGE, table::page(&std::fs::read_to_string(PAGE)?, &input::schema()))
 }

@@ -1,15 +1,16 @@
-//! `catalogue`: the force along the drive, the distribution of magnitudes, and that of waiting times.
+//! `catalogue`: the force along the drive, the distribution of magnitudes, and that of waiting times; of few events the
+//! magnitudes along the drive.
 
 use asperity::task::summary::{Catalogue, PowerLaw};
 use asperity_runner::output::Outcome;
-use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::plot::MarkerShape;
 use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::advance::Advance;
-use super::curve::{Point, line, thinned};
+use super::curve::{Counted, Point, counted, line, thinned};
+use super::distribution::stem;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::ticks;
 
@@ -20,26 +21,39 @@ const PER_DECADE: f64 = 8.0;
 const FEW: usize = 500;
 /// Points of the fitted distribution.
 const FINE: usize = 200;
-/// Smallest number of waiting times for a density.
+/// Smallest number of magnitudes and of waiting times for a density.
 const FEWEST: usize = 10;
+/// Left and right margins of a panel.
+const SIDES: (f64, f64) = (66.0, 14.0);
 /// Range of the waiting times that are shown, over their mean.
 const WAITING: (f64, f64) = (1e-3, 1e2);
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let catalogue = outcome.summary.numbers.catalogue()?;
-    let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
+    let below = match catalogue.events {
+        0 => [None, None],
+        1..FEWEST => [along_drive(outcome, catalogue), None],
+        _ => [magnitudes(outcome, catalogue), waiting(outcome, catalogue)],
+    };
     let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();
     // With too few waiting times, magnitudes take the whole picture.
-    let lower = if plots.len() > 2 { vec![vec![2], vec![3]] } else { vec![vec![2, 3]] };
+    let (rows, lower) = match plots.len() {
+        1 => (1, vec![]),
+        2 => (2, vec![vec![2, 3]]),
+        _ => (2, vec![vec![2], vec![3]]),
+    };
     let (title, size) = page.heading(&outcome.summary.title);
     let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
-    let mut legend = vec![style::marker(events, ORANGE, MarkerShape::Circle)];
+    let mut legend = vec![];
+    if plots.len() > 1 {
+        legend.push(style::marker(events, ORANGE, MarkerShape::Circle));
+    }
     legend.extend(catalogue.law.map(|law| style::line(fitted_text(&law), BLUE, None)));
     if plots.len() > 2 {
         legend.push(style::line("Poisson process", GREY, Some(DASHES)));
     }
-    let figure = Figure::new(2, 2)
+    let figure = Figure::new(rows, 2)
         .with_structure([vec![vec![0, 1]], lower].concat())
         .with_title(title)
         .with_title_size(size)
@@ -91,26 +105,39 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
 }
 
+/// The magnitude of each event along the drive, or over the time of a protocol.
+fn along_drive(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let along = Advance::of(record)?;
+    let variable = record.get(&format!("event_{}", catalogue.magnitude))?;
+    let plots = pairs(along.events, &variable.values).flat_map(|tip| stem(tip, ORANGE)).collect();
+    let ends = style::range([along.points.values.as_slice()]);
+    let layout = panel(ends, (0.0, style::headroom(style::range([variable.values.as_slice()]).1)))
+        .with_x_label(style::axis(outcome, along.words, along.points))
+        .with_y_label(style::axis(outcome, words(catalogue), variable));
+    Some((plots, layout))
+}
+
+/// The magnitude of events in words.
+fn words(catalogue: &Catalogue) -> &'static str {
+    if catalogue.magnitude == "size" { "Breaks in an event" } else { "Moment of an event" }
+}
+
 /// Probability density of magnitudes, and the fitted distribution.
 fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let variable = outcome.record.get(&format!("event_{}", catalogue.magnitude))?;
     let whole = variable.values.iter().all(|value| value.fract() == 0.0);
     let points = density(&variable.values, whole);
     let (first, last) = (points.first()?.0, points.last()?.0);
-    let low = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
-    let high = points.iter().map(|point| point.1).fold(0.0, f64::max);
-    let mut plots = vec![scatter(points)];
+    let (low, high) = heights(&points);
+    let mut plots = counted(&points, 0.4 * low, ORANGE);
     if let Some(law) = catalogue.law {
         let share = law.events as f64 / catalogue.events as f64;
         let curve = fitted(&law, share, last).into_iter().filter(|point| point.1 > 0.5 * low).collect();
         plots.push(line(curve, BLUE, 1.8, None));
     }
-    let words = match catalogue.magnitude.as_str() {
-        "size" => "Breaks in an event",
-        _ => "Moment of an event",
-    };
     let layout = logarithmic((0.7 * first, 1.5 * last), (0.4 * low, 2.5 * high))
-        .with_x_label(style::axis(outcome, words, variable))
+        .with_x_label(style::axis(outcome, words(catalogue), variable))
         .with_y_label("Probability density");
     Some((plots, layout))
 }
@@ -124,21 +151,28 @@ fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> 
     if times.len() < FEWEST {
         return None;
     }
-    let shown = |point: &Point| (WAITING.0..WAITING.1).contains(&point.0);
-    let points: Vec<Point> = density(&times, false).into_iter().filter(shown).collect();
-    let low = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
-    let high = points.iter().map(|point| point.1).fold(0.0, f64::max);
+    let shown = |point: &Counted| (WAITING.0..WAITING.1).contains(&point.0);
+    let points: Vec<Counted> = density(&times, false).into_iter().filter(shown).collect();
+    let (low, high) = heights(&points);
     let last = points.last()?.0;
     let steps = (0..=FINE).map(|i| WAITING.0 * (last / WAITING.0).powf(i as f64 / FINE as f64));
     let chance = steps.map(|t| (t, (-t).exp())).filter(|point| point.1 > 0.5 * low).collect();
     let layout = logarithmic((0.7 * points[0].0, 1.5 * last), (0.4 * low, 2.5 * high.max(1.0)))
         .with_x_label("Interval to the next event / mean interval")
         .with_y_label("Probability density");
-    Some((vec![line(chance, GREY, 1.4, Some(DASHES)), scatter(points)], layout))
+    let mut plots = vec![line(chance, GREY, 1.4, Some(DASHES))];
+    plots.extend(counted(&points, 0.4 * low, ORANGE));
+    Some((plots, layout))
 }
 
-/// Probability density of `values`, in bins of equal width on a logarithmic axis.
-fn density(values: &[f64], whole: bool) -> Vec<Point> {
+/// The least and the largest density.
+fn heights(points: &[Counted]) -> (f64, f64) {
+    let ends = (f64::INFINITY, 0.0);
+    points.iter().fold(ends, |(low, high): (f64, f64), point| (low.min(point.1), high.max(point.1)))
+}
+
+/// Probability density of `values`, in bins of equal width on a logarithmic axis, with their counts.
+fn density(values: &[f64], whole: bool) -> Vec<Counted> {
     let mut bins = std::collections::BTreeMap::<i64, u64>::new();
     for value in values.iter().filter(|&&value| value > 0.0) {
         *bins.entry((PER_DECADE * value.log10()).round() as i64).or_default() += 1;
@@ -147,7 +181,7 @@ fn density(values: &[f64], whole: bool) -> Vec<Point> {
     let share = |(bin, count): (i64, u64)| {
         let (from, to) = (edge(bin as f64 - 0.5), edge(bin as f64 + 0.5));
         let width = if whole { (to.ceil() - from.ceil()).max(1.0) } else { to - from };
-        (edge(bin as f64), count as f64 / values.len() as f64 / width)
+        (edge(bin as f64), count as f64 / values.len() as f64 / width, count as f64)
     };
     bins.into_iter().map(share).collect()
 }
@@ -167,12 +201,8 @@ fn pairs<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = Point> + 'a {
     x.iter().copied().zip(y.iter().copied())
 }
 
-fn scatter(points: Vec<Point>) -> Plot {
-    Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(3.0))
-}
-
 fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
-    style::layout(x, y).with_tick_size(11).with_label_size(13)
+    style::layout(x, y).with_tick_size(11).with_label_size(13).with_force_margins(SIDES.0, SIDES.1)
 }
 
 fn logarithmic(x: (f64, f64), y: (f64, f64)) -> Layout {

@@ -76,6 +76,20 @@ pub fn errors(x: &[f64], y: &[f64], error: &[f64], color: &str) -> Vec<Plot> {
     points().zip(error).map(bar).chain([markers]).collect()
 }
 
+/// A bin of a histogram: its place, its density, and how many values are in it.
+pub type Counted = (f64, f64, f64);
+
+/// A histogram on logarithmic axes as points, with the standard errors √n of n counts, down to the lower end of the axis.
+pub fn counted(points: &[Counted], low: f64, color: &str) -> Vec<Plot> {
+    let bar = |&(x, density, count): &Counted| {
+        let error = density / count.sqrt();
+        line(vec![(x, (density - error).max(low)), (x, density + error)], color, 1.4, None)
+    };
+    let markers = ScatterPlot::new().with_data(points.iter().map(|&(x, density, _)| (x, density)));
+    let markers = Plot::Scatter(markers.with_color(color).with_size(3.0));
+    points.iter().map(bar).chain([markers]).collect()
+}
+
 /// The computed points of a smooth curve, if they can be told apart.
 pub fn computed(x: &[f64], y: &[f64], color: &str) -> Plot {
     const MOST: usize = 60;

@@ -63,12 +63,18 @@ fn second(outcome: &Outcome, thresholds: &[f64]) -> Option<Second> {
     }
     let top = style::headroom(highest);
     let mut plots = vec![line(curve(stretch, thresholds), RED, 1.8, Some(DOTS))];
-    let hazard = below(&curve(stretch, record.values("hazard")?), top);
+    let hazard = curve(stretch, record.values("hazard")?);
+    let cut = hazard.iter().any(|point| point.1 > top);
+    let hazard = below(&hazard, top);
     plots.extend(hazard.into_iter().map(|piece| line(piece, BLUE, 1.8, Some(DASHES))));
     plots.extend(stems(record, "threshold_atom", top, RED));
     let mut legend = vec![
         style::line("thresholds (right axis)", RED, Some(DOTS)),
-        style::line("hazard P(x) (right axis)", BLUE, Some(DASHES)),
+        style::line(
+            if cut { "hazard P(x) (right axis, up to the frame)" } else { "hazard P(x) (right axis)" },
+            BLUE,
+            Some(DASHES),
+        ),
     ];
     if record.get("threshold_atom_weight").is_some() {
         legend.push(style::marker("point mass, 1 = full height", RED, MarkerShape::Circle));

@@ -70,7 +70,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         let is_stable = stable[run.start] > 0.0;
         plots.push(line(points, if is_stable { BLUE } else { GREY }, 2.0, (!is_stable).then_some(DASHES)));
     }
-    let (low, high) = (0.0, style::headroom(style::range([drive]).1));
+    let (low, high) = style::range([drive]);
+    let (low, high) = style::heights(low, high);
     let layout = page
         .titled(style::layout((0.0, end), (low, high)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))

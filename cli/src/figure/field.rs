@@ -8,8 +8,11 @@ use kuva::render::plots::Plot;
 
 use super::style;
 
-/// Largest number of cells of a picture, each a rectangle of its own.
-const MOST: usize = 40_000;
+/// Largest number of cells of a picture.
+const MOST: usize = 300_000;
+
+/// Size of a cell over its room. Cells of size 1 would overlap.
+const WHOLE: f64 = 1.0 - 1e-9;
 
 /// A field, row by row, and the ranges that it covers.
 pub struct Field<'a> {
@@ -50,11 +53,12 @@ pub fn axes(x: (f64, f64), y: (f64, f64)) -> Layout {
 /// The colour scale as a panel of its own, and its axes.
 pub fn bar(scale: (f64, f64), colours: &ColorMap, label: &str) -> (Vec<Plot>, Layout) {
     const STEPS: usize = 128;
+    const ACROSS: (f64, f64) = (0.1, 0.9);
     let value = |i: usize| scale.0 + (scale.1 - scale.0) * i as f64 / (STEPS - 1) as f64;
     let data = (0..STEPS).map(|i| vec![value(i)]).collect();
-    let plot = Plot::Heatmap(heatmap(data, scale, colours, ((0.0, 1.0), scale)));
+    let plot = Plot::Heatmap(heatmap(data, scale, colours, (ACROSS, scale)));
     // No tick below it.
-    let layout = axes((0.1, 0.9), scale).with_x_tick_step(1.0);
+    let layout = axes(ACROSS, scale).with_x_tick_step(1.0);
     (vec![plot], layout.with_y_label(label).with_tick_size(11).with_label_size(13))
 }
 
@@ -78,7 +82,6 @@ fn heatmap(
         colours.map((value - scale.0) / (scale.1 - scale.0))
     };
     let mut heatmap = Heatmap::new().with_data(data).with_color_map(ColorMap::Custom(Arc::new(colour)));
-    // Cells overlap a little, so that no gaps are visible between them.
-    (heatmap.x_range, heatmap.y_range, heatmap.cell_size) = (Some(x), Some(y), 1.0);
+    (heatmap.x_range, heatmap.y_range, heatmap.cell_size) = (Some(x), Some(y), WHOLE);
     heatmap
 }

@@ -80,7 +80,7 @@ fn stacked(
     legend: Vec<LegendEntry>,
 ) -> Option<Scene> {
     let driven = outcome.record.get("slider_position").is_some();
-    let words = if driven { "Load-point displacement" } else { "Position of the slider" };
+    let words = if driven { "Load-point displacement X_T" } else { "Position X" };
     let label = style::axis(outcome, words, outcome.record.get("reading_position")?);
     let (plots, lowest) = panels.pop()?;
     panels.push((plots, lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)));

@@ -26,13 +26,18 @@ fn shade(digits: &str) -> Option<String> {
     if let Some((_, shade)) = known {
         return Some((*shade).to_owned());
     }
-    let part = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok().map(f64::from);
+    let part = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
     if digits.len() != 6 {
         return None;
     }
-    // ITU-R BT.601.
-    let luminance = 0.299 * part(0)? + 0.587 * part(2)? + 0.114 * part(4)?;
-    Some(format!("#{}", format!("{:02x}", luminance.round() as u8).repeat(3)))
+    let luminance = luminance([part(0)?, part(2)?, part(4)?]);
+    Some(format!("#{}", format!("{luminance:02x}").repeat(3)))
+}
+
+/// The luminance of a colour, by ITU-R BT.601.
+pub fn luminance(rgb: [u8; 3]) -> u8 {
+    let [red, green, blue] = rgb.map(f64::from);
+    (0.299 * red + 0.587 * green + 0.114 * blue).round() as u8
 }
 
 #[cfg(test)]

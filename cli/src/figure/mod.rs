@@ -2,6 +2,7 @@
 
 mod advance;
 mod catalogue;
+mod clip;
 mod corner;
 mod covariance;
 mod curve;
@@ -18,6 +19,7 @@ mod grey;
 mod hold_curve;
 mod potential;
 mod protocol;
+mod raster;
 mod sizes;
 mod slip;
 mod slip_rate;
@@ -40,7 +42,8 @@ use asperity::scenario::{Figure, FigureFormat};
 use asperity_runner::output::{Attachment, Outcome};
 use asperity_runner::sweep::Dataset;
 use kuva::render::render::Scene;
-use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use rayon::iter::ParallelIterator as _;
+use rayon::slice::ParallelSlice as _;
 
 pub use formats::check;
 pub use style::digits;
@@ -118,15 +121,24 @@ fn files(
     style: &Figure,
 ) -> Result<Vec<Attachment>, String> {
     let drawn: Vec<(String, String)> =
-        scenes.map(|(name, scene)| (name, formats::svg(&scene, title, style))).collect();
+        scenes.map(|(name, scene)| (name, formats::svg(scene, title, style))).collect();
     let files: Vec<_> =
         drawn.iter().flat_map(|picture| style.formats.iter().map(move |format| (picture, *format))).collect();
-    let convert = |((name, svg), format): (&(String, String), FigureFormat)| {
+    let convert = |((name, svg), format): &(&(String, String), FigureFormat), dots: &mut Vec<u8>| {
         let name = format!("{name}.{}", format.name());
-        let bytes = formats::converted(svg, format, style).map_err(|error| format!("{name}: {error}"))?;
-        Ok(Attachment { name, bytes })
+        let bytes = formats::converted(svg, *format, style, dots);
+        bytes
+            .map(|bytes| Attachment { name: name.clone(), bytes })
+            .map_err(|error| format!("{name}: {error}"))
     };
-    files.into_par_iter().map(convert).collect()
+    // Each thread draws in the same memory, as new memory takes longer than the drawing.
+    let share = files.len().div_ceil(rayon::current_num_threads()).max(1);
+    let shared = |files: &[_]| {
+        let mut dots = Vec::new();
+        files.iter().map(|file| convert(file, &mut dots)).collect::<Result<Vec<_>, _>>()
+    };
+    let drawn = files.par_chunks(share).map(shared).collect::<Result<Vec<_>, String>>()?;
+    Ok(drawn.into_iter().flatten().collect())
 }
 
 #[cfg(test)]

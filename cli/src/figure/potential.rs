@@ -1,4 +1,5 @@
-//! `potential`: the energy of slider and contacts against the position, before, at and after the first slip.
+//! `potential`: the energy of slider and contacts against the position, before, at and after the first slip, from that at
+//! the position X_1 at which the slip begins.
 //!
 //! The forces are those of the first loading, on which contacts re-form as they break. Slips by `reset` and `arrest` leave it.
 
@@ -20,18 +21,18 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (drives, position) = (record.values("potential_drive")?, record.values("branch_position")?);
     let shown = position.partition_point(|&x| x <= end);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
-    let mut heights: Vec<&[f64]> = Vec::new();
+    let mut heights: Vec<Vec<f64>> = Vec::new();
+    let row_at = |x: f64| position[..shown].partition_point(|&p| p < x).min(shown - 1);
+    let origin = row_at(slip.from);
     for ((row, drive), color) in drives.iter().enumerate().zip(COLORS) {
-        let height = &record.row("potential", row)?[..shown];
-        plots.push(line(curve(&position[..shown], height), color, 2.0, None));
+        let energy = &record.row("potential", row)?[..shown];
+        let height: Vec<f64> = energy.iter().map(|v| v - energy[origin]).collect();
+        plots.push(line(curve(&position[..shown], &height), color, 2.0, None));
         legend.push(style::line(format!("X_T = {}", style::digits(*drive)), color, None));
         heights.push(height);
     }
     let at_slip = heights.get(1)?;
-    let place = |x: f64| {
-        let row = position[..shown].partition_point(|&p| p < x).min(shown - 1);
-        (x, at_slip[row])
-    };
+    let place = |x: f64| (x, at_slip[row_at(x)]);
     for (x, color, shape, words) in [
         (slip.from, BLACK, MarkerShape::Circle, "loss of stability"),
         (slip.to, RED, MarkerShape::TriangleDown, "first rest"),
@@ -40,11 +41,15 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         plots.push(Plot::Scatter(marker.with_marker(shape)));
         legend.push(style::marker(words, color, shape));
     }
-    let (low, high) = style::range(heights);
+    let (low, high) = style::range(heights.iter().map(Vec::as_slice));
     let air = 0.05 * (high - low);
     let layout = page
         .titled(style::layout((0.0, end), (low - air, high + air)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
-        .with_y_label(style::axis(outcome, "Potential V(X_T, X), first loading", record.get("potential")?));
+        .with_y_label(style::axis(
+            outcome,
+            "Potential V(X) − V(X_1), first loading",
+            record.get("potential")?,
+        ));
     Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }

@@ -1,4 +1,4 @@
-//! `protocol`: velocity (top) and force (bottom) against time.
+//! `protocol`: velocity (top) and force (bottom) against time. A velocity that spans decades has a logarithmic axis.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
@@ -18,6 +18,12 @@ const MARGINS: (f64, f64) = (12.0, 24.0);
 const LABEL: f64 = 26.0;
 /// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 160;
+/// Ratio of the highest velocity to the lowest one above 0 from which on the axis is logarithmic, and the most that is shown.
+const DECADES: (f64, f64) = (1e2, 1e10);
+/// Velocities against the motion over the highest one that rounding may leave at rest.
+const BACKWARD: f64 = 1e-6;
+/// Most labels of an axis of velocities.
+const LABELS: usize = 4;
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     // A driven interface has pictures of its own.
@@ -52,17 +58,36 @@ fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
 fn velocity(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let (time, velocity) = (record.values("time")?, record.values("velocity")?);
-    let top = style::headroom(style::range([velocity]).1);
-    let plots = vec![line(thinned(steps(time, velocity)), GREEN, 1.8, None)];
-    let layout = style::layout((0.0, *time.last()?), (0.0, top))
+    let axis = decades(velocity);
+    let shown = |v: &f64| axis.map_or(*v, |(low, _)| v.max(UNSEEN * low));
+    let velocity: Vec<f64> = velocity.iter().map(shown).collect();
+    let plots = vec![line(thinned(steps(time, &velocity)), GREEN, 1.8, None)];
+    let (low, high) = style::range([velocity.as_slice()]);
+    let heights = axis.unwrap_or((1.08 * low.min(0.0), style::headroom(high)));
+    let layout = style::layout((0.0, *time.last()?), heights);
+    let layout = match axis {
+        Some(ends) => layout.with_log_y().with_y_tick_format(style::some_powers(ends, LABELS)),
+        None => layout.with_ticks(4),
+    };
+    let layout = layout
         .with_y_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
-        .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
         .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
         .with_label_size(13);
     Some((plots, layout))
 }
+
+/// The ends of a logarithmic axis, if velocities span decades. A slider at rest is below the lower one.
+fn decades(velocity: &[f64]) -> Option<(f64, f64)> {
+    let (lowest, highest) = style::range([velocity]);
+    let slowest = velocity.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
+    let spans = highest > DECADES.0 * slowest && lowest >= -BACKWARD * highest;
+    spans.then(|| style::decades(&[slowest.max(highest / DECADES.1), highest]))
+}
+
+/// A velocity below the axis, over its lower end: a line leaves the frame where the slider comes to rest.
+const UNSEEN: f64 = 0.1;
 
 /// The velocity as a curve that jumps at the beginning of a step: a point of the trace has the velocity after it.
 fn steps(time: &[f64], velocity: &[f64]) -> Vec<Point> {

@@ -1,11 +1,10 @@
-//! `sizes`: the number of events of the ensemble by the number of contacts that broke.
+//! `sizes`: the number of events of the ensemble by the number of contacts that broke, with the standard errors of counts.
 
 use asperity_runner::output::Outcome;
-use kuva::plot::{MarkerShape, ScatterPlot};
-use kuva::render::plots::Plot;
+use kuva::plot::MarkerShape;
 use kuva::render::render::Scene;
 
-use super::curve::line;
+use super::curve::{Counted, counted, line};
 use super::style::{self, GREY, ORANGE, Page, Plots};
 use super::ticks;
 
@@ -20,8 +19,8 @@ const SWEPT: f64 = -2.5;
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (sizes, events) = (record.values("size")?, record.values("size_events")?);
-    let points: Vec<(f64, f64)> =
-        sizes.iter().zip(events).map(|(&size, &count)| (size, count / whole_numbers(size))).collect();
+    let bin = |(&size, &count): (&f64, &f64)| (size, count / whole_numbers(size), count);
+    let points: Vec<Counted> = sizes.iter().zip(events).map(bin).collect();
     // Of two sizes nothing can be seen.
     if points.len() < FEWEST {
         return None;
@@ -29,12 +28,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let first = *points.first()?;
     let last = points.last()?.0;
     let (low, high) = (points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min), first.1);
-    let guide = vec![first, (last, first.1 * (last / first.0).powf(SWEPT))];
+    let guide = vec![(first.0, first.1), (last, first.1 * (last / first.0).powf(SWEPT))];
     let guide = clipped(guide, 0.5 * low);
-    let plots: Plots = vec![
-        line(guide, GREY, 1.4, Some(DASHES)),
-        Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(3.2)),
-    ];
+    let mut plots: Plots = vec![line(guide, GREY, 1.4, Some(DASHES))];
+    plots.extend(counted(&points, 0.5 * low, ORANGE));
     let legend = vec![
         style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle),
         style::line("slope −5/2: mean field, integrated up to instability", GREY, Some(DASHES)),

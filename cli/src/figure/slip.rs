@@ -17,7 +17,7 @@ const MARGINS: (f64, f64) = (12.0, 24.0);
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let rows = [
         panel(outcome, &[("slip_position", BLUE)], "Position X")?,
-        panel(outcome, &[("slip_velocity", GREEN)], "Velocity")?,
+        panel(outcome, &[("slip_velocity", GREEN)], "Velocity v")?,
         panel(outcome, &[("slip_force", BLUE), ("slip_spring_force", RED)], "Force")?,
     ];
     let (plots, mut layouts): (Vec<_>, Vec<_>) = rows.into_iter().unzip();

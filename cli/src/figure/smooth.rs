@@ -15,7 +15,7 @@ pub fn along_logarithm(x: &[f64], y: &[f64]) -> Vec<Point> {
 /// extrema only at computed points.
 ///
 /// Slopes at points are those of F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984).
-fn smooth(points: &[Point]) -> Vec<Point> {
+pub fn smooth(points: &[Point]) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
     }

@@ -75,16 +75,13 @@ fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, L
     let along = Advance::of(record)?;
     let (first, last) = style::range([along.points.values.as_slice()]);
     let rows = rows(&along, (first, last));
+    // A row shows the cells at one drive and is centred there: of the first and the last one half is seen.
+    let halves: Vec<usize> = rows.iter().flat_map(|&row| [row; 2]).collect();
+    let seen = if rows.len() > 1 { &halves[1..halves.len() - 1] } else { &halves };
     let values: Vec<f64> =
-        rows.iter().filter_map(|&row| record.row("cell_force", row)).flatten().copied().collect();
-    // A row shows the cells at one drive and is centred there.
-    let half = 0.5 * (last - first) / (rows.len().max(2) - 1) as f64;
-    let field = Field {
-        values: &values,
-        sides: [rows.len(), cells],
-        x: (0.0, cells as f64),
-        y: (first - half, last + half),
-    };
+        seen.iter().filter_map(|&row| record.row("cell_force", row)).flatten().copied().collect();
+    let field =
+        Field { values: &values, sides: [seen.len(), cells], x: (0.0, cells as f64), y: (first, last) };
     let mut plots = vec![field.plot(ends, &ColorMap::Viridis, 1)];
     plots.extend(spans(record, along.events, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
     let layout = panel((0.0, cells as f64), (first, last)).with_x_label("Cell").with_y_label(style::axis(
@@ -141,9 +138,10 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         side.sort_by(|a, b| a.1.total_cmp(&b.1));
         if let Some(&middle) = side.get(side.len() / 2).filter(|_| speed.is_finite()) {
             let at = |time: f64| (middle.0 + sign * speed * (time - middle.1), time);
-            let inside = |point: &Point| (0.0..=cells as f64).contains(&point.0);
-            let steps =
-                (0..=FINE).map(|i| at(window.0 + (window.1 - window.0) * f64::from(i) / f64::from(FINE)));
+            // From the epicentre on, while the front moves.
+            let beyond = |cell: f64| sign * (cell - epicentre) >= 0.0;
+            let inside = |point: &Point| (0.0..=cells as f64).contains(&point.0) && beyond(point.0);
+            let steps = (0..=FINE).map(|i| at(first + (last - first) * f64::from(i) / f64::from(FINE)));
             plots.push(line(steps.filter(inside).collect(), RED, 1.6, Some(DASHES)));
             let rounded = style::digits((1e3 * speed).round() / 1e3);
             words.push(format!("{rounded} cells per time to the {name}"));

@@ -1,4 +1,7 @@
 //! `stick_slip`, `hysteresis`, `creep`: force or position of a driven slider against the drive.
+//!
+//! The ensemble has points without error bars: it is one trajectory of its contacts, and each of its values is exact. Under a
+//! spring other ensembles slip at other drives, so that a scatter at one drive would say nothing of the curve between slips.
 
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::Outcome;

@@ -77,6 +77,8 @@ pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
         .with_x_axis_max(x.1)
         .with_y_axis_min(y.0)
         .with_y_axis_max(y.1)
+        .with_tick_format(TickFormat::Custom(Arc::new(number)))
+        .with_y2_tick_format(TickFormat::Custom(Arc::new(number)))
         .with_theme(theme)
         .with_label_size(LABELS as u32)
         .with_tick_size(13)
@@ -160,6 +162,29 @@ pub fn digits(value: f64) -> String {
     asperity_runner::output::shortest(rounded)
 }
 
+/// `value` with five digits as it is printed, a power of ten among them where it is very small or large.
+fn number(value: f64) -> String {
+    let digits = digits(value);
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        return digits;
+    }
+    let scientific = digits.parse().map_or(digits, |rounded: f64| format!("{rounded:e}"));
+    typeset_number(&scientific).unwrap_or(scientific)
+}
+
+/// A number as it is printed; `None` if the word is none that would change.
+pub fn typeset_number(word: &str) -> Option<String> {
+    word.parse::<f64>().ok().filter(|value| value.is_finite())?;
+    let Some((mantissa, exponent)) = word.split_once('e') else { return Some(word.replace('-', "−")) };
+    let mantissa = mantissa.replace('-', "−");
+    let power = power(exponent.parse().ok()?);
+    Some(match mantissa.as_str() {
+        "1" => power,
+        "−1" => format!("−{power}"),
+        _ => format!("{mantissa} × {power}"),
+    })
+}
+
 /// A value with its unit.
 pub fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { digits(value) } else { format!("{} {unit}", digits(value)) }
@@ -184,7 +209,7 @@ pub fn decades(values: &[f64]) -> (f64, f64) {
 }
 
 /// Minimum of an axis, relative to its maximum, above which 0 is not shown.
-const SMALL: f64 = 0.7;
+const SMALL: f64 = 0.5;
 
 /// The range of a vertical axis: from 0, unless the curves would then look flat.
 pub fn heights(low: f64, high: f64) -> (f64, f64) {
@@ -196,12 +221,22 @@ pub fn heights(low: f64, high: f64) -> (f64, f64) {
 }
 
 /// Ticks of a logarithmic axis: powers of ten; decimals on a short axis near 1, which has ticks between them.
-pub fn powers((low, high): (f64, f64)) -> TickFormat {
+pub fn powers(ends: (f64, f64)) -> TickFormat {
+    some_powers(ends, usize::MAX)
+}
+
+/// The same with labels at `most` powers of ten or fewer.
+pub fn some_powers((low, high): (f64, f64), most: usize) -> TickFormat {
     let short = high < SHORT * low && low > 1e-4 && high < 1e4;
+    let every = ((high / low).log10().floor() / most as f64).ceil().max(1.0);
     TickFormat::Custom(Arc::new(move |value: f64| {
         let exponent = value.log10();
         let whole = (exponent - exponent.round()).abs() < 1e-9;
-        if whole && !short { power(exponent.round() + 0.0) } else { digits(value) }
+        match whole && !short {
+            true if exponent.round() % every != 0.0 => String::new(),
+            true => power(exponent.round() + 0.0),
+            false => digits(value),
+        }
     }))
 }
 

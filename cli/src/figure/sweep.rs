@@ -25,7 +25,7 @@ const COLOURS: [&str; 6] = [GREEN, RED, GREY, BLUE, ORANGE, LIGHT];
 const NONE: &str = "#FFFFFF";
 /// Width of the panel of the colour scale, and the margins of the map.
 const BAR: f64 = 105.0;
-const MARGINS: (f64, f64) = (36.0, 56.0);
+const MARGINS: (f64, f64) = (12.0, 56.0);
 
 /// The pictures that can be drawn, each with its name.
 pub fn scenes(dataset: &Dataset, page: Page) -> Vec<(String, Scene)> {

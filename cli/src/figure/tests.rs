@@ -7,8 +7,6 @@ use asperity::task::summary::{
 };
 use asperity_runner::output::{Attachment, Outcome};
 
-use super::formats::renumbered;
-
 fn friction() -> Friction {
     Friction {
         static_friction: StaticFriction::Reached { force: 0.8, position: 0.5 },
@@ -86,13 +84,12 @@ fn svg(pictures: &[Attachment], name: &str) -> String {
     parts
 }
 
-/// The frames of the panels, to which curves are clipped: left, top, width, height.
+/// The frames of the panels, at which curves are cut: left, top, width, height.
 fn frames(svg: &str) -> Vec<[f64; 4]> {
-    let of = |part: &str, key: &str| -> f64 {
-        part.split(&format!("{key}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
-    };
-    let clips = svg.split("<clipPath").skip(1).map(|part| part.split("<rect").nth(1).unwrap());
-    clips.map(|part| ["x", "y", "width", "height"].map(|key| of(part, key))).collect()
+    assert!(!svg.contains("clip-path"));
+    let groups = svg.split("data-frame=\"").skip(1).map(|part| part.split('"').next().unwrap());
+    let numbers = groups.map(|frame| frame.split(' ').map(|number| number.parse().unwrap()));
+    numbers.map(|frame| frame.collect::<Vec<f64>>().try_into().unwrap()).collect()
 }
 
 #[test]
@@ -265,14 +262,6 @@ fn the_same_numbers_give_the_same_bytes() {
     assert_eq!(draw(&outcome()).unwrap(), draw(&outcome()).unwrap());
 }
 
-#[test]
-fn clip_paths_are_numbered_by_first_use() {
-    assert_eq!(
-        renumbered("a kuva-clip-7 b kuva-clip-12\" kuva-clip-7"),
-        "a kuva-clip-0 b kuva-clip-1\" kuva-clip-0"
-    );
-}
-
 /// An empty record, and the summary of a task in time.
 fn timed(numbers: impl Into<Numbers>) -> Outcome {
     let mut outcome = outcome();
@@ -428,16 +417,49 @@ fn an_interface_has_a_catalogue_and_maps() {
         assert!((map[2] / map[3] - 4.0 / 3.0).abs() < 1e-3, "{map:?}");
         assert!((map[1] - scale[1]).abs() + (map[3] - scale[3]).abs() < 1e-6, "{map:?} {scale:?}");
     }
-    assert!(svg(&pictures, "catalogue.svg").contains("Poisson process"));
+    let catalogue = svg(&pictures, "catalogue.svg");
+    assert!(catalogue.contains("Poisson process"));
+    // The points of both densities have error bars.
+    let lines = |svg: &str| svg.matches("stroke=\"#e69f00\"").count();
+    assert!(lines(&catalogue) >= 10, "{}", lines(&catalogue));
+    // A map is one image, and the colour scale is another.
+    let map = raw(&pictures, "stress_map.svg");
+    assert_eq!((map.matches("<image").count(), map.matches("href=\"data:image/png;base64,").count()), (3, 3));
     let mut none = lattice(40);
     if let Numbers::InterfaceDrive(InterfaceNumbers { catalogue }) = &mut none.summary.numbers {
         catalogue.mean_waiting = None;
     }
-    for alone in [none, lattice(5)] {
+    for (alone, has_density) in [(none, true), (lattice(5), false)] {
         let alone = draw(&alone).unwrap();
-        assert!(svg(&alone, "catalogue.svg").contains("Breaks in an event"));
-        assert!(!svg(&alone, "catalogue.svg").contains("Poisson process"));
+        let text = svg(&alone, "catalogue.svg");
+        assert!(text.contains("Breaks in an event") && !text.contains("Poisson process"));
+        assert_eq!(text.contains("Probability density"), has_density);
     }
+}
+
+/// The magnitudes of few events stand below the force, at their drives; without events the force is alone.
+#[test]
+fn few_events_are_drawn_along_the_drive() {
+    let pictures = draw(&lattice(5)).unwrap();
+    let [force, magnitudes] = frames(raw(&pictures, "catalogue.svg"))[..] else { panic!("two frames") };
+    assert_eq!([force[0], force[2]], [magnitudes[0], magnitudes[2]]);
+    assert_eq!(raw(&pictures, "catalogue.svg").matches("<circle").count(), 5 + 1);
+    assert_eq!(frames(raw(&draw(&lattice(0)).unwrap(), "catalogue.svg")).len(), 1);
+}
+
+/// Fields have the colours of their values where these are: rows go up.
+#[test]
+fn a_map_has_a_dot_for_each_cell() {
+    let pictures = draw(&lattice(5)).unwrap();
+    let map = raw(&pictures, "stress_map.svg");
+    let base64 = map.split("base64,").nth(1).unwrap().split('"').next().unwrap();
+    let bytes = base64::Engine::decode(&base64::prelude::BASE64_STANDARD, base64).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut dots = vec![0; 3 * 12];
+    let info = reader.next_frame(&mut dots).unwrap();
+    assert_eq!((info.width, info.height), (4, 3));
+    // The first value, the least of all, is at the lower left, in the darkest colour of the scale.
+    assert_eq!(dots[3 * 8..3 * 9], [0x44, 0x01, 0x54]);
 }
 
 #[test]
@@ -527,5 +549,45 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
         for word in words {
             assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
         }
+    }
+}
+
+/// A protocol with this velocity.
+fn moving(velocity: impl Fn(f64) -> f64) -> String {
+    let numbers = ProtocolNumbers { force_error: 1e-6, steps: Vec::new(), compare: None };
+    let mut outcome = timed(numbers);
+    let time: Vec<f64> = (0..100).map(f64::from).collect();
+    for (name, quantity, values) in [
+        ("velocity", Quantity::Velocity, time.iter().copied().map(velocity).collect()),
+        ("force", Quantity::Force, vec![0.5; 100]),
+        ("time", Quantity::Time, time),
+    ] {
+        outcome.record.push(name, name, quantity, &["point"], values);
+    }
+    svg(&draw(&outcome).unwrap(), "protocol.svg")
+}
+
+/// Slow creep, slow slip and rest are told from each other; the axis of a velocity of one size, or of both signs, is linear.
+#[test]
+fn a_velocity_over_decades_has_a_logarithmic_axis() {
+    let slow = moving(|t| if t < 50.0 { 1e-6 } else { 1e-2 });
+    for power in ["10⁻⁶", "10⁻⁴", "10⁻²"] {
+        assert!(slow.contains(power), "{power}");
+    }
+    // The two phases are four fifths of the panel apart or more.
+    let [top, height] = [1, 3].map(|i| frames(&slow)[0][i]);
+    let curve =
+        slow.split("data-frame").nth(1).unwrap().split(" d=\"").nth(1).unwrap().split('"').next().unwrap();
+    let heights: Vec<f64> = curve
+        .split(['M', 'L'])
+        .filter_map(|point| point.trim().split([' ', ',']).nth(1)?.parse().ok())
+        .collect();
+    let (high, low) = (heights[heights.len() - 1], heights[0]);
+    assert!(low - high > 0.8 * height && high > top, "{low} {high} {top} {height}");
+    // A slider that holds is below the axis.
+    let holds = moving(|t| [0.0, 1e-5, 1.0][(t as usize / 10) % 3]);
+    assert!(holds.contains("10⁻⁵") || holds.contains("10⁻⁴"));
+    for linear in [moving(|t| 1.0 + 0.01 * t), moving(|t| (0.1 * t).sin()), moving(|_| 0.0)] {
+        assert!(!linear.contains('⁻'), "a power of ten");
     }
 }

@@ -75,22 +75,9 @@ fn numbers(text: &str) -> String {
     text.split_inclusive(ends)
         .map(|word| {
             let (word, end) = word.split_at(word.trim_end_matches(ends).len());
-            typeset_number(word).unwrap_or_else(|| word.to_owned()) + end
+            style::typeset_number(word).unwrap_or_else(|| word.to_owned()) + end
         })
         .collect()
-}
-
-/// A number as it is printed; `None` if the word is none that would change.
-fn typeset_number(word: &str) -> Option<String> {
-    word.parse::<f64>().ok().filter(|value| value.is_finite())?;
-    let Some((mantissa, exponent)) = word.split_once('e') else { return Some(word.replace('-', "−")) };
-    let mantissa = mantissa.replace('-', "−");
-    let power = style::power(exponent.parse().ok()?);
-    Some(match mantissa.as_str() {
-        "1" => power,
-        "−1" => format!("−{power}"),
-        _ => format!("{mantissa} × {power}"),
-    })
 }
 
 /// The pieces of a text. A letter that stands alone is a symbol, but not after a number or in parentheses that follow a space:

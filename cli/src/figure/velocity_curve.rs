@@ -22,8 +22,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (low, high) = style::range([friction, record.values("ensemble_force").unwrap_or(&[])]);
     let (low, high) = style::heights(low, high);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
+    let mut forms = Vec::new();
     for row in 0..outcome.summary.numbers.limits().len() {
-        draw(outcome, velocity, row, high, &mut plots, &mut legend);
+        forms.extend(draw(outcome, velocity, row, (low, high), &mut plots, &mut legend));
     }
     if record.get("ensemble_force").is_some() {
         let color = if outcome.summary.numbers.limits().len() > 1 { GREY } else { ORANGE };
@@ -34,7 +35,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         ("creep_friction", DASHES, "slow creep, closed form"),
         ("viscous_friction", DOTS, "viscous flow, closed form"),
     ] {
-        if record.get(name).is_some() {
+        if forms.contains(&name) {
             legend.push(style::line(words, GREY, Some(dashes)));
         }
     }
@@ -47,24 +48,28 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     Some(ticks::panel(plots, style::legend_below(layout, legend)))
 }
 
-/// The curve of one temperature, with its ensemble and closed forms.
+/// The curve of one temperature, with its ensemble and closed forms; the names of those that are in the picture.
 fn draw(
     outcome: &Outcome,
     velocity: &[f64],
     row: usize,
-    top: f64,
+    (bottom, top): (f64, f64),
     plots: &mut Plots,
     legend: &mut Vec<LegendEntry>,
-) {
+) -> Vec<&'static str> {
     let record = &outcome.record;
+    let mut forms = Vec::new();
     let color = COLORS[row % COLORS.len()];
     for (name, dashes) in [("creep_friction", DASHES), ("viscous_friction", DOTS)] {
         let Some(values) = part(record, name, velocity.len(), row) else { continue };
         for piece in below(&along_logarithm(velocity, values), top) {
-            plots.push(line(piece, color, 1.4, Some(dashes)));
+            if piece.iter().any(|point| point.1 > bottom) {
+                plots.push(line(piece, color, 1.4, Some(dashes)));
+                forms.push(name);
+            }
         }
     }
-    let Some(friction) = part(record, "kinetic_friction", velocity.len(), row) else { return };
+    let Some(friction) = part(record, "kinetic_friction", velocity.len(), row) else { return forms };
     plots.push(line(along_logarithm(velocity, friction), color, 2.0, None));
     // An ensemble has its markers at the same velocities.
     if record.get("ensemble_force").is_none() {
@@ -77,6 +82,7 @@ fn draw(
         let color = if outcome.summary.numbers.limits().len() > 1 { color } else { ORANGE };
         plots.extend(errors(velocity, force, error, color));
     }
+    forms
 }
 
 /// The label of the curve of a row.

@@ -19,7 +19,6 @@ mod rules;
 mod scenario;
 mod verdict;
 
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use campaign::{Count, Task};
@@ -38,9 +37,7 @@ const FIRST_BOTH: u64 = 2_000_000;
 const FIRST_FUZZ: u64 = 10_000_000;
 
 fn schema() -> Schema {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_asperity")).arg("schema").output().expect("the program runs");
-    Schema::new(&String::from_utf8(output.stdout).expect("text"))
+    Schema::of_types()
 }
 
 /// A number in the environment.

@@ -69,9 +69,9 @@ impl Case {
 pub struct Schema(Json);
 
 impl Schema {
-    /// Reads what `asperity schema` prints.
-    pub fn new(text: &str) -> Self {
-        Self(serde_json::from_str(text).expect("the schema is JSON"))
+    /// That of the types of scenarios.
+    pub fn of_types() -> Self {
+        Self(asperity_runner::input::schema())
     }
 
     /// Adds a key that is true or false to a table.

@@ -3,6 +3,7 @@
 mod deserialise;
 mod diagnostic;
 mod document;
+mod editor_schema;
 mod overrides;
 mod schema;
 mod sweep;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use deserialise::nearest;
 pub use diagnostic::{Diagnostic, Mark, Source};
+pub use editor_schema::editor_schema;
 pub use schema::schema;
 pub(crate) use sweep::{Cases, Choice};
 

@@ -1,4 +1,4 @@
-//! The JSON Schema of scenarios: that of their types, with the rules between tables, in the form that editors expect.
+//! The JSON Schema of scenarios: that of their types, with the rules between tables.
 
 use asperity::scenario::Scenario;
 use serde_json::{Map, Value, json};
@@ -6,13 +6,13 @@ use serde_json::{Map, Value, json};
 /// Identifies the schema; no address.
 const ID: &str = concat!("urn:asperity:scenario:", env!("CARGO_PKG_VERSION"));
 
-/// The JSON Schema of scenarios.
-pub fn schema() -> String {
+/// The JSON Schema of scenarios, with alternatives as their types have them, for programs that read it.
+pub fn schema() -> Value {
     let mut schema = schemars::schema_for!(Scenario);
     schema.insert("$id".into(), ID.into());
     schema.insert("allOf".into(), combinations().into());
     without_null(schema.as_object_mut().expect("the schema of a table"));
-    serde_json::to_string_pretty(&schema).expect("a schema is JSON")
+    schema.to_value()
 }
 
 /// What the checks of the core refuse of tables and keys that are valid by themselves.
@@ -51,7 +51,7 @@ fn combinations() -> Vec<Value> {
             any(["protocol", "protocol_file", "hold_curve"].map(key)),
         ),
         implies(key("drive.maps"), key("interface")),
-        implies(key("compare"), any(["pull", "protocol", "protocol_file"].map(key))),
+        refuses(not(any(["pull", "protocol", "protocol_file"].map(key))), key("compare")),
         never("compare", any(["block", "interface"].map(key))),
         never("drive.force_to", any([key("block"), key("interface"), timed.clone()])),
         never("drive.turning_points", key("interface")),
@@ -64,14 +64,13 @@ fn combinations() -> Vec<Value> {
             having("stability.velocities", json!({ "minItems": 1 })),
         ),
         implies(
-            all([timed.clone(), key("interface"), not(mass.clone())]),
+            all([timed.clone(), key("interface"), not(mass.clone()), not(single.clone())]),
             all([key("interface.viscosity"), having("interface.slip", json!({ "const": "overdamped" }))]),
         ),
-        implies(
-            all([key("interface"), any(["protocol", "protocol_file"].map(key))]),
-            any([timed.clone(), mass.clone()]),
+        refuses(
+            all([key("interface"), not(any([timed.clone(), mass.clone()]))]),
+            any(["protocol", "protocol_file", "interface.slip_rates"].map(key)),
         ),
-        implies(key("interface.slip_rates"), any([timed.clone(), mass.clone()])),
         // Cells with a mass move in time.
         implies(all([mass.clone(), key("drive")]), key("drive.velocity")),
         refuses(mass.clone(), any([key("interface.slip"), key("renormalisation")])),
@@ -118,7 +117,11 @@ fn combinations() -> Vec<Value> {
             any(["interface.disorder.file", "interface.disorder.scale"].map(key)),
         ),
         implies(
-            all([key("renormalisation"), not(having("interface.contacts", json!({ "const": "one" })))]),
+            all([
+                key("renormalisation"),
+                key("interface"),
+                not(having("interface.contacts", json!({ "const": "one" }))),
+            ]),
             all([key("interface.disorder.std"), not(key("ensemble"))]),
         ),
         implies(
@@ -166,7 +169,7 @@ fn combinations() -> Vec<Value> {
             ),
         ),
         refuses(having("pull.start", json!({ "const": "steady" })), timed.clone()),
-        not(key("contacts.ageing.smoluchowski.mature.point")),
+        without(&key("contacts.ageing.smoluchowski.mature.point")),
         refuses(steady, any([key("initial"), quenched.clone()])),
         refuses(key("spectrum"), quenched),
         // What a fit is given.
@@ -234,7 +237,20 @@ fn implies(condition: Value, then: Value) -> Value {
 }
 
 fn refuses(condition: Value, other: Value) -> Value {
-    implies(condition, not(other))
+    implies(condition, without(&other))
+}
+
+/// A schema of what a schema does not describe. It is wrong at the key that is there, where this is one or one of several.
+fn without(schema: &Value) -> Value {
+    if let Some(several) = schema["anyOf"].as_array() {
+        return json!({ "allOf": several.iter().map(without).collect::<Vec<_>>() });
+    }
+    let having = schema["required"].as_array().zip(schema["properties"].as_object());
+    match having.and_then(|(_, properties)| properties.iter().next()) {
+        Some((first, value)) if value == &json!({}) => json!({ "properties": { first: false } }),
+        Some((first, value)) => json!({ "properties": { first: without(value) } }),
+        None => not(schema.clone()),
+    }
 }
 
 fn never(table: &str, other: Value) -> Value {
