@@ -16,7 +16,7 @@ use super::verdict;
 const LIMITS: Limits = Limits { seconds: 180, bytes: 500_000_000 + (4 << 26) };
 
 /// What takes longer is stopped; the first line of a log comes after ten seconds, and lives at a velocity tell no progress.
-const STOPPED: &str = "--max-time=60s";
+const STOPPED: &str = "--max-time=30s";
 
 /// Seconds of the processor after which a run must know when it will be done.
 const TELLS: f64 = 20.0;
@@ -156,7 +156,7 @@ impl Combination {
         if matches!(run.ended.code(), Some(1 | 2)) && !names_a_key(&run.ended.errors) {
             failures.push(format!("no key is named: {}", run.ended.errors.trim()));
         }
-        // On a busy machine a minute may be too little to tell.
+        // On a busy machine half a minute may be too little to tell.
         if run.ended.code() == Some(130) && run.ended.seconds > TELLS && !is_soon_done(&run.ended.errors) {
             failures.push(format!("when it would be done: {}", run.ended.errors.trim()));
         }
