@@ -128,6 +128,25 @@ fn an_interruption_changes_nothing_that_follows() {
     assert_eq!(slider.state(), whole.state());
 }
 
+/// The step in which a slip ends is the last one before the stop, whose drive is that asked for, without rounding.
+#[test]
+fn a_slip_may_end_where_the_load_point_stops() {
+    let [contacts, _] = moved();
+    let mut ended_there = 0;
+    // Drives and velocities whose quotients and products are rounded, so that the last time times the velocity is not the drive.
+    for (i, velocity) in [0.1, 0.07, 0.13, 0.03].into_iter().enumerate() {
+        let mut whole = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+        whole.next(4.0, velocity).unwrap().expect("the first slip");
+        let end = whole.moment().drive + 1e-4 * i as f64;
+        let mut slider = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+        while slider.next(end, velocity).unwrap().is_some() {
+            ended_there += usize::from(slider.moment().drive == end);
+        }
+        assert_eq!(slider.moment().drive, end);
+    }
+    assert!(ended_there > 0, "no slip ended at a stop");
+}
+
 #[test]
 fn wrong_motions_are_refused_and_change_nothing() {
     let [contacts, others] = moved();

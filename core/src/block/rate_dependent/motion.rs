@@ -116,7 +116,8 @@ impl BlockMotion {
         let segment = self.slider.segment;
         let end = segment.time + (drive - segment.drive) / velocity;
         let slip = self.follow(end, monitor)?;
-        if slip.is_none() {
+        // A slip may end in the last step, too.
+        if self.slider.motion.time >= end {
             self.slider.motion.drive = drive;
             self.slider.begin_segment();
         }
