@@ -120,6 +120,8 @@ impl MovedInTime for BlockInTime {
 /// Time-dependent contacts under a rigid slider, which moves at a velocity.
 pub struct ContactsInTime {
     contacts: Box<dyn RateDependentContacts>,
+    /// The drive that was asked for last, from which the position of the contacts differs by rounding.
+    drive: f64,
     velocity: f64,
     /// Whether the slider is held.
     held: bool,
@@ -132,7 +134,7 @@ impl ContactsInTime {
     /// A velocity that is not above 0.
     pub fn new(contacts: Box<dyn RateDependentContacts>, velocity: f64) -> Result<Self> {
         let held = contacts.steady_velocity().is_none();
-        Ok(Self { contacts, velocity: checked(velocity)?, held })
+        Ok(Self { drive: contacts.position(), contacts, velocity: checked(velocity)?, held })
     }
 
     /// Moves by a displacement in a time; after an error the contacts are where they were.
@@ -152,7 +154,7 @@ impl Simulated for ContactsInTime {
     }
 
     fn drive(&self) -> f64 {
-        self.contacts.position()
+        self.drive
     }
 
     fn time(&self) -> f64 {
@@ -168,7 +170,7 @@ impl Simulated for ContactsInTime {
     }
 
     fn positions(&self) -> Option<Vec<f64>> {
-        Some(vec![self.contacts.position()])
+        Some(vec![self.drive])
     }
 
     /// The work of a rigid slider is not integrated.
@@ -196,8 +198,10 @@ impl Simulated for ContactsInTime {
     }
 
     fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let by = until - self.drive();
-        self.step(by, by / self.velocity, monitor)
+        let by = (until - self.contacts.position()).max(0.0);
+        self.step(by, by / self.velocity, monitor)?;
+        self.drive = until;
+        Ok(())
     }
 
     fn in_time(&mut self) -> Option<&mut dyn MovedInTime> {
@@ -205,14 +209,14 @@ impl Simulated for ContactsInTime {
     }
 
     fn write_state(&self, into: &mut Vec<u8>) {
-        write(&(self.held, self.contacts.state()), into);
+        write(&(self.drive, self.held, self.contacts.state()), into);
     }
 
     fn restore_state(&mut self, from: &[u8], _: &mut dyn Monitor) -> Result<()> {
-        let (held, state): (bool, ContactsState) = read(&mut &*from)?;
+        let (drive, held, state): (f64, bool, ContactsState) = read(&mut &*from)?;
         let mut contacts = self.contacts.copy();
         contacts.restore(&state)?;
-        (self.contacts, self.held) = (contacts, held);
+        (self.contacts, self.drive, self.held) = (contacts, drive, held);
         Ok(())
     }
 }

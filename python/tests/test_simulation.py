@@ -140,6 +140,13 @@ def test_contacts_in_time_have_the_force_of_a_protocol(model: asp.Transport | as
         simulation.advance(2.0)
     forces.append(simulation.force)
     assert simulation.velocities == [1.0]
+    # Stops are exact, although the contacts are moved by rounded steps.
+    for stop in np.linspace(2.0, 2.1, 23)[1:]:
+        simulation.advance(stop)
+        simulation.advance(stop)
+        assert simulation.drive == stop
+    simulation.restore(state)
+    simulation.advance(2.0)
     assert simulation.time == pytest.approx(35.5, rel=1e-12)
     steps = [asp.Step(0.1, distance=0.5, points=2), asp.Step(0.1, distance=1.0, points=2)]
     steps += [asp.Step(hold=20.0, points=2), asp.Step(1.0, distance=0.5, points=2)]
