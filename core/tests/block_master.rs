@@ -5,6 +5,7 @@ mod common;
 use asperity::block::{Regime, Slip, StickSlip, critical_stiffness};
 use asperity::exact::{ClosedForm as _, Rectangular};
 use asperity::master::MasterPopulation;
+use asperity::population::Population as _;
 use common::pulled::{UNDAMPED, near, pull};
 use common::{gaussian, master, point, rectangular};
 
@@ -37,6 +38,17 @@ fn first_slips_are_those_of_the_table() {
     }
     // Digits printed.
     near(pull(&mut relaxed(0.1, 1e-11), 1.0, Slip::Overdamped, &[2.0]).events[0].energy.slip, 0.07085, 5e-6);
+}
+
+#[test]
+fn contacts_without_stretch_carry_no_force_at_the_start() {
+    // Exactly: of rounding in polynomials nothing is told.
+    for std in [0.05, 0.1, 0.3] {
+        assert_eq!(relaxed(std, 1e-11).ahead(0.0).force, 0.0);
+        let relaxed = point(0.0);
+        let pull = master(&gaussian(1.0, std), &relaxed, &relaxed).pull(2.0).unwrap();
+        assert_eq!([pull.force(0.0), pull.slope(0.0).round()], [0.0, 1.0]);
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -53,8 +53,10 @@ def test_cases_are_single_runs() -> None:
 
 # Newer versions of Python warn of forks where there are threads.
 @pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
-@pytest.mark.parametrize("executor", [ThreadPoolExecutor, ProcessPoolExecutor])
+@pytest.mark.parametrize("executor", [ThreadPoolExecutor, ProcessPoolExecutor, "loky"])
 def test_executors_find_the_same(executor: Any) -> None:
+    if executor == "loky":
+        executor = pytest.importorskip("loky").ProcessPoolExecutor
     expected = swept()
     with executor(2) as pool:
         assert swept(executor=pool).identical(expected)
@@ -241,6 +243,32 @@ def test_a_dask_cluster_finds_the_same_though_a_worker_is_killed(tmp_path: Path)
         )
         killer.join()
     assert data.identical(expected)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no wheel holds the MPI library of Windows")
+def test_the_script_of_the_page_finds_the_same_with_mpi(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    pytest.importorskip("mpi4py")
+    page = (ROOT / "docs/how-to/cluster.md").read_text(encoding="utf-8")
+    (script,) = (block for block in page.split("```") if "MPIPoolExecutor" in block)
+    (tmp_path / "sweep.py").write_text(script.removeprefix("text\n"), encoding="utf-8")
+    keep = 'keep = ["kinetic_friction", { variable = "force", at = [0.55, 1.0] }]'
+    over = 'over = { "contacts.count" = [1.0, 10.0], "contacts.thresholds.gaussian.std" = [0.1, 0.2, 0.3] }'
+    (tmp_path / "map.toml").write_text(f"{TEXT}[sweep]\n{keep}\n{over}\n", encoding="utf-8")
+    expected = asp.sweep(tmp_path / "map.toml")
+    # One process sends cases, and two compute them.
+    start = [str(Path(sys.executable).with_name("mpiexec")), "-n", "3", sys.executable]
+    subprocess.run([*start, "-m", "mpi4py.futures", "sweep.py"], check=True, cwd=tmp_path, timeout=120)
+    # The folder holds all of the cases: nothing is computed again.
+    pool = Unused()
+    assert asp.sweep(tmp_path / "map.toml", executor=pool, folder=tmp_path / "map").identical(expected)
+
+
+class Unused(Executor):
+    """An executor to which nothing may be sent."""
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        raise AssertionError("a case is computed again")
 
 
 def test_functions_that_differ_in_anything_are_not_taken_for_each_other(tmp_path: Path) -> None:

@@ -149,6 +149,12 @@ impl Life {
         }
     }
 
+    /// Whether all contacts are unstretched at u = 0, so that they carry no force, also without rounding.
+    pub(crate) fn starts_unstretched(&self) -> bool {
+        let layers = self.layers();
+        !layers.is_empty() && layers.iter().all(|layer| layer.range() == Some((0.0, 0.0)))
+    }
+
     /// The layer formed by `births` until now, if each contact starts as those of this life.
     pub(crate) fn born(&self, births: &Births) -> Layer {
         self.layers().first().map_or_else(Layer::default, |starts| births.layer(starts))

@@ -165,7 +165,9 @@ impl LoadingBranch {
 
     /// Force and slope at u, from the polynomials of a cell.
     pub(super) fn response(&self, u: f64, cell: usize) -> (f64, f64) {
-        (at(self.force(), u, cell), at(self.slope(), u, cell))
+        let force =
+            if u == 0.0 && self.first().starts_unstretched() { 0.0 } else { at(self.force(), u, cell) };
+        (force, at(self.slope(), u, cell))
     }
 
     /// The force: a polynomial on each of its cells.

@@ -67,6 +67,9 @@ impl Pull {
 
     /// F(X), after the break if contacts break simultaneously at X.
     pub fn force(&self, position: f64) -> f64 {
+        if position == 0.0 && self.renewal.first.starts_unstretched() {
+            return 0.0;
+        }
         self.stiffness * at(&self.renewal.force, position)
     }
 
