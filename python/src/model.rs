@@ -1,5 +1,7 @@
 //! The common part of all models: contacts and their initial state.
 
+use std::ffi::CString;
+
 use asperity::block::{self, Loading, Slip};
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
@@ -7,6 +9,7 @@ use asperity::rate_dependent::RateDependentContacts;
 use asperity::scenario::TaskStart;
 use asperity::task;
 use asperity::{Error, Result, ensemble, master, scenario};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -53,12 +56,27 @@ fn starting(contacts: &Bound<'_, Contacts>, initial: Option<AnyLaw>, start: Task
 pub fn built(
     Interface { contacts, initial, start }: &Interface,
 ) -> Result<(asperity::contacts::Contacts, asperity::contacts::Initial)> {
+    warn_of_left_out(contacts, initial, *start);
     let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
     if *start == TaskStart::Steady && contacts.rules.are_time_dependent() {
         let expected = "conditional or relaxed for time-dependent contacts (a Transport starts in steady sliding at a velocity)";
         return Err(Error::invalid("start", expected, "steady"));
     }
     Ok((contacts, initial))
+}
+
+/// Warns of stretches beyond the thresholds, which models leave out.
+pub fn warn_of_left_out(contacts: &scenario::Contacts, initial: &scenario::Law, start: TaskStart) {
+    for warning in scenario::left_out(contacts, initial, start) {
+        Python::attach(|py| {
+            let category = py.get_type::<PyUserWarning>();
+            let text = CString::new(warning).unwrap_or_default();
+            // Where warnings are errors, the model is made all the same: its numbers are right.
+            if let Err(error) = PyErr::warn(py, &category, &text, 1) {
+                error.write_unraisable(py, None);
+            }
+        });
+    }
 }
 
 /// The arguments for [`interface`].

@@ -15,7 +15,7 @@ use crate::description::{Description, Interface, Plain, Solved};
 use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::Model;
-use crate::model::{built, interface, interface_arguments, steady_interface};
+use crate::model::{built, interface, interface_arguments, steady_interface, warn_of_left_out};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::watch::watched;
@@ -302,6 +302,7 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> asperity::Result<Self> {
         let refused = |expected, found: &str| Err(Error::invalid("velocity", expected, found));
+        warn_of_left_out(contacts, initial, *start);
         let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
         let tolerance = own.tolerance_in_time(&contacts.rules);
         let transport = match (start, velocity) {

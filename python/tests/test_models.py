@@ -1,5 +1,6 @@
 """The models: numbers of the theory, agreement of one with the other and with closed forms."""
 
+import math
 import sys
 from collections.abc import Callable, Mapping
 
@@ -254,3 +255,15 @@ def test_pictures(pull: asp.Pull) -> None:
     sample = asp.Ensemble(FIGURE_2.contacts, size=10).pull(5.0, 11)
     assert sample.plot(axes) is axes
     assert len(axes.lines) == 4
+
+
+def test_stretches_beyond_the_thresholds_are_left_out_with_a_warning() -> None:
+    contacts = asp.Contacts(asp.Delta(1.0), asp.Exponential(0.5))
+    with pytest.warns(UserWarning, match=r"contacts\.reforming: a share of 1\.353e-1 is left out"):
+        model = asp.MasterEquation(contacts)
+    # ⟨1 − r²⟩/(2⟨1 − r⟩) over the r < 1 of an exponential distribution.
+    q = 1.0 / math.expm1(2.0)
+    # The accuracy of lives, 1e-13 per mean life.
+    assert abs(model.steady_state().kinetic_friction - 0.5 * (0.5 + 2.0 * q) / (0.5 + q)) < 1e-12
+    with pytest.raises(ValueError, match="reforming"):
+        asp.MasterEquation(asp.Contacts(asp.Delta(1.0), asp.Exponential(2.0)))

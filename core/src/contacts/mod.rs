@@ -20,7 +20,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::law::{Law, Point, SharedLaw, Zone};
+use crate::law::{Law, Point, SharedLaw, Truncated, Zone};
 use crate::{Error, Result};
 
 /// The contacts of an interface.
@@ -200,6 +200,31 @@ impl Contacts {
         self.thresholds.upper_quantile(HELD)
     }
 
+    /// These contacts and their start, with stretches beyond the thresholds left out: both distributions are conditioned on
+    /// stretches at which one contact in 1e9 still holds ([`Truncated`]). Contacts that may break at once
+    /// ([`Start::Relaxed`]) are all kept. Of a distribution that is mostly beyond the thresholds nothing is left out, and
+    /// [`Self::check`] refuses it.
+    pub fn truncated(&self, initial: &Initial) -> (Self, Initial) {
+        let highest = self.highest_start();
+        let within = |law: &SharedLaw| match beyond(law.as_ref(), highest) {
+            Some(_) => Truncated::new(law.clone(), highest).map_or(law.clone(), |law| Arc::new(law)),
+            None => law.clone(),
+        };
+        let reforming = within(&self.reforming);
+        let held = initial.start == Start::Conditional;
+        let law = if held { within(&initial.law) } else { initial.law.clone() };
+        (Self { reforming, ..self.clone() }, Initial { law, ..*initial })
+    }
+
+    /// The shares of re-formed and of initial contacts that [`Self::truncated`] leaves out, with the argument that gives them,
+    /// and the stretch from which on they are left out.
+    pub fn left_out(&self, initial: &Initial) -> Vec<(&'static str, f64, f64)> {
+        let highest = self.highest_start();
+        let held = (initial.start == Start::Conditional).then_some(("initial", &initial.law));
+        let laws = [("reforming", &self.reforming)].into_iter().chain(held);
+        laws.filter_map(|(key, law)| Some((key, beyond(law.as_ref(), highest)?, highest))).collect()
+    }
+
     fn survives(&self, key: &str, stretches: &dyn Law) -> Result<()> {
         let top = self.highest_start();
         let share = stretches.survival(top.next_down());
@@ -210,10 +235,16 @@ impl Contacts {
         let expected = if highest.is_finite() {
             format!("stretches below the highest threshold {highest}, where contacts still hold")
         } else {
-            format!("stretches below {top:.6}, where one contact in {:e} still holds", 1.0 / HELD)
+            format!("stretches below {top:.6}, where one contact in 1e9 still holds")
         };
         Err(Error::invalid(key, expected, format!("a share {share} of the contacts at or above it")))
     }
+}
+
+/// The share of stretches at `highest` or above, if it is neither negligible nor more than half.
+fn beyond(stretches: &dyn Law, highest: f64) -> Option<f64> {
+    let share = stretches.survival(highest.next_down());
+    (share > NEGLIGIBLE && share <= 0.5).then_some(share)
 }
 
 fn resolved(key: &str, law: &dyn Law) -> Result<()> {

@@ -35,6 +35,7 @@ mod scattered;
 mod series;
 mod size_biased;
 mod tabulated;
+mod truncated;
 mod weibull;
 mod ziggurat;
 
@@ -59,6 +60,7 @@ pub use scattered::scattered;
 pub use series::Series;
 pub(crate) use size_biased::SizeBiased;
 pub use tabulated::Tabulated;
+pub use truncated::Truncated;
 pub use weibull::Weibull;
 
 pub use crate::numerics::breakpoints::{Atom, Breakpoint};

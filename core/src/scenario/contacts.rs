@@ -69,7 +69,8 @@ pub struct Contacts {
     /// Contacts described by their areas, instead of `thresholds` and stiffnesses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub areas: Option<Areas>,
-    /// Distribution R of the stretches at which contacts re-form.
+    /// Distribution R of the stretches at which contacts re-form. Stretches beyond the thresholds are left out, at most half of
+    /// them, and their share is told.
     pub reforming: Law,
     /// Thermally activated breaking below the thresholds; without this table there is none.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -313,6 +313,12 @@ impl Fit {
     /// Those of [`MasterEquation::new`] and [`MasterEquation::at`].
     pub(super) fn equation(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<MasterEquation> {
         let Model { contacts, initial, .. } = model;
+        for (key, law) in [("contacts.reforming", &contacts.reforming), ("initial", &initial.law)] {
+            if law.name() == "truncated" {
+                let expected = "stretches at which contacts hold: the share that is left out changes with the thresholds";
+                return Err(Error::invalid(key, expected, "stretches beyond the thresholds"));
+            }
+        }
         match self.velocity {
             Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, monitor),
             None => MasterEquation::new_with(contacts.clone(), initial, monitor),

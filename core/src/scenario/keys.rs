@@ -45,7 +45,7 @@ impl Error {
 }
 
 /// The key for an argument or a part of one.
-fn key_of(argument: &str) -> Option<String> {
+pub(super) fn key_of(argument: &str) -> Option<String> {
     KEYS.iter().find_map(|(name, key)| {
         let part = argument.strip_prefix(name)?;
         (part.is_empty() || part.starts_with('.')).then(|| format!("{key}{part}"))

@@ -117,7 +117,8 @@ pub struct Scenario {
     pub title: String,
     /// The contacts of the interface.
     pub contacts: Contacts,
-    /// Distribution Q_ini of the stretches at X = 0.
+    /// Distribution Q_ini of the stretches at X = 0. Where these contacts hold (`"conditional"`), stretches beyond the thresholds
+    /// are left out as those of `contacts.reforming` are.
     #[serde(default = "Law::zero")]
     pub initial: Law,
     /// A task: the base of the slider is moved from X = 0.
@@ -266,7 +267,8 @@ impl Scenario {
     }
 }
 
-/// The contacts that `contacts` describes, and their initial state.
+/// The contacts that `contacts` describes, and their initial state; stretches beyond the thresholds are left out
+/// ([`crate::contacts::Contacts::truncated`]).
 ///
 /// # Errors
 /// The first invalid value, with its full path.
@@ -277,8 +279,22 @@ pub fn build_contacts(
 ) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
     let contacts = contacts.build().map_err(|e| e.under("contacts"))?;
     let initial = start.build(&contacts, initial).map_err(|e| e.under("initial"))?;
+    let (contacts, initial) = contacts.truncated(&initial);
     contacts.check(&initial).map_err(Error::of_scenario)?;
     Ok((contacts, initial))
+}
+
+/// What [`build_contacts`] leaves out: a sentence for each distribution, with its key.
+pub fn left_out(contacts: &Contacts, initial: &Law, start: TaskStart) -> Vec<String> {
+    let Ok(contacts) = contacts.build() else { return Vec::new() };
+    let Ok(initial) = start.build(&contacts, initial) else { return Vec::new() };
+    let told = |(argument, share, highest): (&str, f64, f64)| {
+        let key = keys::key_of(argument).unwrap_or_else(|| argument.into());
+        format!(
+            "{key}: a share of {share:.3e} is left out, stretches from {highest:.6} on, where no contact holds"
+        )
+    };
+    contacts.left_out(&initial).into_iter().map(told).collect()
 }
 
 /// `value` if it is finite and above 0.

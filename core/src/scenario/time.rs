@@ -1,6 +1,6 @@
 //! Checks of tasks with time-dependent contacts.
 
-use super::{Model, Scenario, Task, VelocityCurve};
+use super::{Model, Scenario, Task, VelocityCurve, left_out};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
@@ -88,6 +88,8 @@ impl Scenario {
                 warnings.push("velocity_curve: nothing in [contacts] depends on time: friction is the same at all velocities".into());
             }
         }
+        let start = self.task().map(|task| task.start()).unwrap_or_default();
+        warnings.extend(left_out(&self.contacts, &self.initial, start));
         warnings.extend(self.without_effect(&contacts));
         warnings
     }
