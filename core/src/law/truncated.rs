@@ -13,7 +13,7 @@ use crate::{Error, Result};
 /// A distribution P conditioned on ξ < b: density p(x)/P(ξ < b) for x < b, and 0 above.
 ///
 /// S(x) = (P(ξ > x) − P(ξ ≥ b))/P(ξ < b), with an error of 1e-16/P(ξ < b) and no better relative to S close to b. Its parameters
-/// are those of P.
+/// are those of P, and derivatives by them leave b as it is.
 #[derive(Debug, Clone)]
 pub struct Truncated {
     law: SharedLaw,
