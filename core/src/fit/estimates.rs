@@ -17,7 +17,7 @@ use crate::monitor::{Monitor, Part};
 use crate::{Error, Result};
 
 /// Eigenvalue of the scaled information below which a direction counts as undetermined.
-const UNDETERMINED: f64 = 1e-11;
+const UNDETERMINED: f64 = 1e-10;
 /// Standard error of a logarithm above which only a limit is told.
 const VAGUE: f64 = 1.0;
 /// Correlations that are told.
