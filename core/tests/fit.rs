@@ -139,6 +139,16 @@ fn a_curve_without_noise_gives_its_numbers_and_those_of_the_machine() {
 }
 
 #[test]
+fn a_fit_of_four_numbers_takes_few_solutions() {
+    let positions = positions(2000, 6.0);
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    let fit = fit(&positions, simulated(&positions, 3)).errors(white);
+    let found = fit.free(["thresholds.mean", "thresholds.std", "count", "offset"]).run().unwrap();
+    // What the page of costs says.
+    assert!(found.converged && found.solutions <= 12, "{}", found.solutions);
+}
+
+#[test]
 fn a_compliance_is_found_from_the_drive() {
     let slider = positions(200, 5.0);
     let forces = exact(contacts(2000.0, [1.0, 0.3], spread()), &slider);
