@@ -1,8 +1,8 @@
 """The page of what fits cost, beside curve_fit of SciPy over the same package: python fit.py > fits.md.
 
 Both find mean and width of the thresholds, the number of contacts and an offset from the same first values,
-with independent errors, in turns in one run. The fits with the noise of contacts free the stiffness in place of
-the offset, since they find the number of contacts from the noise. The rows below have no counterpart.
+with independent errors, in turns in one run. The fits with the noise of contacts free the stiffness in place
+of the offset, since they find the number of contacts from the noise. The rows below have no counterpart.
 """
 
 import statistics
@@ -29,9 +29,9 @@ HEAD = """\
 # Cost of fits
 
 What fits from Python cost, in turns in one call of `make fits`: medians of five runs, or of one for the last
-three rows, on the machine that made this page. The curves are those of 2000 single contacts to X = 6, and four
-numbers are free. `scipy.optimize.curve_fit` fits the same numbers by the same solutions of the master equation,
-with derivatives by differences. CPU time counts all threads, of two cores.
+three rows, on the machine that made this page. The curves are those of 2000 single contacts to X = 6, and
+four numbers are free. `scipy.optimize.curve_fit` fits the same numbers by the same solutions of the master
+equation, with derivatives by differences. CPU time counts all threads, of two cores.
 
 | fit | CPU, ms | elapsed, ms | solutions | mean threshold, 1 is right |
 | --- | ---: | ---: | ---: | --- |"""
