@@ -202,7 +202,8 @@ pub(super) fn search_from_score<O: Objective>(
             break;
         }
         if converged {
-            fall = short.min(decrement);
+            // What is left is shorter than `short`, and not known better.
+            fall = 0.0;
             break;
         }
         score = likelihood.score(&coordinates, &trial, monitor)?;
