@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
 .PHONY: workflows metadata release-check packages packages-compile publish semver release release-notes binary compiles minimal-versions mutants fuzz-bytes cost
 
 export PYTHON ?= python3
@@ -189,6 +189,11 @@ peers: $(venv)-peers/installed
 
 $(venv)-peers/ready: core/benches/peers/requirements.txt
 	$(environment)
+
+# The page of what fits cost, beside curve_fit of SciPy, anew.
+fits: $(venv)/installed
+	$(venv)/bin/python -P python/benches/fit.py > target/fits.md
+	mv target/fits.md docs/validation/fits.md
 
 # The page docs/validation, anew. A test recomputes of it what is quick.
 validation:

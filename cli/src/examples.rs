@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 47] = shipped![
+const SHIPPED: [Shipped; 49] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -43,6 +43,7 @@ const SHIPPED: [Shipped; 47] = shipped![
     "healing.toml",
     "spectrum.toml",
     "fit.toml",
+    "fit-cycles.toml",
     "fit-steady.toml",
     "stick-slip-ageing.toml",
     "slow-slip.toml",
@@ -61,6 +62,7 @@ const SHIPPED: [Shipped; 47] = shipped![
     "first_loading.csv",
     "front-chain.csv",
     "measured-pull.csv",
+    "measured-cycles.csv",
     "measured-noise.csv",
 ];
 

@@ -14,7 +14,7 @@ use crate::contacts::Contacts;
 use crate::convert::{self, Seed, Whole};
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
-use crate::fit::fitted_model;
+use crate::fitted_model::fitted_model;
 use crate::found::{Arguments, FittedNumbers, Search};
 use crate::law::AnyLaw;
 use crate::model::interface;

@@ -9,10 +9,12 @@ mod description;
 mod ensemble;
 mod equation;
 mod error;
+mod estimates;
 mod exact;
 mod explorer;
 mod fit;
 mod fit_steady;
+mod fitted_model;
 mod found;
 mod history;
 mod interface;
@@ -58,6 +60,8 @@ mod _core {
     #[pymodule_export]
     use crate::equation::{MasterEquation, Relaxation, SteadyState};
     #[pymodule_export]
+    use crate::estimates::Estimates;
+    #[pymodule_export]
     use crate::exact::{
         ClosedForm, Erlang as ExactErlang, Gamma as ExactGamma, Gaussian as ExactGaussian, Identical,
         Quenched, Rectangular as ExactRectangular, kinetic_friction, kinetic_friction_per_threshold,
@@ -66,7 +70,7 @@ mod _core {
     #[pymodule_export]
     use crate::explorer::{Engine, complete_text, explorer_page};
     #[pymodule_export]
-    use crate::fit::{Estimates, fit};
+    use crate::fit::fit;
     #[pymodule_export]
     use crate::fit_steady::{SteadyEstimates, fit_steady};
     #[pymodule_export]

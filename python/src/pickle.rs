@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 
 use crate::convert::Import;
 use crate::ensemble::EnsemblePull;
-use crate::fit::Estimates;
+use crate::estimates::Estimates;
 use crate::fit_steady::SteadyEstimates;
 use crate::found::Arguments;
 use crate::posterior::Posterior;

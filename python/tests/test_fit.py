@@ -318,6 +318,17 @@ def test_contacts_of_every_kind_are_described_by_what_is_found() -> None:
         np.testing.assert_allclose(again(position), fit.readings["expected"], rtol=1e-9)
 
 
+def test_the_mean_of_a_distribution_of_delays_is_found() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.12), count=2000.0, delay=asp.Gaussian(0.1, 0.02))
+    position = np.linspace(0.02, 4.0, 100)
+    force = asp.MasterEquation(contacts, velocity=1.0).pull(4.0)(position)
+    guess = contacts.replace(delay=asp.Gaussian(0.12, 0.02))
+    found = asp.fit(guess, position, force, free=["delay.mean"], noise="white", velocity=1.0)
+    # Errors of the solution, 1e-10 of the force, and of its derivatives.
+    assert found.params["delay.mean"].value == pytest.approx(0.1, rel=1e-6)
+    assert found.contacts.delay == asp.Gaussian(found.params["delay.mean"].value, 0.02)
+
+
 def test_a_velocity_is_found() -> None:
     contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.02, 1.0))
     force = asp.MasterEquation(contacts, velocity=0.1).pull(3.0)(POSITION[POSITION < 3])

@@ -129,6 +129,7 @@ XARRAY: dict[str, dict[str, Any]] = {
     "stick-slip-ageing": {},
     "front-chain": {},
     "ofc": {},
+    "fit-cycles": {},
     "fit-steady": {},
     "healing": {"hold_curve.points": 5, "ensemble.size": 100},
     "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},

@@ -182,6 +182,45 @@ fn several_curves_are_fitted_together_and_each_has_its_fitted_scenario() {
     }
 }
 
+/// Cycles of stick-slip of a block over single contacts, whose slips form all contacts anew: what made the record is known, also
+/// where the slider rested after each slip.
+#[test]
+fn loadings_of_cycles_are_fitted_together_with_the_position_at_which_each_begins() {
+    let outcome = shipped("fit-cycles.toml", &[]);
+    let found = outcome.summary.numbers.fit().unwrap();
+    assert!(found.converged && !found.misfit.unwrap().is_unlikely());
+    let truth = [
+        ("contacts.thresholds.gaussian.mean", 1.0),
+        ("contacts.thresholds.gaussian.std", 0.12),
+        ("contacts.count", 2000.0),
+        ("contacts.stiffness", 1.0),
+        ("fit.curve.0.origin", 0.0),
+        ("fit.curve.1.origin", 1.244_098),
+        ("fit.curve.2.origin", 2.483_994),
+        ("fit.curve.3.origin", 3.728_547),
+        ("fit.reading", 2.0),
+    ];
+    assert_eq!(found.numbers.len(), truth.len());
+    for (number, (key, value)) in found.numbers.iter().zip(truth) {
+        assert_eq!(number.key, key);
+        // One in a hundred such sets of nine numbers has one that is farther off.
+        assert!((number.value - value).abs() < 3.5 * number.error, "{number:?}");
+    }
+    // One cycle alone knows less: of four, errors of common numbers are half as large.
+    let alone = shipped(
+        "fit-cycles.toml",
+        &[
+            "fit.curve=[{ file = 'measured-cycles.csv', range = [0.0, 1.27] }]",
+            "fit.free=['contacts.thresholds.gaussian.mean', 'contacts.thresholds.gaussian.std', 'contacts.count', 'fit.curve.0.origin']",
+            "contacts.stiffness=1.0",
+        ],
+    );
+    let alone = alone.summary.numbers.fit().unwrap();
+    // Between a half and what the noise of other contacts, which has another estimated size, changes of it.
+    let ratio = found.numbers[0].error / alone.numbers[0].error;
+    assert!((0.3..0.8).contains(&ratio), "{ratio}");
+}
+
 #[test]
 fn the_numbers_that_made_the_shipped_record_are_found_and_its_fitted_scenario_has_them() {
     let outcome = shipped("fit-steady.toml", &[]);

@@ -108,6 +108,7 @@ fn assert_uniform_ranks(replicas: u64, bins: usize, most: f64) {
         all.iter().for_each(|ranks| counts[ranks[k] * bins / 100] += 1.0);
         let expected = replicas as f64 / bins as f64;
         let chi_squared: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
+        println!("{}: χ² = {chi_squared:.1} of the ranks of {replicas} truths in {bins} bins", names[k]);
         assert!(chi_squared < most, "{}: {chi_squared} {counts:?}", names[k]);
     }
 }

@@ -11,16 +11,15 @@ use super::{digits, with_unit};
 
 /// Lines for the estimates, the misfit, correlations, and friction with its errors.
 pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
-    let mut lines: Vec<(String, String)> = fit
-        .sources
-        .iter()
-        .map(|source| {
-            (
-                "data".to_owned(),
-                format!("{}, SHA-256 {}…", source.name, source.sha256.get(..12).unwrap_or(&source.sha256)),
-            )
-        })
-        .collect();
+    let mut lines: Vec<(String, String)> = Vec::new();
+    for source in &fit.sources {
+        let hash = source.sha256.get(..12).unwrap_or(&source.sha256);
+        let line = ("data".to_owned(), format!("{}, SHA-256 {hash}…", source.name));
+        // Curves may be parts of one record.
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
     lines.push(("readings".to_owned(), fit.readings.to_string()));
     if !fit.converged {
         let text = "the search has not converged: the values are the last ones, their errors mean nothing";

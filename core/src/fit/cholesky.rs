@@ -40,18 +40,37 @@ impl Cholesky {
         solve_upper_triangular_in_place(self.0.transpose(), matrix.as_mut(), Par::Seq);
     }
 
+    /// tr A⁻¹ and tr A⁻² of the factored matrix A.
+    pub fn traces_of_inverse(&self) -> [f64; 2] {
+        let inverse = self.lower_of_inverse();
+        let [mut once, mut twice] = [0.0; 2];
+        for j in 0..inverse.ncols() {
+            let below = inverse.as_ref().col(j).subrows(j, inverse.nrows() - j);
+            once += below[0];
+            twice += 2.0 * below.squared_norm_l2() - below[0] * below[0];
+        }
+        [once, twice]
+    }
+
     /// (LLᵀ)⁻¹.
     pub fn inverse(&self) -> Mat<f64> {
-        let (n, par) = (self.0.nrows(), threads(self.0.nrows()));
-        let mut memory = MemBuffer::new(inverse::inverse_scratch::<f64>(n, par));
-        let mut all = Mat::zeros(n, n);
-        inverse::inverse(all.as_mut(), self.0.as_ref(), par, MemStack::new(&mut memory));
+        let mut all = self.lower_of_inverse();
+        let n = all.nrows();
         for j in 0..n {
             for i in 0..j {
                 all[(i, j)] = all[(j, i)];
             }
         }
         all
+    }
+
+    /// (LLᵀ)⁻¹ up to its diagonal.
+    fn lower_of_inverse(&self) -> Mat<f64> {
+        let (n, par) = (self.0.nrows(), threads(self.0.nrows()));
+        let mut memory = MemBuffer::new(inverse::inverse_scratch::<f64>(n, par));
+        let mut lower = Mat::zeros(n, n);
+        inverse::inverse(lower.as_mut(), self.0.as_ref(), par, MemStack::new(&mut memory));
+        lower
     }
 }
 

@@ -54,14 +54,13 @@ impl ErrorCovariance {
         let correlation = |i: usize, j: usize| (-(positions[i] - positions[j]).abs() / length).exp();
         let drift =
             (amplitude > 0.0).then(|| Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j)));
-        let mut all = noise.map_or_else(|| Mat::zeros(n, n), |noise| noise * faer::Scale(sizes.noise));
-        if let Some(drift) = &drift {
-            all += drift;
-        }
+        let mut lower = Mat::zeros(n, n);
+        add_lower(&mut lower, noise, sizes.noise);
+        add_lower(&mut lower, drift.as_ref(), 1.0);
         for i in 0..n {
-            all[(i, i)] += sizes.reading * sizes.reading;
+            lower[(i, i)] += sizes.reading * sizes.reading;
         }
-        let factor = Cholesky::new(all)?;
+        let factor = Cholesky::new(lower)?;
         Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor })))
     }
 
@@ -134,7 +133,6 @@ impl DenseCovariance {
         let mut z = residuals.clone();
         self.factor.whiten(&mut z);
         self.factor.whiten_transposed(&mut z);
-        let inverse = self.factor.inverse();
         let variance = self.sizes.reading * self.sizes.reading;
         let white = variance * z.squared_norm_l2();
         let slow = self.drift.as_ref().map_or(0.0, |drift| quadratic(drift.as_ref(), &z));
@@ -145,8 +143,8 @@ impl DenseCovariance {
             ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
         };
         let traces = match self.drift {
-            None => self.traces_without_drift(parts, &inverse),
-            Some(_) => self.traces(parts, &inverse, positions),
+            None => self.traces_without_drift(parts, positions.len()),
+            Some(_) => self.traces(parts, &self.factor.inverse(), positions),
         };
         let slope = parts.iter().zip(&traces.single).map(|(part, trace)| 0.5 * (trace - misfit(part)));
         CovarianceDerivatives { slope: slope.collect(), information: traces.double * faer::Scale(0.5) }
@@ -168,10 +166,10 @@ impl DenseCovariance {
     }
 
     /// The same where Σ = a C + σ², from tr Σ⁻¹ and tr Σ⁻² alone: P is 2σ²Σ⁻¹ for the reading, 1 − σ²Σ⁻¹ for the noise.
-    fn traces_without_drift(&self, parts: &[ErrorPart], inverse: &Mat<f64>) -> Traces {
-        let (n, variance) = (inverse.nrows(), self.sizes.reading * self.sizes.reading);
-        let once = variance * (0..n).map(|i| inverse[(i, i)]).sum::<f64>();
-        let twice = (variance * inverse.norm_l2()).powi(2);
+    fn traces_without_drift(&self, parts: &[ErrorPart], n: usize) -> Traces {
+        let variance = self.sizes.reading * self.sizes.reading;
+        let [once, twice] = self.factor.traces_of_inverse();
+        let (once, twice) = (variance * once, variance * variance * twice);
         // P = p + q σ²Σ⁻¹.
         let factors = |part: &ErrorPart| match part {
             ErrorPart::Noise => [1.0, -1.0],
@@ -217,6 +215,17 @@ impl DenseCovariance {
         let length = self.sizes.drift[1];
         let Some(drift) = &self.drift else { return Mat::zeros(n, n) };
         Mat::from_fn(n, n, |i, j| drift[(i, j)] * (positions[i] - positions[j]).abs() / length)
+    }
+}
+
+/// Adds `factor` times a matrix, if there is one, up to the diagonal.
+fn add_lower(lower: &mut Mat<f64>, matrix: Option<&Mat<f64>>, factor: f64) {
+    let Some(matrix) = matrix else { return };
+    let n = matrix.nrows();
+    for j in 0..n {
+        let column = lower.col_mut(j).subrows_mut(j, n - j);
+        let entries = column.iter_mut().zip(matrix.col(j).subrows(j, n - j).iter());
+        entries.for_each(|(entry, added)| *entry += factor * added);
     }
 }
 

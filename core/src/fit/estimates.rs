@@ -17,7 +17,9 @@ use crate::monitor::{Monitor, Part};
 use crate::{Error, Result};
 
 /// Eigenvalue of the scaled information below which a direction counts as undetermined.
-const UNDETERMINED: f64 = 1e-11;
+const UNDETERMINED: f64 = 1e-10;
+/// The same for thresholds of free form: the common level of the coefficients changes no density, and is held weakly.
+const UNDETERMINED_FORM: f64 = 1e-12;
 /// Standard error of a logarithm above which only a limit is told.
 const VAGUE: f64 = 1.0;
 /// Correlations that are told.
@@ -222,7 +224,8 @@ impl Ended {
         let active: Vec<usize> = (0..free.len())
             .filter(|&k| !optimum.at_bound[k] && optimum.score.information[(k, k)] > 0.0)
             .collect();
-        refuse_undetermined(free, &optimum.score.information, &active, ("curve", UNDETERMINED))?;
+        let least = if likelihood.smoothness.is_some() { UNDETERMINED_FORM } else { UNDETERMINED };
+        refuse_undetermined(free, &optimum.score.information, &active, ("curve", least))?;
         let covariance = matrix::covariance(&optimum.score.information, &active);
         let covariance =
             covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len())) * faer::Scale(self.bias());

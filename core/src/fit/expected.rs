@@ -216,7 +216,8 @@ impl ExpectedReadings {
         let covariance: Covariance = pull.covariance_with(&inside, equation.contacts().count, monitor)?;
         let n = inside.len();
         let followed = &self.driven.followed;
-        Ok(Mat::from_fn(n, n, |i, j| covariance.at(i, j) * followed[i] * followed[j]))
+        // Columns of the matrix are rows of the covariance, which is symmetric and kept row by row.
+        Ok(Mat::from_fn(n, n, |i, j| covariance.at(j, i) * followed[i] * followed[j]))
     }
 }
 

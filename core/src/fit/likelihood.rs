@@ -82,6 +82,14 @@ pub(super) struct Score {
     pub information: Mat<f64>,
 }
 
+impl Score {
+    /// The slope after a step so short that the information is the same.
+    pub fn follow(&mut self, step: &[f64]) {
+        let step = Mat::from_fn(step.len(), 1, |k, _| step[k]);
+        self.slope += &self.information * step;
+    }
+}
+
 impl Likelihood {
     /// The values at coordinates.
     pub fn values(&self, coordinates: &[f64]) -> Vec<f64> {

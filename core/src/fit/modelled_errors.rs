@@ -41,28 +41,35 @@ impl Fit {
             smoothness: None,
         };
         let mut divided = false;
-        if let Some(fewer) = self.thinned() {
-            let part = &mut Part::new(monitor, 0.0, 0.3);
-            let found = likelihood(fewer).renewed(coordinates.clone(), (false, COARSE), part)?.optimum;
+        let thinned = self.thinned();
+        let share = 0.3 / thinned.len().max(1) as f64;
+        for (k, fewer) in thinned.into_iter().enumerate() {
+            let part = &mut Part::new(monitor, share * k as f64, share);
+            let coarse = Renewed { divided, short: COARSE, renewals: 0 };
+            let found = likelihood(fewer).renewed(coordinates.clone(), coarse, part)?.optimum;
             solutions += found.solutions;
             if found.converged {
                 (coordinates, divided) = (found.coordinates, true);
             }
         }
         let part = &mut Part::new(monitor, 0.3, 0.5);
-        let mut ended = likelihood(self.clone()).renewed(coordinates, (divided, SHORT), part)?;
+        let last = Renewed { divided, short: SHORT, renewals: RENEWALS };
+        let mut ended = likelihood(self.clone()).renewed(coordinates, last, part)?;
         ended.optimum.solutions += solutions;
         ended.estimates(&mut Part::new(monitor, 0.8, 0.2))
     }
 
-    /// The same fit to every s-th reading of each curve, where this leaves [`ENOUGH`] of each and the errors are correlated.
-    fn thinned(&self) -> Option<Self> {
-        let fewest = self.curves.iter().map(|curve| curve.positions.len()).min()?;
+    /// The same fit to every s-th reading of each curve, where the errors are correlated: first with [`ENOUGH`] readings of each,
+    /// then with some three times as many, as long as this leaves out any.
+    fn thinned(&self) -> Vec<Self> {
+        let fewest = self.curves.iter().map(|curve| curve.positions.len()).min().unwrap_or(0);
         let correlated = self.errors.contacts || self.errors.drift.is_some();
-        (correlated && fewest >= 2 * ENOUGH).then(|| {
-            let curves = self.curves.iter().map(|curve| curve.thinned(fewest / ENOUGH)).collect();
-            Self { curves, ..self.clone() }
-        })
+        let steps = std::iter::successors(correlated.then_some(fewest / ENOUGH), |step| Some(step / 3));
+        let fewer = |step| Self {
+            curves: self.curves.iter().map(|curve| curve.thinned(step)).collect(),
+            ..self.clone()
+        };
+        steps.take_while(|&step| step >= 2).map(fewer).collect()
     }
 
     /// The covariance of the noise of contacts where these readings are expected, if it is part of the errors.
@@ -93,23 +100,32 @@ impl Fit {
     }
 }
 
+/// A search with the noise of contacts at its end.
+struct Renewed {
+    /// Whether N⟨k⟩ is already divided into the number of contacts and their stiffness.
+    divided: bool,
+    /// The search ends where a step would be this short.
+    short: f64,
+    /// Most renewals of the noise.
+    renewals: usize,
+}
+
 impl Likelihood {
-    /// The search from `start` until a step would be `short`, with the noise of the contacts at its end; whether this is already
-    /// `divided` into the number of contacts and their stiffness.
+    /// The search from `start`, with the noise of the contacts at its end.
     ///
     /// # Errors
     /// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
     fn renewed(
         mut self,
         start: Vec<f64>,
-        (divided, short): (bool, f64),
+        Renewed { divided, short, renewals }: Renewed,
         monitor: &mut dyn Monitor,
     ) -> Result<Ended> {
         let mut coordinates = start;
         let mut readings =
             self.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.1))?.ok_or_else(none)?;
         let mut solutions = 1;
-        for renewal in 0..=RENEWALS {
+        for renewal in 0..=renewals {
             let monitor = &mut Part::new(monitor, 0.1 + 0.2 * renewal as f64, 0.2);
             let part = &mut Part::new(monitor, 0.0, 0.2);
             self.errors = Errors::Modelled(self.fit.contact_noise(&readings, &coordinates, part)?);
@@ -123,7 +139,7 @@ impl Likelihood {
             let part = &mut Part::new(monitor, 0.3, 0.7);
             let mut found = search_from(&self, (&coordinates, trial), (&held, short), part)?;
             solutions += found.solutions;
-            if renewal == RENEWALS || !found.converged || self.has_settled(&found) {
+            if renewal == renewals || !found.converged || self.has_settled(&found) {
                 found.solutions = solutions;
                 return Ok(Ended { likelihood: self, optimum: found });
             }

@@ -25,6 +25,7 @@ const MOST: f64 = 1e9;
 /// Part of the expected fall of the deviance from which on there is less damping (K. Madsen, H. B. Nielsen and O. Tingleff,
 /// *Methods for Non-Linear Least Squares Problems*, 2004).
 const TRUSTED: f64 = 0.5;
+
 /// A likelihood as a function of the coordinates of free numbers.
 pub(super) trait Objective {
     /// What is computed at a point.
@@ -140,6 +141,7 @@ pub(super) fn search_from_score<O: Objective>(
     let mut coordinates = start.to_vec();
     let monitor = &mut Aside { fraction: 0.0, monitor };
     let (mut damping, mut solutions, mut converged, mut fall) = (0.0, 0, false, f64::INFINITY);
+    let mut before = f64::INFINITY;
     for step in 0..STEPS {
         // The number of steps is not known beforehand; most searches need about ten.
         monitor.fraction = 1.0 - 0.85_f64.powi(step as i32);
@@ -163,6 +165,10 @@ pub(super) fn search_from_score<O: Objective>(
             converged = true;
             break;
         }
+        // If the step after this one is as much shorter than it as it is than the one before, this is the last, and so short
+        // that the information hardly changes over it.
+        let last = decrement < COARSE && decrement * (decrement / before) < short;
+        before = if damping == 0.0 { decrement } else { f64::INFINITY };
         let (mut moved, mut halvings) = (false, 0);
         while damping <= MOST {
             let Some(step) = matrix::damped_step(&score, &active, damping) else {
@@ -180,6 +186,10 @@ pub(super) fn search_from_score<O: Objective>(
                     if fallen > TRUSTED * matrix::expected_fall(&score, &made) {
                         damping = less(damping);
                     }
+                    if last {
+                        score.follow(&made);
+                        converged = true;
+                    }
                     (coordinates, trial, moved) = (next, found, true);
                     break;
                 }
@@ -189,6 +199,11 @@ pub(super) fn search_from_score<O: Objective>(
         }
         if !moved {
             converged = decrement < ROUNDED;
+            break;
+        }
+        if converged {
+            // What is left is shorter than `short`, and not known better.
+            fall = 0.0;
             break;
         }
         score = likelihood.score(&coordinates, &trial, monitor)?;

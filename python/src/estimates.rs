@@ -1,0 +1,470 @@
+//! What a fit to curves has found, as a class of Python.
+
+use asperity::fit::{Measurement, Readings};
+use asperity::monitor::Part;
+use asperity::record::{self, Quantity};
+use asperity::scenario::{self, Units};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Domain, Seed, Whole};
+use crate::description::{Interface, Plain};
+use crate::equation::MasterEquation;
+use crate::fitted_model::fitted_model;
+use crate::found::{Arguments, FittedNumbers, Search};
+use crate::pickle::{self, Reduced};
+use crate::posterior::Posterior;
+use crate::pull::Pull;
+use crate::record::Record;
+use crate::watch::watched;
+use crate::{error, typed, values};
+
+/// What a fit has found: values of the free numbers with their errors, and how well they describe the curve.
+///
+/// Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
+#[pyclass(frozen, module = "asperity")]
+pub struct Estimates {
+    told: FittedNumbers,
+    search: Search<Self, asperity::fit::Estimates>,
+    arguments: Arguments,
+    model: Py<MasterEquation>,
+    pull: Py<Pull>,
+    readings: Py<Record>,
+    laws: Py<PyDict>,
+}
+
+impl Estimates {
+    pub fn new(
+        py: Python<'_>,
+        found: asperity::fit::Estimates,
+        (mut first, velocity): (Interface, Option<f64>),
+        laws: Bound<'_, PyDict>,
+        arguments: Arguments,
+    ) -> PyResult<Self> {
+        let names: Vec<String> = found.parameters.iter().map(|estimate| estimate.name.clone()).collect();
+        if names.iter().any(|name| name == "background" || name == "curve.0.background") {
+            first.contacts.background_force = Some(found.machine(0).background);
+            first.contacts.background_coefficient = None;
+        }
+        let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
+        let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
+        let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
+        let (told, laws) = (FittedNumbers::of(&found), laws.unbind());
+        Ok(Self {
+            told,
+            search: Search::Own(Box::new(found)),
+            arguments,
+            model: model.unbind(),
+            pull,
+            readings,
+            laws,
+        })
+    }
+}
+
+impl Estimates {
+    /// The end of the search, which an object from a pickle makes again.
+    fn found(&self, py: Python<'_>) -> PyResult<&asperity::fit::Estimates> {
+        self.search.get(py, &self.arguments, |same| same.get().search.own())
+    }
+
+    /// The object that was pickled.
+    pub fn restored(
+        arguments: Arguments,
+        content: &[u8],
+        (model, pull): (Py<MasterEquation>, Py<Pull>),
+        (readings, laws): (Py<Record>, Py<PyDict>),
+    ) -> PyResult<Self> {
+        let (told, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
+        Ok(Self { told, search, arguments, model, pull, readings, laws })
+    }
+}
+
+#[pymethods]
+impl Estimates {
+    /// The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate.
+    #[getter]
+    fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
+        values::estimates(py, &self.told.parameters())
+    }
+
+    /// The covariance of the estimates in the order of `params`, shape (n, n).
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        convert::square(py, self.told.covariance.clone()).map(typed::Array)
+    }
+
+    /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
+    #[getter]
+    fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
+        values::correlations(py, self.told.correlations.clone())
+    }
+
+    /// Whether the search has converged; otherwise the estimates are its last values.
+    #[getter]
+    fn converged(&self) -> bool {
+        self.told.converged
+    }
+
+    /// The number of solutions of the master equation that the search took.
+    #[getter]
+    fn solutions(&self) -> usize {
+        self.told.solutions
+    }
+
+    /// How well the curve is described, a Misfit; None for a planned measurement.
+    #[getter]
+    fn misfit<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::Misfit<'py>>> {
+        self.told.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
+    }
+
+    /// The standard deviation of the independent error of a reading, given or estimated, a force.
+    #[getter]
+    fn reading(&self) -> f64 {
+        self.told.reading
+    }
+
+    /// The same fit with other distributions of thresholds, by their names: a dict of Estimates. Misfit.akaike compares them:
+    /// a distribution is hardly the one that made the curve where it is more than 10 above the lowest.
+    #[getter]
+    fn laws<'py>(&self, py: Python<'py>) -> typed::Laws<'py> {
+        typed::Laws(self.laws.bind(py).clone().into_any())
+    }
+
+    /// The contacts of the estimated numbers; of the first curve where curves differ.
+    #[getter]
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, Contacts>> {
+        self.model.bind(py).getattr("contacts")?.cast_into().map_err(PyErr::from)
+    }
+
+    /// The master equation of the estimated numbers.
+    #[getter]
+    fn model(&self, py: Python<'_>) -> Py<MasterEquation> {
+        self.model.clone_ref(py)
+    }
+
+    /// The pull of the estimated contacts, up to the last reading; of the first curve where curves differ.
+    #[getter]
+    fn pull(&self, py: Python<'_>) -> Py<Pull> {
+        self.pull.clone_ref(py)
+    }
+
+    /// The readings as the fit describes them, a Record of arrays of shape (n,).
+    ///
+    /// `position` and `force` are the measured ones, after averaging; `slider_position` is X; `expected` is the expected
+    /// force and `std` the standard deviation of a reading about it; `residual` is the measured minus the expected
+    /// force, and `whitened` the whitened residuals, which are independent and of variance 1 if the description
+    /// holds. A planned measurement has no `force`, `residual` and `whitened`. Several curves follow one another; `curve` is
+    /// the number of the curve then.
+    #[getter]
+    fn readings(&self, py: Python<'_>) -> Py<Record> {
+        self.readings.clone_ref(py)
+    }
+
+    /// The readings that are expected at positions, as they are measured, with their scatter and their errors.
+    ///
+    /// Parameters
+    /// ----------
+    /// position
+    ///     A list of positions in any order, within the range of the measured ones or beyond it.
+    /// curve
+    ///     The number of the curve.
+    ///
+    /// Returns
+    /// -------
+    /// Prediction
+    #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        position: &Bound<'py, PyAny>,
+        curve: Whole,
+    ) -> PyResult<typed::Prediction<'py>> {
+        let (positions, curve) = (convert::list("position", position)?, curve.get("curve")?);
+        let found = self.found(py)?;
+        let predicted = watched(None, py, |monitor| found.predict(curve, &positions, monitor))?;
+        values::prediction(py, predicted)
+    }
+
+    /// The thresholds of free form that fit the curve: a density without a name, as smooth as the curve allows.
+    ///
+    /// The logarithm of the density is a sum of Gaussian kernels over eight standard deviations of the fitted thresholds to
+    /// either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
+    /// that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
+    ///
+    /// Parameters
+    /// ----------
+    /// kernels
+    ///     Their number, 12 or more.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// FreeForm
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no number of the thresholds was free.
+    #[pyo3(
+        signature = (kernels = Whole::new(36), *, progress: "_Progress" = None),
+        text_signature = "(self, kernels=36, *, progress=None)"
+    )]
+    fn free_form<'py>(
+        &self,
+        py: Python<'py>,
+        kernels: Whole,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<typed::FreeForm<'py>> {
+        let kernels = kernels.get("kernels")?;
+        let found = self.found(py)?;
+        let form = watched(progress, py, |monitor| found.free_form(kernels, monitor))?;
+        let series = form.thresholds.series();
+        let law = scenario::Law::Series {
+            boundaries: series.boundaries().to_vec(),
+            coefficients: series.coefficients().iter().map(|cell| cell.to_vec()).collect(),
+            cut: 0.0,
+        };
+        let law = Plain::Law(law).instance::<crate::law::Law>(py)?;
+        values::free_form(py, &form, law.into_any())
+    }
+
+    /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error.
+    ///
+    /// Returns
+    /// -------
+    /// FrictionEstimates
+    fn friction<'py>(&self, py: Python<'py>) -> PyResult<typed::FrictionEstimates<'py>> {
+        let found = self.found(py)?;
+        values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
+    }
+
+    /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
+    /// its minimum.
+    ///
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// values
+    ///     A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+    ///     logarithm for numbers above 0.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// Profile
+    #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
+    fn profile<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        values: Option<&Bound<'py, PyAny>>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<typed::Profile<'py>> {
+        /// As many as show whether a profile is a parabola.
+        const VALUES: usize = 13;
+        let found = self.found(py)?;
+        let values = match values {
+            Some(values) => convert::list_within("values", values, &Domain::NUMBERS)?,
+            None => found.profile_values(name, VALUES).map_err(error::core)?,
+        };
+        let rise = watched(progress, py, |monitor| {
+            let share = 1.0 / values.len() as f64;
+            let one = |(i, &value): (usize, &f64)| {
+                found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
+            };
+            values.iter().enumerate().map(one).collect()
+        })?;
+        values::profile(py, values, rise)
+    }
+
+    /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
+    /// numbers, has risen by 3.84.
+    ///
+    /// Parameters
+    /// ----------
+    /// name
+    ///     A name of `params`.
+    /// progress
+    ///     As for MasterEquation.pull.
+    ///
+    /// Returns
+    /// -------
+    /// (float, float)
+    #[pyo3(signature = (name, *, progress: "_Progress" = None))]
+    fn interval_by_profile(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(f64, f64)> {
+        let found = self.found(py)?;
+        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
+        Ok((low, high))
+    }
+
+    /// ln L at values of the free numbers, and its gradient, for samplers and other searches.
+    ///
+    /// Parameters
+    /// ----------
+    /// values
+    ///     A list of n numbers in the order of `params`.
+    ///
+    /// Returns
+    /// -------
+    /// (float, numpy.ndarray)
+    ///     ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
+    ///     The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
+    ///     errors whose size is estimated, ln L is the highest for any size.
+    #[pyo3(signature = (values: "ArrayLike"))]
+    fn log_likelihood<'py>(
+        &self,
+        py: Python<'py>,
+        values: &Bound<'py, PyAny>,
+    ) -> PyResult<(f64, typed::Array<'py>)> {
+        let values = convert::list("values", values)?;
+        let found = self.found(py)?;
+        let (value, gradient) = watched(None, py, |monitor| found.log_likelihood(&values, monitor))?;
+        Ok((value, typed::Array(convert::row(py, gradient)?)))
+    }
+
+    /// Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
+    ///
+    /// The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0.
+    /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
+    /// before, which are left out.
+    ///
+    /// Parameters
+    /// ----------
+    /// draws
+    ///     The number of draws of each chain, 4 or more.
+    /// chains
+    ///     Their number, 1 or more; as many are made at a time as there are threads.
+    /// seed
+    ///     A whole number below 2^63, which always gives the same draws, on any number of threads, or a
+    ///     numpy.random.Generator, from which one is drawn.
+    /// progress
+    ///     As for MasterEquation.pull.
+    /// threads
+    ///     The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
+    ///     the process, one per core or RAYON_NUM_THREADS.
+    ///
+    /// Returns
+    /// -------
+    /// Posterior
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a planned measurement, and if no number is known to better than a limit.
+    #[pyo3(
+        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None, threads = None),
+        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None, threads=None)"
+    )]
+    fn sample(
+        &self,
+        py: Python<'_>,
+        draws: Whole,
+        chains: Whole,
+        seed: Seed,
+        progress: Option<Bound<'_, PyAny>>,
+        threads: Option<Whole>,
+    ) -> PyResult<Posterior> {
+        let found = self.found(py)?;
+        Posterior::sample(py, || found.standardised(), (draws, chains, seed), (progress, threads))
+    }
+
+    /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    fn summary(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("summary", (slf,))?.extract()
+    }
+
+    /// Plots the readings with the expected force and a band of two standard deviations of a reading to either side, and
+    /// below them the whitened residuals. Returns the axes. It needs matplotlib.
+    ///
+    /// Parameters
+    /// ----------
+    /// axes
+    ///     Two axes to plot on, one below the other; new ones if None. Other arguments are passed to the plot() of
+    ///     the expected force. A planned measurement is plotted on the first of them only.
+    /// **style
+    ///     Arguments of the plot() of the expected force.
+    ///
+    /// Returns
+    /// -------
+    /// (matplotlib.axes.Axes, ...)
+    #[pyo3(signature = (axes: "Sequence[Axes] | None" = None, **style: "Any") -> "tuple[Axes, ...]")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        axes: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("fit", (slf, axes), style)
+    }
+
+    #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let parts = (&this.model, &this.pull, &this.readings, &this.laws).into_pyobject(py)?;
+        pickle::reduced_fit(py, &this.arguments, this.told.written()?, parts)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("text", (slf,))?.extract()
+    }
+
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._fit")?.call_method1("html", (slf,))?.extract()
+    }
+}
+
+/// The readings as columns, one curve after the other.
+fn columns(found: &asperity::fit::Estimates) -> record::Record {
+    let (curves, described) = (found.curves(), &found.readings);
+    let mut record = record::Record::default();
+    let mut add = |name, words, quantity, values: Vec<f64>| {
+        record.push(name, words, quantity, &["reading"], values);
+    };
+    let measured = |of: fn(&Measurement) -> &Vec<f64>| curves.iter().flat_map(of).copied().collect();
+    let all = |of: fn(&Readings) -> &Vec<f64>| described.iter().flat_map(of).copied().collect();
+    if curves.len() > 1 {
+        let number = |(c, curve): (usize, &Measurement)| vec![c as f64; curve.positions.len()];
+        let numbers = curves.iter().enumerate().flat_map(number).collect();
+        add("curve", "number of the curve", Quantity::Count, numbers);
+    }
+    add("position", "measured position", Quantity::Length, measured(|curve| &curve.positions));
+    let known = found.misfit.is_some();
+    if known {
+        add("force", "measured force", Quantity::Force, measured(|curve| &curve.forces));
+    }
+    add(
+        "slider_position",
+        "position X of the slider's base",
+        Quantity::Length,
+        all(|curve| &curve.positions),
+    );
+    add("expected", "expected force", Quantity::Force, all(|curve| &curve.expected));
+    add("std", "standard deviation of a reading", Quantity::Force, all(|curve| &curve.std));
+    if known {
+        add("residual", "measured minus expected force", Quantity::Force, all(|curve| &curve.residuals));
+        add("whitened", "whitened residual", Quantity::Number, all(|curve| &curve.whitened));
+    }
+    record
+}
