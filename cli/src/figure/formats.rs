@@ -128,7 +128,8 @@ fn resized(svg: &str, attributes: &str) -> String {
 
 /// An SVG picture as a page of its size.
 fn pdf(svg: &str) -> Result<Vec<u8>, String> {
-    let options = usvg::Options { fontdb: database(), font_family: FAMILY.into(), ..usvg::Options::default() };
+    let options =
+        usvg::Options { fontdb: database(), font_family: FAMILY.into(), ..usvg::Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
     let points = |length: f32| (f64::from(length) * POINTS / PER_INCH) as f32;
     let size = krilla::geom::Size::from_wh(points(tree.size().width()), points(tree.size().height()))

@@ -40,7 +40,8 @@ pub fn rgb(colour: &Color, grey: bool) -> Option<[u8; 3]> {
 
 /// The shade of a colour.
 fn shade_of(rgb: [u8; 3]) -> [u8; 3] {
-    let is = |colour: &str| colour.eq_ignore_ascii_case(&format!("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]));
+    let is =
+        |colour: &str| colour.eq_ignore_ascii_case(&format!("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]));
     let known = SHADES.iter().find(|(colour, _)| is(colour));
     let known = known.and_then(|(_, shade)| u8::from_str_radix(&shade[1..3], 16).ok());
     [known.unwrap_or_else(|| luminance(rgb)); 3]

@@ -75,7 +75,8 @@ impl Drawn<'_> {
             Primitive::Path(path) => self.path(path),
             Primitive::Rect { x, y, width, height, fill, stroke, stroke_width, opacity } => {
                 let sides = [x, y, width, height].map(|side| *side as f32);
-                let path = Rect::from_xywh(sides[0], sides[1], sides[2], sides[3]).map(PathBuilder::from_rect);
+                let path =
+                    Rect::from_xywh(sides[0], sides[1], sides[2], sides[3]).map(PathBuilder::from_rect);
                 self.area(path, (fill, *opacity), (stroke.as_ref(), *stroke_width));
             }
             Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width } => {
@@ -172,8 +173,7 @@ impl Drawn<'_> {
     /// From units of the canvas to dots.
     fn place(&self) -> Transform {
         let (across, down) = self.moved.iter().fold((0.0, 0.0), |sum, by| (sum.0 + by.0, sum.1 + by.1));
-        Transform::from_translate(across as f32, down as f32)
-            .post_scale(self.scale as f32, self.scale as f32)
+        Transform::from_translate(across as f32, down as f32).post_scale(self.scale as f32, self.scale as f32)
     }
 }
 
