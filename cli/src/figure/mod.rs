@@ -19,6 +19,7 @@ mod free_form;
 mod grey;
 mod hold_curve;
 mod letters;
+mod measured;
 mod potential;
 mod protocol;
 mod raster;

@@ -158,6 +158,26 @@ fn dots_are_those_of_the_svg_drawn_by_another_program() {
     }
 }
 
+/// Measured points are points, and what is left of them stands below, on the same axis.
+#[test]
+fn measured_forces_have_a_panel_of_their_residuals() {
+    let mut outcome = outcome();
+    let position: Vec<f64> = (0..30).map(|i| 0.3 * f64::from(i)).collect();
+    for (name, quantity, values) in [
+        ("compared_position", Quantity::Length, position),
+        ("compared_force", Quantity::Force, vec![0.6; 30]),
+    ] {
+        outcome.record.push(name, name, quantity, &["compared"], values);
+    }
+    let pictures = draw(&outcome).unwrap();
+    let text = raw(&pictures, "force.svg");
+    let [force, residuals] = frames(text)[..] else { panic!("two frames") };
+    assert_eq!([force[0], force[2]], [residuals[0], residuals[2]]);
+    // In both panels, and in the legend.
+    assert_eq!(text.matches("fill=\"#009e73\"").count(), 30 + 30 + 1);
+    assert!(svg(&pictures, "force.svg").contains(">Residual (MPa)<"));
+}
+
 /// A column of 86 mm at 600 dots per inch has 2031.5 dots, and its height follows.
 #[test]
 fn a_picture_has_the_width_and_the_resolution_that_are_asked_for() {
