@@ -178,6 +178,7 @@ bench: $(venv)/installed $(venv)-peers/installed
 	cargo build --release --locked --quiet
 	cargo run --release --locked --package asperity-cli --example sweep_cost
 	$(venv)/bin/python -P python/benches/sweep.py
+	$(venv)/bin/python -P python/benches/pictures.py target/release/asperity
 	$(paired)
 
 paired = PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers

@@ -199,7 +199,7 @@ pub struct Pictures {
     /// Font size of the labels of axes in points [default: in proportion to the width, 11 at 175 mm]
     #[arg(long, value_name = "POINTS", value_parser = positive)]
     pub figure_font_size: Option<f64>,
-    /// Dots per inch of PNG pictures [default: 300]
+    /// Dots per inch of PNG pictures [default: 200]
     #[arg(long, value_name = "DPI", value_parser = positive)]
     pub figure_dpi: Option<f64>,
     /// Draw pictures in shades of grey

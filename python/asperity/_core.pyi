@@ -56,7 +56,7 @@ _T = TypeVar("_T")
 _Array: TypeAlias = NDArray[np.float64]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
 _AnyLaw: TypeAlias = Law | rv_frozen | gaussian_kde | NDArray[Any] | Sequence[float]
-_Seed: TypeAlias = SupportsIndex | np.random.Generator
+_Seed: TypeAlias = SupportsIndex | np.random.Generator | np.random.RandomState
 _Progress: TypeAlias = Callable[[float], object] | bool | None
 __all__ = [
     "Ageing",
@@ -2638,6 +2638,7 @@ class Pull(Record):
         /,
         ax: Axes | None = None,
         *,
+        kind: str | None = None,
         size: _Number | None = None,
         paths: SupportsIndex = 0,
         seed: _Seed | None = None,
@@ -2650,6 +2651,8 @@ class Pull(Record):
         ----------
         ax
             Axes to plot on; new ones if None. Other arguments are passed to its plot().
+        kind
+            "force", the only one of `pictures`.
         size
             The number of contacts for a band of one standard deviation to either side; None for no band, or with
             `paths` for the N_c of the contacts.

@@ -301,7 +301,7 @@ pub fn square<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, 
     array(py, &[side, side], values)
 }
 
-/// A seed: an integer, or a number drawn from a generator of NumPy.
+/// A seed: an integer, or a number drawn from a generator of NumPy, also one of its older kind.
 pub struct Seed(pub u64);
 
 impl Seed {
@@ -320,12 +320,19 @@ impl<'py> FromPyObject<'_, 'py> for Seed {
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         const EXPECTED: &str = "a whole number from 0 to 2^63 - 1, or a numpy.random.Generator";
         static GENERATOR: Import = Import::new("numpy.random", "Generator");
+        static OLDER: Import = Import::new("numpy.random", "RandomState");
         let py = value.py();
         if !value.hasattr("__index__")? {
-            if !value.is_instance(GENERATOR.get(py)?)? {
-                return Err(wrong_type("seed", EXPECTED, &value));
+            if value.is_instance(GENERATOR.get(py)?)? {
+                return value.call_method1("integers", (1_u64 << 63,))?.extract().map(Self);
             }
-            return value.call_method1("integers", (1_u64 << 63,))?.extract().map(Self);
+            if value.is_instance(OLDER.get(py)?)? {
+                return value
+                    .call_method1("randint", (0, 1_u64 << 63, py.None(), "int64"))?
+                    .extract()
+                    .map(Self);
+            }
+            return Err(wrong_type("seed", EXPECTED, &value));
         }
         match value.extract::<u64>() {
             Ok(seed) if i64::try_from(seed).is_ok() => Ok(Self(seed)),

@@ -352,6 +352,8 @@ impl Pull {
     /// ----------
     /// ax
     ///     Axes to plot on; new ones if None. Other arguments are passed to its plot().
+    /// kind
+    ///     "force", the only one of `pictures`.
     /// size
     ///     The number of contacts for a band of one standard deviation to either side; None for no band, or with
     ///     `paths` for the N_c of the contacts.
@@ -367,19 +369,24 @@ impl Pull {
     /// matplotlib.axes.Axes
     #[pyo3(
         signature = (
-            ax: "Axes | None" = None, *, size = None, paths = Whole::new(0), seed = None, **style: "Any"
+            ax: "Axes | None" = None, *, kind: "str | None" = None, size = None, paths = Whole::new(0), seed = None,
+            **style: "Any"
         ) -> "Axes",
-        text_signature = "($self, ax=None, *, size=None, paths=0, seed=None, **style)"
+        text_signature = "($self, ax=None, *, kind=None, size=None, paths=0, seed=None, **style)"
     )]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
         ax: Option<&Bound<'py, PyAny>>,
+        kind: Option<&str>,
         size: Option<f64>,
         paths: Whole,
         seed: Option<Seed>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
+        if let Some(kind) = kind.filter(|&kind| kind != "force") {
+            return Err(error::invalid("plot.kind", "force", kind));
+        }
         let paths: usize = paths.get("paths")?;
         let asked = size.map(|size| convert::contacts("size", size)).transpose()?;
         let size = asked.unwrap_or_else(|| slf.get().equation.get().equation.contacts().count);

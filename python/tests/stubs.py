@@ -46,7 +46,7 @@ _T = TypeVar("_T")
 _Array: TypeAlias = NDArray[np.float64]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
 _AnyLaw: TypeAlias = Law | rv_frozen | gaussian_kde | NDArray[Any] | Sequence[float]
-_Seed: TypeAlias = SupportsIndex | np.random.Generator
+_Seed: TypeAlias = SupportsIndex | np.random.Generator | np.random.RandomState
 _Progress: TypeAlias = Callable[[float], object] | bool | None
 """
 

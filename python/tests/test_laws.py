@@ -153,6 +153,11 @@ def test_draws_have_the_arguments_of_scipy() -> None:
     law = asp.Gaussian(1.0, 0.05)
     np.testing.assert_array_equal(law.rvs(9, 3), law.rvs(size=9, seed=3))
     np.testing.assert_array_equal(law.rvs(9, random_state=3), law.rvs(9, seed=3))
+    older = np.random.RandomState(5)
+    assert law.rvs(random_state=older) != law.rvs(random_state=older)
+    np.testing.assert_array_equal(
+        law.rvs(9, random_state=np.random.RandomState(5)), law.rvs(9, random_state=np.random.RandomState(5))
+    )
     # Two draws of the system's entropy agree by chance once in 10^19.
     assert law.rvs() != law.rvs()
     with pytest.raises(TypeError, match="seed or random_state, got both"):

@@ -182,6 +182,10 @@ def test_styles_of_matplotlib_are_followed() -> None:
 def test_a_kind_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match=r"plot\.kind: expected one of force, .*got map"):
         asp.run(ROOT / "scenarios" / "fig2.toml", {"ensemble.size": 10}).plot(kind="map")
+    pull = asp.MasterEquation(asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1))).pull(distance=1.0)
+    with pytest.raises(ValueError, match=r"plot\.kind: expected force, got map"):
+        pull.plot(kind="map")
+    assert [pull.plot(kind=kind).get_ylabel() for kind in pull.pictures] == [pull.plot().get_ylabel()]
 
 
 def test_units_are_on_the_axes() -> None:

@@ -175,9 +175,9 @@ impl Frame {
 }
 
 /// A run of points of a path.
-struct Run {
-    points: Vec<Point>,
-    is_closed: bool,
+pub struct Run {
+    pub points: Vec<Point>,
+    pub is_closed: bool,
 }
 
 impl Run {
@@ -189,7 +189,7 @@ impl Run {
 }
 
 /// The runs of points of a path of straight lines.
-fn runs(d: &str) -> Vec<Run> {
+pub fn runs(d: &str) -> Vec<Run> {
     let read = |run: &str| {
         let numbers = run.split(|c: char| c.is_whitespace() || c == ',' || c.is_alphabetic());
         let numbers: Vec<f64> = numbers.filter_map(|number| number.parse().ok()).collect();

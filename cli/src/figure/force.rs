@@ -10,12 +10,11 @@ use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, errors, line, spread};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{measured, ticks};
 
 /// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 160;
 const DASHES: &str = "8 5";
-const DOTS: &str = "3 3";
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
@@ -23,14 +22,24 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (position, force) = (record.values("position")?, record.values("force")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     band(outcome, position, force, &mut plots, &mut legend);
-    compared(outcome, &mut plots, &mut legend);
+    let compared = measured::measured(outcome);
     plots.push(line(curve(position, force), BLUE, 2.0, None));
     legend.insert(0, style::line("master equation", BLUE, None));
+    if let Some(measured) = &compared {
+        plots.push(measured::points(measured.clone()));
+        legend.push(style::marker("measured", GREEN, MarkerShape::Circle));
+    }
     ensemble(outcome, position, &mut plots, &mut legend);
     let axes = axes(outcome, page, position, force)?;
     frictions(outcome, position, height(&axes), (&mut plots, &mut legend));
+    let loaded_by = outcome.summary.numbers.friction().and_then(|friction| friction.friction_coefficients);
+    if let (Some(measured), None) = (&compared, &loaded_by) {
+        let computed: Vec<Point> = position.iter().copied().zip(force.iter().copied()).collect();
+        let curves = (computed.as_slice(), measured.as_slice());
+        return Some(measured::with_residuals(outcome, page, (plots, axes), curves, legend));
+    }
     let layout = style::legend_below(axes, legend);
-    Some(match outcome.summary.numbers.friction().and_then(|friction| friction.friction_coefficients) {
+    Some(match loaded_by {
         Some(coefficients) => ticks::twin(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
         None => ticks::panel(plots, layout),
     })
@@ -90,14 +99,6 @@ fn along(x: &[f64], points: &[Point]) -> Vec<f64> {
         a.1 + (b.1 - a.1) * ((x - a.0) / (b.0 - a.0))
     };
     x.iter().map(height).collect()
-}
-
-fn compared(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
-    let record = &outcome.record;
-    if let (Some(x), Some(y)) = (record.values("compared_position"), record.values("compared_force")) {
-        plots.push(line(curve(x, y), GREEN, 1.8, Some(DOTS)));
-        legend.push(style::line("compared curve", GREEN, Some(DOTS)));
-    }
 }
 
 fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {

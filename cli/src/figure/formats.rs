@@ -1,4 +1,4 @@
-//! A scene as a file: SVG, and what is made of it, PNG and PDF.
+//! A scene as a file: SVG, PDF, which is made of it, and PNG, which is drawn directly.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,13 +6,13 @@ use asperity::scenario::{Figure, FigureFormat};
 use krilla_svg::{SurfaceExt, SvgSettings};
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::Scene;
-use resvg::tiny_skia::{PixmapMut, Transform};
-use resvg::usvg::{self, Tree, fontdb};
+use usvg::{Tree, fontdb};
 
 use super::clip::cut;
+use super::dots::{self, Dots};
 use super::raster::fields_as_images;
 use super::style::{HEIGHT, LABELS, Page, WIDTH};
-use super::{grey, typography};
+use super::{grey, letters, typography};
 
 /// Units of the canvas per inch, as in CSS.
 const PER_INCH: f64 = 96.0;
@@ -56,19 +56,62 @@ pub fn check(style: &Figure) -> Result<(), String> {
     Ok(())
 }
 
-/// The picture as SVG, with symbols typeset and a viewBox, so that it can be scaled.
-pub fn svg(scene: Scene, title: &str, style: &Figure) -> String {
-    let scene = fields_as_images(cut(scene), style.grey);
-    let drawn = typography::typeset(&SvgBackend::new().render_scene(&scene), title);
-    let (width, height) = (scene.width, scene.height);
-    let unit = |length: f64| match (style.width, style.font_size) {
-        (None, None) => format!("{length}"),
-        (wide, _) => format!("{}mm", length * wide.unwrap_or(USUAL) / width),
-    };
-    let scaled =
-        format!("width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"", unit(width), unit(height));
-    let coloured = resized(&drawn, &scaled);
-    if style.grey { grey::shaded(&coloured) } else { coloured }
+/// A picture without clip paths, and what is made of it.
+pub struct Picture<'a> {
+    scene: Scene,
+    title: &'a str,
+    style: &'a Figure,
+    svg: OnceLock<String>,
+}
+
+impl<'a> Picture<'a> {
+    /// A picture with this title, which is not typeset.
+    pub fn new(scene: Scene, title: &'a str, style: &'a Figure) -> Self {
+        Self { scene: cut(scene), title, style, svg: OnceLock::new() }
+    }
+
+    /// The picture in a format.
+    ///
+    /// # Errors
+    /// What cannot be drawn.
+    pub fn converted(&self, format: FigureFormat) -> Result<Vec<u8>, String> {
+        match format {
+            FigureFormat::Svg => Ok(self.svg().as_bytes().to_vec()),
+            FigureFormat::Png => self.png(),
+            FigureFormat::Pdf => pdf(self.svg()),
+        }
+    }
+
+    /// With symbols typeset and a viewBox, so that it can be scaled.
+    fn svg(&self) -> &str {
+        self.svg.get_or_init(|| self.text())
+    }
+
+    fn text(&self) -> String {
+        let Self { title, style, .. } = *self;
+        let scene = fields_as_images(&self.scene, style.grey);
+        let drawn = typography::typeset(&SvgBackend::new().render_scene(&scene), title);
+        let (width, height) = (scene.width, scene.height);
+        let unit = |length: f64| match (style.width, style.font_size) {
+            (None, None) => format!("{length}"),
+            (wide, _) => format!("{}mm", length * wide.unwrap_or(USUAL) / width),
+        };
+        let scaled =
+            format!("width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\"", unit(width), unit(height));
+        let coloured = resized(&drawn, &scaled);
+        if style.grey { grey::shaded(&coloured) } else { coloured }
+    }
+
+    fn png(&self) -> Result<Vec<u8>, String> {
+        let Figure { width, font_size, dpi, grey, .. } = *self.style;
+        // Inches per unit of the canvas.
+        let unit = match (width, font_size) {
+            (None, None) => 1.0 / PER_INCH,
+            (wide, _) => wide.unwrap_or(USUAL) / MM_PER_INCH / self.scene.width,
+        };
+        let dots = Dots { scale: unit * dpi, dpi, grey, title: self.title };
+        dots::png(&self.scene, &dots).map_err(|error| error.to_string())
+    }
 }
 
 /// The picture with other attributes in the place of its width and height, which stand together in its first tag.
@@ -83,62 +126,18 @@ fn resized(svg: &str, attributes: &str) -> String {
     )
 }
 
-/// An SVG picture in another format. `dots` is memory, which may be that of another picture.
-///
-/// # Errors
-/// What cannot be drawn.
-pub fn converted(
-    svg: &str,
-    format: FigureFormat,
-    style: &Figure,
-    dots: &mut Vec<u8>,
-) -> Result<Vec<u8>, String> {
-    if format == FigureFormat::Svg {
-        return Ok(svg.as_bytes().to_vec());
-    }
-    let options = usvg::Options { fontdb: fonts(), font_family: FAMILY.into(), ..usvg::Options::default() };
+/// An SVG picture as a page of its size.
+fn pdf(svg: &str) -> Result<Vec<u8>, String> {
+    let options =
+        usvg::Options { fontdb: database(), font_family: FAMILY.into(), ..usvg::Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
-    if format == FigureFormat::Pdf { pdf(&tree) } else { png(&tree, style.dpi / PER_INCH, dots) }
-}
-
-fn png(tree: &Tree, scale: f64, dots: &mut Vec<u8>) -> Result<Vec<u8>, String> {
-    let (width, height) = (f64::from(tree.size().width()) * scale, f64::from(tree.size().height()) * scale);
-    let size = [width.ceil() as u32, height.ceil() as u32];
-    let count = size.map(|side| side as usize).iter().product::<usize>();
-    // White. A fraction of a dot may remain at the right and at the bottom.
-    dots.clear();
-    dots.resize(4 * count, 255);
-    let mut picture = PixmapMut::from_bytes(dots, size[0], size[1])
-        .ok_or_else(|| format!("{width:.0} × {height:.0} dots are too many"))?;
-    resvg::render(tree, Transform::from_scale(scale as f32, scale as f32), &mut picture);
-    // Without the opacity, which is full.
-    for i in 0..count {
-        dots.copy_within(4 * i..4 * i + 3, 3 * i);
-    }
-    compressed(&dots[..3 * count], size).map_err(|error| error.to_string())
-}
-
-/// Red, green and blue of dots as a PNG file. Fast compression of differences to the row above takes a twentieth of the time of
-/// the usual compression, for half as many bytes more.
-pub(super) fn compressed(dots: &[u8], [width, height]: [u32; 2]) -> Result<Vec<u8>, png::EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::Fast);
-    encoder.set_filter(png::Filter::Up);
-    encoder.write_header()?.write_image_data(dots)?;
-    Ok(bytes)
-}
-
-/// A page of the size of the picture.
-fn pdf(tree: &Tree) -> Result<Vec<u8>, String> {
     let points = |length: f32| (f64::from(length) * POINTS / PER_INCH) as f32;
     let size = krilla::geom::Size::from_wh(points(tree.size().width()), points(tree.size().height()))
         .ok_or("a picture without extent")?;
     let mut document = krilla::Document::new();
     let mut page = document.start_page_with(krilla::page::PageSettings::new(size));
     let mut surface = page.surface();
-    surface.draw_svg(tree, size, SvgSettings::default());
+    surface.draw_svg(&tree, size, SvgSettings::default());
     surface.finish();
     page.finish();
     document.finish().map_err(|error| format!("{error:?}"))
@@ -147,13 +146,11 @@ fn pdf(tree: &Tree) -> Result<Vec<u8>, String> {
 const FAMILY: &str = "DejaVu Sans";
 
 /// The fonts of pictures: those in the program, so that pictures do not depend on the machine.
-fn fonts() -> Arc<fontdb::Database> {
+fn database() -> Arc<fontdb::Database> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     let load = || {
         let mut fonts = fontdb::Database::new();
-        for font in [dejavu::sans::regular(), dejavu::sans::oblique(), dejavu::sans::bold()] {
-            fonts.load_font_data(font.to_vec());
-        }
+        letters::fonts().into_iter().for_each(|font| fonts.load_font_data(font.to_vec()));
         Arc::new(fonts)
     };
     FONTS.get_or_init(load).clone()

@@ -1,5 +1,7 @@
 //! Pictures in shades of grey.
 
+use kuva::render::color::Color;
+
 use super::style::{BLUE, GREEN, ORANGE, RED};
 
 /// Shades of the colours of curves, darker for those that matter more; by their luminance three of them would be alike.
@@ -22,20 +24,31 @@ pub fn shaded(svg: &str) -> String {
 
 /// The shade of a colour of six hexadecimal digits.
 fn shade(digits: &str) -> Option<String> {
-    let known = SHADES.iter().find(|(colour, _)| colour[1..].eq_ignore_ascii_case(digits));
-    if let Some((_, shade)) = known {
-        return Some((*shade).to_owned());
-    }
     let part = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
     if digits.len() != 6 {
         return None;
     }
-    let luminance = luminance([part(0)?, part(2)?, part(4)?]);
-    Some(format!("#{}", format!("{luminance:02x}").repeat(3)))
+    let [shade, ..] = shade_of([part(0)?, part(2)?, part(4)?]);
+    Some(format!("#{}", format!("{shade:02x}").repeat(3)))
+}
+
+/// Red, green and blue of a colour, in shades of grey if asked for; `None` for no colour.
+pub fn rgb(colour: &Color, grey: bool) -> Option<[u8; 3]> {
+    let Color::Rgb(red, green, blue) = *colour else { return None };
+    Some(if grey { shade_of([red, green, blue]) } else { [red, green, blue] })
+}
+
+/// The shade of a colour.
+fn shade_of(rgb: [u8; 3]) -> [u8; 3] {
+    let is =
+        |colour: &str| colour.eq_ignore_ascii_case(&format!("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]));
+    let known = SHADES.iter().find(|(colour, _)| is(colour));
+    let known = known.and_then(|(_, shade)| u8::from_str_radix(&shade[1..3], 16).ok());
+    [known.unwrap_or_else(|| luminance(rgb)); 3]
 }
 
 /// The luminance of a colour, by ITU-R BT.601.
-pub fn luminance(rgb: [u8; 3]) -> u8 {
+fn luminance(rgb: [u8; 3]) -> u8 {
     let [red, green, blue] = rgb.map(f64::from);
     (0.299 * red + 0.587 * green + 0.114 * blue).round() as u8
 }

@@ -7,6 +7,7 @@ mod corner;
 mod covariance;
 mod curve;
 mod distribution;
+mod dots;
 mod equilibrium;
 mod evolution;
 mod field;
@@ -17,9 +18,12 @@ mod formats;
 mod free_form;
 mod grey;
 mod hold_curve;
+mod letters;
+mod measured;
 mod potential;
 mod protocol;
 mod raster;
+mod shapes;
 mod sizes;
 mod slip;
 mod slip_rate;
@@ -42,8 +46,9 @@ use asperity::scenario::{Figure, FigureFormat};
 use asperity_runner::output::{Attachment, Outcome};
 use asperity_runner::sweep::Dataset;
 use kuva::render::render::Scene;
-use rayon::iter::ParallelIterator as _;
-use rayon::slice::ParallelSlice as _;
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+
+use formats::Picture;
 
 pub use formats::check;
 pub use style::digits;
@@ -120,25 +125,18 @@ fn files(
     title: &str,
     style: &Figure,
 ) -> Result<Vec<Attachment>, String> {
-    let drawn: Vec<(String, String)> =
-        scenes.map(|(name, scene)| (name, formats::svg(scene, title, style))).collect();
-    let files: Vec<_> =
-        drawn.iter().flat_map(|picture| style.formats.iter().map(move |format| (picture, *format))).collect();
-    let convert = |((name, svg), format): &(&(String, String), FigureFormat), dots: &mut Vec<u8>| {
+    let pictures: Vec<(String, Picture)> =
+        scenes.map(|(name, scene)| (name, Picture::new(scene, title, style))).collect();
+    let formats = |drawn| style.formats.iter().map(move |format| (drawn, *format));
+    let files: Vec<(&(String, Picture), FigureFormat)> = pictures.iter().flat_map(formats).collect();
+    let convert = |((name, picture), format): (&(String, Picture), FigureFormat)| {
         let name = format!("{name}.{}", format.name());
-        let bytes = formats::converted(svg, *format, style, dots);
-        bytes
-            .map(|bytes| Attachment { name: name.clone(), bytes })
-            .map_err(|error| format!("{name}: {error}"))
+        match picture.converted(format) {
+            Ok(bytes) => Ok(Attachment { name, bytes }),
+            Err(error) => Err(format!("{name}: {error}")),
+        }
     };
-    // Each thread draws in the same memory, as new memory takes longer than the drawing.
-    let share = files.len().div_ceil(rayon::current_num_threads()).max(1);
-    let shared = |files: &[_]| {
-        let mut dots = Vec::new();
-        files.iter().map(|file| convert(file, &mut dots)).collect::<Result<Vec<_>, _>>()
-    };
-    let drawn = files.par_chunks(share).map(shared).collect::<Result<Vec<_>, String>>()?;
-    Ok(drawn.into_iter().flatten().collect())
+    files.into_par_iter().map(convert).collect()
 }
 
 #[cfg(test)]

@@ -107,6 +107,77 @@ fn every_picture_comes_in_every_format() {
     assert!(super::draw(&mut outcome(), &Figure { formats: Vec::new(), ..style() }).unwrap().is_empty());
 }
 
+/// A file in PNG: its size, its resolution in dots per metre, its samples.
+fn read_png(bytes: &[u8]) -> ([u32; 2], Option<u32>, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut dots = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut dots).unwrap();
+    ([frame.width, frame.height], reader.info().pixel_dims.map(|dims| dims.xppu), dots)
+}
+
+/// The picture in SVG as another program draws it, which reads it and lays its texts out: red, green and blue on white.
+fn drawn_by_resvg(svg: &str, scale: f32, [width, height]: [u32; 2]) -> Vec<u8> {
+    let mut options = usvg::Options::default();
+    for font in super::letters::fonts() {
+        options.fontdb_mut().load_font_data(font.to_vec());
+    }
+    let tree = usvg::Tree::from_str(svg, &options).unwrap();
+    let mut dots = tiny_skia::Pixmap::new(width, height).unwrap();
+    dots.fill(tiny_skia::Color::WHITE);
+    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut dots.as_mut());
+    dots.data().chunks_exact(4).flat_map(|dot| [dot[0], dot[1], dot[2]]).collect()
+}
+
+/// PNG pictures show what the SVG shows: curves, markers, dashes, areas, fields, texts with symbols, in colours and in grey.
+#[test]
+fn dots_are_those_of_the_svg_drawn_by_another_program() {
+    for (outcome, grey) in [(outcome(), false), (lattice(40), false), (outcome(), true), (lattice(5), true)] {
+        let pictures = super::draw(&mut outcome.clone(), &Figure { grey, dpi: 192.0, ..style() }).unwrap();
+        for pair in pictures.chunks(2) {
+            let (size, resolution, dots) = read_png(&pair[1].bytes);
+            assert_eq!(resolution, Some(7559), "192 dots on 0.0254 m");
+            let expected = drawn_by_resvg(raw(&pictures, &pair[0].name), 2.0, size);
+            let samples = if grey { 1 } else { 3 };
+            let apart = dots.chunks(samples).zip(expected.chunks(3));
+            let apart =
+                apart.map(|(got, expected)| (0..3).map(|i| got[i % samples].abs_diff(expected[i])).max());
+            // Both count a quarter of a row of dots as covered or not, 64 of 255. Coordinates in SVG have two digits, so that an
+            // edge on the border of a quarter may be on the other side of it.
+            let other = apart.clone().filter(|apart| *apart > Some(40)).count();
+            let most = apart.clone().flatten().max();
+            let parts = other as f64 / (dots.len() / samples) as f64;
+            assert!(
+                most < Some(128) && parts < 1e-3,
+                "{}: {other} dots are others, by {most:?}",
+                pair[1].name
+            );
+            // A shade of 255 in a thousand dots.
+            let mean = apart.flatten().map(f64::from).sum::<f64>() / (dots.len() / samples) as f64;
+            assert!(mean < 0.25, "{}: {mean}", pair[1].name);
+        }
+    }
+}
+
+/// Measured points are points, and what is left of them stands below, on the same axis.
+#[test]
+fn measured_forces_have_a_panel_of_their_residuals() {
+    let mut outcome = outcome();
+    let position: Vec<f64> = (0..30).map(|i| 0.3 * f64::from(i)).collect();
+    for (name, quantity, values) in [
+        ("compared_position", Quantity::Length, position),
+        ("compared_force", Quantity::Force, vec![0.6; 30]),
+    ] {
+        outcome.record.push(name, name, quantity, &["compared"], values);
+    }
+    let pictures = draw(&outcome).unwrap();
+    let text = raw(&pictures, "force.svg");
+    let [force, residuals] = frames(text)[..] else { panic!("two frames") };
+    assert_eq!([force[0], force[2]], [residuals[0], residuals[2]]);
+    // In both panels, and in the legend.
+    assert_eq!(text.matches("fill=\"#009e73\"").count(), 30 + 30 + 1);
+    assert!(svg(&pictures, "force.svg").contains(">Residual (MPa)<"));
+}
+
 /// A column of 86 mm at 600 dots per inch has 2031.5 dots, and its height follows.
 #[test]
 fn a_picture_has_the_width_and_the_resolution_that_are_asked_for() {

@@ -47,21 +47,48 @@ fn font_size(tag: &str) -> f64 {
     value.and_then(|value| value.parse().ok()).unwrap_or(12.0)
 }
 
+/// A piece of a text as it is drawn.
+#[derive(Debug, PartialEq)]
+pub struct Span {
+    pub text: String,
+    pub is_italic: bool,
+    pub size: f64,
+    /// Distance of its line below that of the text.
+    pub lowered: f64,
+}
+
+/// The pieces of a text of this size as they are drawn.
+pub fn spans(text: &str, size: f64) -> Vec<Span> {
+    let span = |text: String, is_italic| Span { text, is_italic, size, lowered: 0.0 };
+    let drawn = |piece| match piece {
+        Piece::Upright(text) => span(numbers(text), false),
+        Piece::Symbol(text) => span(text.to_owned(), true),
+        Piece::Subscript(text) => {
+            Span { size: SMALL * size, lowered: LOWERED * size, ..span(text.to_owned(), false) }
+        }
+    };
+    pieces(text).into_iter().map(drawn).collect()
+}
+
 /// A text with its symbols marked up for SVG.
 fn marked_up(text: &str, size: f64) -> String {
     let mut out = String::new();
-    let mut lowered = false;
-    let shift = LOWERED * size;
-    for piece in pieces(text) {
-        let back = if lowered { format!(" dy=\"{:.2}\"", -shift) } else { String::new() };
-        lowered = matches!(piece, Piece::Subscript(_));
-        let written = match piece {
-            Piece::Upright(text) if back.is_empty() => write!(out, "{}", numbers(text)),
-            Piece::Upright(text) => write!(out, "<tspan{back}>{}</tspan>", numbers(text)),
-            Piece::Symbol(text) => write!(out, "<tspan font-style=\"italic\"{back}>{text}</tspan>"),
-            Piece::Subscript(text) => {
-                write!(out, "<tspan font-size=\"{:.2}\" dy=\"{shift:.2}\">{text}</tspan>", SMALL * size)
-            }
+    let mut lowered = 0.0;
+    for span in spans(text, size) {
+        let mut attributes = String::new();
+        if span.is_italic {
+            attributes += " font-style=\"italic\"";
+        }
+        if span.size != size {
+            attributes += &format!(" font-size=\"{:.2}\"", span.size);
+        }
+        if span.lowered != lowered {
+            attributes += &format!(" dy=\"{:.2}\"", span.lowered - lowered);
+        }
+        lowered = span.lowered;
+        let written = match attributes.as_str() {
+            "" => write!(out, "{}", span.text),
+            _ => write!(out, "<tspan{attributes}>{}</tspan>", span.text),
         };
         // Writing to a string does not fail.
         written.unwrap_or_default();
