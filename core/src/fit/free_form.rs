@@ -234,9 +234,18 @@ fn renewed(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
 /// γ = K − 3 − λ tr V DᵀD.
 fn effective(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
     let active: Vec<usize> = (0..optimum.coordinates.len()).filter(|&k| !optimum.at_bound[k]).collect();
-    let covariance = matrix::covariance(&optimum.score.information, &active);
-    let trace = covariance.map_or(0.0, |covariance| smoothness.trace(&covariance));
-    smoothness.count() as f64 - smoothness.strength * trace
+    let information = &optimum.score.information;
+    let trace = match matrix::covariance(information, &active) {
+        Some(covariance) => smoothness.trace(&covariance),
+        // A strong penalty leaves no digits of what the data say of quadratic polynomials.
+        None => matrix::trace_with_inverse(
+            &smoothness.differences(optimum.coordinates.len()),
+            information,
+            &active,
+        )
+        .unwrap_or_default(),
+    };
+    (smoothness.count() as f64 - smoothness.strength * trace).max(0.0)
 }
 
 impl FreeForm {

@@ -76,6 +76,13 @@ impl Smoothness {
         }
     }
 
+    /// DᵀD among so many coordinates, with D the third differences.
+    pub fn differences(&self, coordinates: usize) -> Mat<f64> {
+        let mut squared = Mat::zeros(coordinates, coordinates);
+        self.add_roughness((1.0, &vec![0.0; coordinates]), &mut Mat::zeros(coordinates, 1), &mut squared);
+        squared
+    }
+
     /// tr V DᵀD, with D the third differences and V a covariance of all coordinates.
     pub fn trace(&self, covariance: &Mat<f64>) -> f64 {
         let term = |first: usize| -> f64 {
