@@ -174,3 +174,37 @@ fn a_population_moves_along_the_same_curve() {
         assert!((got - expected).abs() < PROMISED * MEAN_LIFE, "{got}, not {expected}, at X = {to}");
     }
 }
+
+/// Contacts that are free for 1e8 of their lives: bursts far apart, between which nothing happens.
+#[test]
+fn bursts_far_apart_are_found_in_few_cells() {
+    const WAIT: f64 = 1e8;
+    let (low, high) = (0.5, 1.5);
+    let sum = uniform(low, high);
+    let equation = equation(&rectangular(low, high), &point(0.0), WAIT, 1.0);
+    let pull = equation.pull(2.5 * WAIT).unwrap();
+    // Some doublings of the width of cells from one burst to the next, and the bursts.
+    assert!(pull.cells() < 2000, "{}", pull.cells());
+    for generation in 0..3_u32 {
+        let start = f64::from(generation) * WAIT;
+        for k in 1..=40 {
+            let position = start + 0.11 * f64::from(k);
+            let u = position - start;
+            let ((_, before), (below, after)) = (sum(generation, u), sum(generation + 1, u));
+            let expected = before - after - (u * below - after) / f64::from(generation + 1);
+            // Positions have 3e-8 at 2e8, which the force follows with slopes of about 1.
+            let error = (pull.force(position) - expected).abs();
+            assert!(error < 1e-6, "generation {generation}, {u}: {error:e}");
+        }
+    }
+    assert!(pull.force(0.5 * WAIT).abs() < 1e-6);
+    assert!((pull.total_probability(2.2 * WAIT) - 1.0).abs() < 1e-6);
+}
+
+/// So many bursts that cells between them do not fit in memory are refused before any work.
+#[test]
+fn more_bursts_than_cells_are_refused_at_once() {
+    let equation = equation(&rectangular(0.5, 1.5), &point(0.0), 1e9, 1.0);
+    let refused = equation.pull(1e15).unwrap_err();
+    assert!(matches!(refused, asperity::Error::TooLarge { .. }), "{refused}");
+}

@@ -122,8 +122,15 @@ fn files(
 ) -> Result<Vec<Attachment>, String> {
     let drawn: Vec<(String, String)> =
         scenes.map(|(name, scene)| (name, formats::svg(scene, title, style))).collect();
+    // A format that is given twice is one file.
+    let mut formats: Vec<FigureFormat> = Vec::new();
+    for format in &style.formats {
+        if !formats.contains(format) {
+            formats.push(*format);
+        }
+    }
     let files: Vec<_> =
-        drawn.iter().flat_map(|picture| style.formats.iter().map(move |format| (picture, *format))).collect();
+        drawn.iter().flat_map(|picture| formats.iter().map(move |format| (picture, *format))).collect();
     let convert = |((name, svg), format): &(&(String, String), FigureFormat), dots: &mut Vec<u8>| {
         let name = format!("{name}.{}", format.name());
         let bytes = formats::converted(svg, *format, style, dots);

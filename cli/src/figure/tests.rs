@@ -105,6 +105,8 @@ fn every_picture_comes_in_every_format() {
         assert!(of_format.all(|p| p.bytes.starts_with(start)), "{ending}");
     }
     assert!(super::draw(&mut outcome(), &Figure { formats: Vec::new(), ..style() }).unwrap().is_empty());
+    let twice = Figure { formats: vec![FigureFormat::Png; 2], ..style() };
+    assert_eq!(super::draw(&mut outcome(), &twice).unwrap().len(), 3);
 }
 
 /// A column of 86 mm at 600 dots per inch has 2031.5 dots, and its height follows.
