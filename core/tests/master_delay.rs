@@ -187,7 +187,7 @@ fn bursts_far_apart_are_found_in_few_cells() {
     let pull = equation.pull(2.5 * WAIT).unwrap();
     // Some doublings of the width of cells from one burst to the next, and the bursts.
     assert!(pull.cells() < 2000, "{}", pull.cells());
-    for generation in 0..3_u32 {
+    for generation in 0..2_u32 {
         let start = f64::from(generation) * WAIT;
         for k in 1..=40 {
             let position = start + 0.11 * f64::from(k);
