@@ -174,3 +174,39 @@ fn a_population_moves_along_the_same_curve() {
         assert!((got - expected).abs() < PROMISED * MEAN_LIFE, "{got}, not {expected}, at X = {to}");
     }
 }
+
+/// Contacts that are free for 1e6 of their lives: bursts far apart, between which nothing happens.
+#[test]
+fn bursts_far_apart_are_found_in_few_cells() {
+    const WAIT: f64 = 1e6;
+    /// The error aimed at is per mean life, of which the delay is a part.
+    const AIM: f64 = PROMISED * WAIT;
+    let (low, high) = (0.5, 1.5);
+    let sum = uniform(low, high);
+    let equation = equation(&rectangular(low, high), &point(0.0), WAIT, 1.0);
+    let pull = equation.pull(2.5 * WAIT).unwrap();
+    // Some doublings of the width of cells from one burst to the next, and the bursts.
+    assert!(pull.cells() < 2000, "{}", pull.cells());
+    for generation in 0..3_u32 {
+        let start = f64::from(generation) * WAIT;
+        for k in 1..=40 {
+            let position = start + 0.11 * f64::from(k);
+            let u = position - start;
+            let ((_, before), (below, after)) = (sum(generation, u), sum(generation + 1, u));
+            let expected = before - after - (u * below - after) / f64::from(generation + 1);
+            let error = (pull.force(position) - expected).abs();
+            println!("generation {generation}, {u}: {error:e} of {expected:e}");
+            assert!(error < AIM, "generation {generation}, {u}: {error:e}");
+        }
+    }
+    println!("{:e} {}", pull.error_estimate(), pull.cells());
+    assert!(pull.force(0.5 * WAIT).abs() < AIM);
+}
+
+/// So many bursts that cells between them do not fit in memory are refused before any work.
+#[test]
+fn more_bursts_than_cells_are_refused_at_once() {
+    let equation = equation(&rectangular(0.5, 1.5), &point(0.0), 1e9, 1.0);
+    let refused = equation.pull(1e15).unwrap_err();
+    assert!(matches!(refused, asperity::Error::TooLarge { .. }), "{refused}");
+}

@@ -127,8 +127,15 @@ fn files(
 ) -> Result<Vec<Attachment>, String> {
     let pictures: Vec<(String, Picture)> =
         scenes.map(|(name, scene)| (name, Picture::new(scene, title, style))).collect();
-    let formats = |drawn| style.formats.iter().map(move |format| (drawn, *format));
-    let files: Vec<(&(String, Picture), FigureFormat)> = pictures.iter().flat_map(formats).collect();
+    // A format that is given twice is one file.
+    let mut formats: Vec<FigureFormat> = Vec::new();
+    for format in &style.formats {
+        if !formats.contains(format) {
+            formats.push(*format);
+        }
+    }
+    let all = |drawn| formats.iter().map(move |format| (drawn, *format));
+    let files: Vec<(&(String, Picture), FigureFormat)> = pictures.iter().flat_map(all).collect();
     let convert = |((name, picture), format): (&(String, Picture), FigureFormat)| {
         let name = format!("{name}.{}", format.name());
         match picture.converted(format) {

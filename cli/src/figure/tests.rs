@@ -105,6 +105,8 @@ fn every_picture_comes_in_every_format() {
         assert!(of_format.all(|p| p.bytes.starts_with(start)), "{ending}");
     }
     assert!(super::draw(&mut outcome(), &Figure { formats: Vec::new(), ..style() }).unwrap().is_empty());
+    let twice = Figure { formats: vec![FigureFormat::Png; 2], ..style() };
+    assert_eq!(super::draw(&mut outcome(), &twice).unwrap().len(), 3);
 }
 
 /// A file in PNG: its size, its resolution in dots per metre, its samples.

@@ -175,7 +175,13 @@ impl Life {
         self.survival.curve().integral()
     }
 
-    /// ⟨u²⟩ of that advance, 2∫u S du.
+    /// The same without the time for which it was free.
+    pub(crate) fn mean_held(&self) -> f64 {
+        let formed = self.formed();
+        formed.mean() - formed.wait
+    }
+
+    /// ⟨u²⟩ of the advance after which a contact breaks, 2∫u S du.
     pub(crate) fn mean_square(&self) -> f64 {
         -2.0 * self.survival.curve().transform(Complex64::ZERO).1.re
     }

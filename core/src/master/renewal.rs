@@ -87,7 +87,8 @@ impl RenewalSolution {
             density: 0.3 * tolerance / reformed.mean(),
             mass: 3e-3 * tolerance,
             conservation: tolerance,
-            convolved: 0.3 * tolerance * unit_force(reformed),
+            // Contacts carry a force while they hold, however long they are free before.
+            convolved: 0.3 * tolerance * reformed.mean_held() * reformed.stiffness(),
             initial_width: (tolerance / 1e-13).powf(1.0 / 16.0),
             narrow_fraction,
         };

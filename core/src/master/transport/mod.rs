@@ -21,6 +21,7 @@ mod free_contacts;
 mod grid;
 mod merging;
 mod model;
+mod moment_table;
 
 mod panels;
 mod path;

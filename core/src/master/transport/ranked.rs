@@ -9,9 +9,12 @@
 //! temperature the narrower the band; without temperature it reduces to c. On the panel that contains c, ln A
 //! is the polynomial through its values, for which the rate is continued beyond y = 1.
 
+use std::sync::OnceLock;
+
 use serde::{Deserialize, Serialize};
 
 use super::grid::{GridPanel, LabelGrid, SurvivorsAbove};
+use super::moment_table::MomentTable;
 use super::path::{Path, Place};
 use super::seeds::Seed;
 use super::survival_table::SurvivalTable;
@@ -31,6 +34,9 @@ pub(super) struct RankedThresholds {
     law: SharedLaw,
     /// S, tabulated where the law is smooth.
     table: Option<SurvivalTable>,
+    /// ∫ h_0 dP_ci above a threshold, if a table is worth it; computed when first needed, for the tolerance below.
+    moments: OnceLock<Option<MomentTable>>,
+    tolerance: f64,
     /// Stretch up to which no contact breaks; below 0 if it is not known.
     certain: f64,
     evolution: ThresholdEvolution,
@@ -133,6 +139,8 @@ impl RankedThresholds {
             law,
             certain,
             table,
+            moments: OnceLock::new(),
+            tolerance,
             ranks: atoms.iter().map(|atom| evolution.rank(atom.position)).collect(),
             octaves: evolution.octaves(),
             evolution,
@@ -445,9 +453,19 @@ impl RankedThresholds {
             (Some((_, grid)), Some(band)) if !band.is_empty() && self.evolution.is_constant() => {
                 grid.kept(band.end() - 1).moment(law)
             }
+            _ if self.evolution.is_constant() => self.moment_above(from),
             _ => self.evolution.moments_above(law, from, age)[1],
         };
         (whole - atoms).max(0.0)
+    }
+
+    /// ∫ P_ci h_0 dh_0 above a fresh threshold.
+    fn moment_above(&self, from: f64) -> f64 {
+        let law = self.law.as_ref();
+        match self.moments.get_or_init(|| MomentTable::of(law, self.tolerance)) {
+            Some(table) => table.value(from),
+            None => law.upper_moment(1, from),
+        }
     }
 
     /// ∫ P_ci e^{−A} dh_0 over the band above c and over point masses; and the same with the present threshold as a factor, if

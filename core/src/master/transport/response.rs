@@ -37,12 +37,27 @@ const FINER: f64 = 2.0;
 /// Velocity of the step, in units of the sliding velocity.
 const FAST: f64 = 1e4;
 
+/// Largest number of times, in each of which all cohorts move.
+const MOST: f64 = 4_194_304.0;
+
+/// Refuses more times than can be followed: where contacts are free for very much longer than they hold.
+fn fits(velocity: f64, count: f64) -> Result<()> {
+    if count <= MOST {
+        return Ok(());
+    }
+    let expected = format!(
+        "one at which contacts are not free for very much longer than they hold: the response of steady sliding is followed in at most {MOST:.1e} steps"
+    );
+    Err(Error::invalid("velocity", expected, format!("{velocity:e}, at which it takes {count:.1e}")))
+}
+
 impl Transport {
     /// The response of steady sliding at a velocity to a small step, over `lives` mean lives of a contact; 0
     /// for time-independent contacts.
     ///
     /// # Errors
-    /// Those of [`Transport::steady`]; a number of lives that is not above 0; stopped by the monitor.
+    /// Those of [`Transport::steady`]; a number of lives that is not above 0; a velocity at which contacts
+    /// are free for very much longer than they hold; stopped by the monitor.
     pub fn step_response(
         contacts: &Contacts,
         velocity: f64,
@@ -72,6 +87,7 @@ impl Transport {
         let duration = lives / steady.breaking_rate();
         let spacing = steady.pace.longest(velocity) / FINER;
         let count = (duration / spacing).ceil().max(1.0);
+        fits(velocity, count)?;
         let time: Vec<f64> = (0..=count as u32).map(|k| f64::from(k) / count * duration).collect();
         let history = History::new(vec![Piece { velocity, duration }])?;
         let mut displaced = steady.clone();

@@ -107,6 +107,12 @@ impl Kernel {
         })
     }
 
+    /// The position up to which the curve is 0.
+    pub(super) fn start(&self) -> f64 {
+        let first = self.bounds.iter().position(|&bound| bound > 0.0).unwrap_or(self.bounds.len());
+        self.curve.boundaries.get(first).copied().unwrap_or(0.0)
+    }
+
     /// |∫ of the curve|, the scale of what is negligible.
     pub(super) fn size(&self) -> f64 {
         self.size
