@@ -519,7 +519,8 @@ class Contacts(Description):
     areas
         Areas, from which thresholds and stiffnesses follow, instead of thresholds.
     reforming
-        The distribution R of the stretches at which they re-form, by default all at 0.
+        The distribution R of the stretches at which they re-form, by default all at 0. Models leave out stretches
+        beyond the thresholds, at most half of them, and warn of the share.
     count
         The number N_c of contacts, above 0; with 1, forces are per contact.
     stiffness
