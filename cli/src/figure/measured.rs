@@ -66,7 +66,8 @@ fn residuals(ends: (f64, f64), left: Vec<Point>) -> (Plots, Layout) {
     let largest = left.iter().map(|point| point.1.abs()).fold(0.0, f64::max);
     let zero = line(vec![(ends.0, 0.0), (ends.1, 0.0)], GREY, 1.0, Some(DOTS));
     let top = style::headroom(1.1 * largest);
-    let layout = style::layout(ends, (-top, top)).with_ticks(4);
+    // As many ticks as above: those of the positions are the same.
+    let layout = style::layout(ends, (-top, top));
     (vec![zero, points(left)], layout)
 }
 
