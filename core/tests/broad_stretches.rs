@@ -77,6 +77,11 @@ fn a_scenario_accepts_them_and_tells_their_share() {
     // Contacts that may break at once are all kept.
     let mut relaxed = pulled(Law::Rectangular { min: 0.0, max: 1.25 }, TaskStart::Relaxed);
     assert_eq!(relaxed.warnings().len(), 1);
+    // The stretches of steady sliding reach as far as contacts re-form: there they are not resolved.
+    let mut steady = pulled(Law::Exponential { mean: 0.4 }, TaskStart::Steady);
+    steady.initial = Law::Point { at: 0.0 };
+    let error = steady.build().unwrap_err().to_string();
+    assert!(error.contains("contacts.reforming"), "{error}");
     relaxed.contacts.reforming = Law::Rectangular { min: 0.0, max: 2.1 };
     let error = relaxed.build().unwrap_err().to_string();
     assert!(error.contains("contacts.reforming"), "more than half: {error}");

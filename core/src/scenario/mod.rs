@@ -287,7 +287,11 @@ pub fn build_contacts(
 /// What [`build_contacts`] leaves out: a sentence for each distribution, with its key.
 pub fn left_out(contacts: &Contacts, initial: &Law, start: TaskStart) -> Vec<String> {
     let Ok(contacts) = contacts.build() else { return Vec::new() };
-    let Ok(initial) = start.build(&contacts, initial) else { return Vec::new() };
+    // In steady sliding, and where contacts may break at once, nothing is left out of the initial ones.
+    let initial = match start {
+        TaskStart::Conditional => start.build(&contacts, initial).unwrap_or_default(),
+        TaskStart::Relaxed | TaskStart::Steady => crate::contacts::Initial::default(),
+    };
     let told = |(argument, share, highest): (&str, f64, f64)| {
         let key = keys::key_of(argument).unwrap_or_else(|| argument.into());
         format!(
