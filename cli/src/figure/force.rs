@@ -43,7 +43,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         return Some(measured::with_residuals(outcome, page, (plots, axes), curves, legend));
     }
     let layout = style::legend_below(axes, legend);
-    Some(if loaded_by.is_some() { ticks::twin(plots, Vec::new(), layout) } else { ticks::panel(plots, layout) })
+    Some(if loaded_by.is_some() {
+        ticks::twin(plots, Vec::new(), layout)
+    } else {
+        ticks::panel(plots, layout)
+    })
 }
 
 fn axes(outcome: &Outcome, page: Page, position: &[f64], force: &[f64]) -> Option<Layout> {
