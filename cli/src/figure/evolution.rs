@@ -19,6 +19,8 @@ const SMOOTH: f64 = 0.02;
 /// Height of the label of the lowest axes.
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
+/// Left and right margins, so that the axes of a column begin and end together.
+const SIDES: (f64, f64) = (62.0, 18.0);
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
@@ -86,6 +88,7 @@ fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)
         .with_title(format!("X = {}", style::digits(position)))
         .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_force_margins(SIDES.0, SIDES.1)
         .with_title_size(12)
         .with_tick_size(11)
         .with_label_size(13);

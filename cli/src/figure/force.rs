@@ -33,15 +33,20 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let axes = axes(outcome, page, position, force)?;
     frictions(outcome, position, height(&axes), (&mut plots, &mut legend));
     let loaded_by = outcome.summary.numbers.friction().and_then(|friction| friction.friction_coefficients);
-    if let (Some(measured), None) = (&compared, &loaded_by) {
+    let axes = match loaded_by {
+        Some(coefficients) => loaded(axes, coefficients.normal_load),
+        None => axes,
+    };
+    if let Some(measured) = &compared {
         let computed: Vec<Point> = position.iter().copied().zip(force.iter().copied()).collect();
         let curves = (computed.as_slice(), measured.as_slice());
         return Some(measured::with_residuals(outcome, page, (plots, axes), curves, legend));
     }
     let layout = style::legend_below(axes, legend);
-    Some(match loaded_by {
-        Some(coefficients) => ticks::twin(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
-        None => ticks::panel(plots, layout),
+    Some(if loaded_by.is_some() {
+        ticks::twin(plots, Vec::new(), layout)
+    } else {
+        ticks::panel(plots, layout)
     })
 }
 

@@ -13,7 +13,7 @@ use super::ticks;
 
 /// Heights of the panels, and of the label of the lower axis.
 const HEIGHT: f64 = 340.0;
-const RESIDUALS: f64 = 130.0;
+pub const RESIDUALS: f64 = 130.0;
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (14.0, 24.0);
 const DOTS: &str = "2 4";
@@ -41,14 +41,12 @@ pub fn with_residuals(
     (curve, measured): (&[Point], &[Point]),
     legend: Vec<LegendEntry>,
 ) -> Scene {
-    let left: Vec<Point> = measured.iter().filter_map(|&(x, y)| Some((x, y - height(curve, x)?))).collect();
     let ends = (layout.x_axis_min.unwrap_or(0.0), layout.x_axis_max.unwrap_or(1.0));
     let label = layout.x_label.clone().unwrap_or_default();
     let (title, size) = page.heading(&outcome.summary.title);
     let [above, below] = [HEIGHT, RESIDUALS].map(|height| page.height(height));
-    let (residuals, lower) = residuals(ends, left);
-    let words = outcome.record.get("force").map(|force| style::axis(outcome, "Residual", force));
-    let lower = lower.with_x_label(label).with_y_label(words.unwrap_or_default());
+    let sides = if layout.y2_range.is_some() { style::TWO_SIDES } else { style::SIDES };
+    let (residuals, lower) = residuals(outcome, ends, (curve, measured));
     let figure = Figure::new(2, 1)
         .with_title(title)
         .with_title_size(size)
@@ -57,17 +55,25 @@ pub fn with_residuals(
         .with_spacing(4.0)
         .with_shared_legend_entries(legend)
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    let mut upper = panel(layout, 0.0);
+    let mut upper = panel(layout, sides, 0.0);
     (upper.title, upper.x_label) = (None, None);
-    ticks::panels(figure, vec![plots, residuals], vec![upper, panel(lower, LABEL)])
+    let lower = panel(lower.with_x_label(label), sides, LABEL);
+    ticks::panels(figure, vec![plots, residuals], vec![upper, lower])
 }
 
-fn residuals(ends: (f64, f64), left: Vec<Point>) -> (Plots, Layout) {
+/// What is left of measured points: their forces less those of the curve, between these ends.
+pub fn residuals(
+    outcome: &Outcome,
+    ends: (f64, f64),
+    (curve, measured): (&[Point], &[Point]),
+) -> (Plots, Layout) {
+    let left: Vec<Point> = measured.iter().filter_map(|&(x, y)| Some((x, y - height(curve, x)?))).collect();
     let largest = left.iter().map(|point| point.1.abs()).fold(0.0, f64::max);
     let zero = line(vec![(ends.0, 0.0), (ends.1, 0.0)], GREY, 1.0, Some(DOTS));
     let top = style::headroom(1.1 * largest);
+    let words = outcome.record.get("force").map(|force| style::axis(outcome, "Residual", force));
     // As many ticks as above: those of the positions are the same.
-    let layout = style::layout(ends, (-top, top));
+    let layout = style::layout(ends, (-top, top)).with_y_label(words.unwrap_or_default());
     (vec![zero, points(left)], layout)
 }
 
@@ -82,10 +88,10 @@ fn height(curve: &[Point], x: f64) -> Option<f64> {
     Some(before.1 + (after.1 - before.1) * ((x - before.0) / (after.0 - before.0)))
 }
 
-fn panel(layout: Layout, label: f64) -> Layout {
+fn panel(layout: Layout, sides: (f64, f64), label: f64) -> Layout {
     layout
         .with_force_margins_y(MARGINS.0, MARGINS.1 + label)
-        .with_force_margins(style::SIDES.0, style::SIDES.1)
+        .with_force_margins(sides.0, sides.1)
         .with_tick_size(11)
         .with_label_size(13)
 }

@@ -164,5 +164,8 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
 }
 
 fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
-    field::axes(x, y).with_tick_size(11).with_label_size(13)
+    field::axes(x, y)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
+        .with_tick_size(11)
+        .with_label_size(13)
 }

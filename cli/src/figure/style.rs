@@ -25,6 +25,8 @@ pub const HEIGHT: f64 = 480.0;
 pub const LABELS: f64 = 15.0;
 /// Left and right margins of panels above each other, so that their axes begin and end together.
 pub const SIDES: (f64, f64) = (82.0, 16.0);
+/// The same with an axis on the right.
+pub const TWO_SIDES: (f64, f64) = (82.0, 66.0);
 
 /// The canvas of a picture. Its unit is a fraction of the font size, so that large letters leave less room.
 #[derive(Debug, Clone, Copy)]

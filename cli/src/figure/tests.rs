@@ -328,6 +328,14 @@ fn a_normal_load_adds_an_axis_of_friction_coefficients() {
     let friction = Friction { friction_coefficients: Some(coefficients), ..friction() };
     outcome.summary.numbers = Numbers::Pull(PullNumbers { friction, derivatives: Vec::new(), compare: None });
     assert!(svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
+    // Measured forces have a panel of their residuals below, as wide as the other.
+    outcome.record.push("compared_position", "X", Quantity::Length, &["compared"], vec![0.5, 1.0, 2.0]);
+    outcome.record.push("compared_force", "F", Quantity::Force, &["compared"], vec![0.6; 3]);
+    let pictures = draw(&outcome).unwrap();
+    let text = svg(&pictures, "force.svg");
+    assert!(text.contains("Friction coefficient") && text.contains(">Residual (MPa)<"));
+    let [force, residuals] = frames(raw(&pictures, "force.svg"))[..] else { panic!("two frames") };
+    assert_eq!([force[0], force[2]], [residuals[0], residuals[2]]);
 }
 
 #[test]
@@ -623,6 +631,22 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
             assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
         }
     }
+    // Measured points of the step are points, and their residuals stand below, but for those beyond the step.
+    add_measured(&mut outcome);
+    let pictures = draw(&outcome).unwrap();
+    let text = raw(&pictures, "velocity_step.svg");
+    let [force, residuals] = frames(text)[..] else { panic!("two frames") };
+    assert_eq!([force[0], force[2]], [residuals[0], residuals[2]]);
+    // In both panels, and in the legend.
+    assert_eq!(text.matches("fill=\"#009e73\"").count(), 9 + 9 + 1);
+    assert!(svg(&pictures, "velocity_step.svg").contains(">Residual (MPa)<"));
+}
+
+/// Eleven measured points, two of which are before what is shown of the step from 20 to 60.
+fn add_measured(outcome: &mut Outcome) {
+    let position = [2.0, 10.0, 17.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0];
+    outcome.record.push("compared_position", "X", Quantity::Length, &["compared"], position.to_vec());
+    outcome.record.push("compared_force", "F", Quantity::Force, &["compared"], vec![0.48; 11]);
 }
 
 /// A protocol with this velocity.

@@ -39,7 +39,7 @@ pub fn twin(left: Plots, right: Plots, layout: Layout) -> Scene {
     divided(render_twin_y(left, right, layout), &axes)
 }
 
-/// A picture of several panels. One without plots is empty.
+/// A picture of several panels, of one or two vertical axes. One without plots is empty.
 pub fn panels(figure: Figure, plots: Vec<Plots>, layouts: Vec<Layout>) -> Scene {
     let exponents = vec![[false; 2]; layouts.len()];
     panels_of_exponents(figure, plots, layouts, &exponents)
@@ -54,7 +54,17 @@ pub fn panels_of_exponents(
 ) -> Scene {
     let drawn = plots.iter().zip(layouts.iter().zip(exponents)).filter(|(plots, _)| !plots.is_empty());
     let axes: Vec<Axes> = drawn.map(|(_, (layout, exponents))| Axes::of(layout).raised(*exponents)).collect();
+    let (figure, plots) = twins(figure, plots, &layouts);
     divided(figure.with_plots(plots).with_layouts(layouts).render(), &axes)
+}
+
+/// Hands the plots of panels with two vertical axes to the figure, and returns the others.
+fn twins(mut figure: Figure, mut plots: Vec<Plots>, layouts: &[Layout]) -> (Figure, Vec<Plots>) {
+    let two_axes = layouts.iter().enumerate().filter(|(_, layout)| layout.y2_range.is_some());
+    for (panel, _) in two_axes {
+        figure = figure.with_twin_y_plots(panel, std::mem::take(&mut plots[panel]), Vec::new());
+    }
+    (figure, plots)
 }
 
 /// The values at the ends of an axis.

@@ -1,22 +1,25 @@
-//! `velocity_step`: the force after each velocity step, with the fitted rate-and-state curve.
+//! `velocity_step`: the force after each velocity step, with the fitted rate-and-state curve, and the residuals of a measured one
+//! below.
 
 use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState};
 use asperity_runner::output::Outcome;
-use kuva::plot::LegendEntry;
+use kuva::plot::{LegendEntry, MarkerShape};
 use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line, thinned};
 use super::style::{self, BLUE, GREEN, Page, Plots, RED};
-use super::ticks;
+use super::{measured, ticks};
 
-/// Largest number of panels.
-const PANELS: usize = 4;
+/// Largest number of steps.
+const STEPS: usize = 4;
 /// Height of a panel, and of the label of the lowest axis.
 const HEIGHT: f64 = 240.0;
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
+/// Upper margin of a panel without a title.
+const UNTITLED: f64 = 10.0;
 const DASHES: &str = "8 5";
 /// Displacement shown before a step, as a fraction of that after it.
 const BEFORE: f64 = 0.1;
@@ -24,22 +27,30 @@ const BEFORE: f64 = 0.1;
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let read =
         outcome.summary.numbers.steps().iter().filter_map(|step| Some((step, step.rate_state.as_ref()?)));
-    let panels: Option<Vec<_>> = read.take(PANELS).map(|(step, read)| panel(outcome, step, read)).collect();
-    let (plots, mut layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
+    let panels: Option<Vec<_>> = read.take(STEPS).map(|(step, read)| panels(outcome, step, read)).collect();
+    let (plots, mut layouts): (Vec<_>, Vec<_>) = panels?.into_iter().flatten().unzip();
     let label = style::axis(outcome, "Displacement since the step", outcome.record.get("position")?);
-    let lowest = layouts.pop()?.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
-    layouts.push(lowest);
-    let rows = layouts.len();
+    let lowest = layouts.pop()?;
+    let (top, bottom) = (lowest.force_margin_top?, lowest.force_margin_bottom?);
+    layouts.push(lowest.with_x_label(label).with_force_margins_y(top, bottom + LABEL));
+    let mut heights: Vec<f64> = layouts.iter().map(|layout| page.height(height(layout))).collect();
+    *heights.last_mut()? += LABEL;
     let (title, size) = page.heading(&outcome.summary.title);
-    let figure = Figure::new(rows, 1)
+    let figure = Figure::new(layouts.len(), 1)
         .with_title(title)
         .with_title_size(size)
         .with_cell_size(page.width, page.height(HEIGHT))
-        .with_row_height(rows - 1, page.height(HEIGHT) + LABEL)
         .with_spacing(6.0)
         .with_shared_legend_entries(legend(outcome))
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    let rows = heights.into_iter().enumerate();
+    let figure = rows.fold(figure, |figure, (row, height)| figure.with_row_height(row, height));
     Some(ticks::panels(figure, plots, layouts))
+}
+
+/// The height of a panel: those of forces alone have a title.
+fn height(layout: &Layout) -> f64 {
+    if layout.title.is_some() { HEIGHT } else { measured::RESIDUALS }
 }
 
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
@@ -48,24 +59,29 @@ fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
         style::line("rate-and-state fit", RED, Some(DASHES)),
     ];
     if outcome.record.get("compared_force").is_some() {
-        entries.push(style::line("compared curve", GREEN, None));
+        entries.push(style::marker("measured", GREEN, MarkerShape::Circle));
     }
     if outcome.summary.numbers.steps().iter().any(|step| step.measured.is_some()) {
-        entries.push(style::line("its fit", GREEN, Some(DASHES)));
+        entries.push(style::line("fit of measured", GREEN, Some(DASHES)));
     }
     entries
 }
 
-fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Plots, Layout)> {
+/// The panel of a step, and that of the residuals of measured points.
+fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Vec<(Plots, Layout)>> {
     let end = step.velocity * step.duration;
     let shown = (-BEFORE * end)..=end;
     let since = |names: (&str, &str)| -> Option<Vec<Point>> {
         let (x, y) = (outcome.record.values(names.0)?, outcome.record.values(names.1)?);
         let points = x.iter().zip(y).map(|(x, &y)| (x - step.position, y));
-        Some(thinned(points.filter(|point| shown.contains(&point.0)).collect()))
+        Some(points.filter(|point| shown.contains(&point.0)).collect())
     };
     let computed = since(("position", "force"))?;
     let compared = since(("compared_position", "compared_force")).unwrap_or_default();
+    let ends = (*shown.start(), end);
+    let residuals = (!compared.is_empty()).then(|| residuals(outcome, ends, (&computed, &compared)));
+    let computed = thinned(computed);
+    let compared = thinned(compared);
     let fitted: Vec<Point> =
         computed.iter().filter(|p| p.0 >= read.peak).map(|p| (p.0, fit(step, read, p.0))).collect();
     let size = (step.velocity / read.velocity_before).ln();
@@ -76,23 +92,33 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
     let (low, high) = style::range([heights.as_slice()]);
     let air = 0.1 * (high - low);
     let plots = vec![
-        line(compared, GREEN, 1.0, None),
+        measured::points(compared),
         line(compared_fit, GREEN, 1.6, Some(DASHES)),
         line(computed, BLUE, 2.0, None),
         line(fitted, RED, 1.6, Some(DASHES)),
     ];
     let speed =
         |v: f64| style::with_unit(v, &outcome.summary.units.label(asperity::record::Quantity::Velocity));
-    let layout = style::layout((*shown.start(), end), (low - air, high + air))
+    let layout = style::layout(ends, (low - air, high + air))
         .with_title(format!("v = {} → {}", speed(read.velocity_before), speed(step.velocity)))
         .with_title_size(12)
         .with_y_label(style::axis(outcome, "Friction force F", outcome.record.get("force")?))
-        .with_ticks(4)
-        .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_ticks(4);
+    Some([(plots, placed(layout, MARGINS.0))].into_iter().chain(residuals).collect())
+}
+
+fn residuals(outcome: &Outcome, ends: (f64, f64), curves: (&[Point], &[Point])) -> (Plots, Layout) {
+    let (plots, layout) = measured::residuals(outcome, ends, curves);
+    (plots, placed(layout.with_ticks(4), UNTITLED))
+}
+
+/// A panel with this margin at its top.
+fn placed(layout: Layout, top: f64) -> Layout {
+    layout
+        .with_force_margins_y(top, MARGINS.1)
         .with_force_margins(style::SIDES.0, style::SIDES.1)
         .with_tick_size(11)
-        .with_label_size(13);
-    Some((plots, layout))
+        .with_label_size(13)
 }
 
 /// The fitted force at a displacement from the peak.

@@ -1,0 +1,205 @@
+//! The pictures of shipped scenarios as SVG: panels share their edges, maps have square cells and colour bars as tall as they are,
+//! nothing is outside of the picture or its frames, and labels are the words of the field.
+
+mod support;
+
+use std::sync::Arc;
+
+use Panels::{Below, Beside, Corner, Free, Pairs};
+use rayon::prelude::*;
+use support::{Folder, command_of, names, scenarios, tomls};
+
+/// Scenarios that take long, and what makes them short.
+const SHORTER: [(&str, &[&str]); 7] = [
+    ("avalanches", &["ensemble.size=20000"]),
+    ("front-ageing", &["drive.distance=4", "interface.cells=[10]"]),
+    ("front-waves", &["drive.distance=2"]),
+    ("half-space-512", &["interface.cells=[16, 16]"]),
+    ("stability", &["stability.velocities=[1e-3, 1e-2]", "stability.resolution=1.0"]),
+    ("sweep-critical-stiffness", &["velocity_curve.points=3"]),
+    ("velocity-curve-thermal", &["velocity_curve.points=5"]),
+];
+
+/// How the panels of a picture stand.
+enum Panels {
+    /// Below each other: they begin and end together.
+    Below,
+    /// Beside each other, the last one may be a scale of colours: all are equally tall.
+    Beside,
+    /// The second beside the first, and as tall; the third below the first, and as wide.
+    Corner,
+    /// In rows of two: those of a row are equally tall, those of a column begin and end together.
+    Pairs,
+    /// Each for itself.
+    Free,
+}
+
+/// Pictures with the labels of their axes.
+const PICTURES: [(&str, Panels, &[&str]); 29] = [
+    ("catalogue", Free, &["Force F"]),
+    ("correlation", Below, &["Displacement u", "Autocorrelation of the force"]),
+    ("creep", Below, &["Imposed force", "Position X"]),
+    ("critical_stiffness", Beside, &["Critical stiffness Kc", "Velocity v"]),
+    ("critical_stiffness_sliding", Beside, &["Critical stiffness of steady sliding Kc", "Velocity v"]),
+    ("distribution", Below, &["Stretch x", "Stretch density Q(x)"]),
+    ("equilibrium", Below, &["Load-point displacement XT", "Position X"]),
+    ("evolution", Pairs, &["Stretch x", "Q(x; X)"]),
+    ("fit", Below, &["Friction force F", "Whitened residual"]),
+    ("force", Below, &["Position X", "Friction force F"]),
+    ("hold_curve", Below, &["Hold time", "Static friction Fs"]),
+    ("hysteresis", Below, &["Position X", "Friction force F"]),
+    ("mean_drop", Beside, &["Mean drop of the force", "Stiffness of the spring K"]),
+    ("period", Beside, &["Period of stick-slip", "Stiffness of the spring K"]),
+    ("potential", Below, &["Position X", "Potential V(X)"]),
+    ("protocol", Below, &["Time t", "Velocity v", "Friction force F"]),
+    ("regime", Beside, &["Stiffness of the spring K"]),
+    ("sizes", Below, &["Contacts broken in an event", "Events per number of contacts"]),
+    ("slip", Below, &["Time t", "Position X", "Velocity v", "Force"]),
+    ("slip_rate", Beside, &["Cell", "Time t", "Step of the computation", "Slip rate of a cell"]),
+    ("slips", Beside, &["Number of slips", "Stiffness of the spring K"]),
+    ("space_time", Corner, &["Cell", "Force of a cell"]),
+    ("spectrum", Below, &["Wave number q", "Spectrum S"]),
+    ("stability", Below, &["Velocity v", "Stiffness K"]),
+    ("stick_slip", Below, &["Load-point displacement XT", "Spring force"]),
+    ("stress_map", Free, &["Column", "Row", "Force of a cell"]),
+    ("thresholds", Below, &["Drive X", "Probability density"]),
+    ("velocity_curve", Below, &["Velocity v", "Kinetic friction Fk"]),
+    ("velocity_step", Below, &["Displacement since the step", "Friction force F"]),
+];
+
+/// Largest distance in units of the canvas that rounding to two digits leaves.
+const ROUNDING: f64 = 0.03;
+
+#[test]
+fn pictures_of_shipped_scenarios_are_in_order() {
+    let mut seen: Vec<String> = tomls(&scenarios()).par_iter().flat_map(|path| checked(path)).collect();
+    seen.sort();
+    seen.dedup();
+    let known: Vec<&str> = PICTURES.iter().map(|picture| picture.0).collect();
+    assert_eq!(seen, known);
+}
+
+/// The names of the pictures of a scenario, which are in order.
+fn checked(path: &std::path::Path) -> Vec<String> {
+    let scenario = path.file_stem().unwrap().to_str().unwrap();
+    let folder = Folder::new();
+    let mut arguments =
+        vec![command_of(path), path.to_str().unwrap(), "--quiet", "--figures", "svg", "-o", "out"];
+    let shorter = SHORTER.iter().find(|(name, _)| *name == scenario).map_or(&[][..], |found| found.1);
+    arguments.extend(shorter.iter().flat_map(|set| ["--set", *set]));
+    folder.succeed(&arguments);
+    let out = folder.path().join("out");
+    let drawn = names(&out).into_iter().filter_map(|name| Some(name.strip_suffix(".svg")?.to_owned()));
+    drawn
+        .inspect(|name| {
+            let svg = std::fs::read_to_string(out.join(format!("{name}.svg"))).unwrap();
+            check(&format!("{scenario}: {name}"), name, &svg);
+        })
+        .collect()
+}
+
+fn check(place: &str, name: &str, svg: &str) {
+    let (_, panels, labels) =
+        PICTURES.iter().find(|picture| picture.0 == name).unwrap_or_else(|| panic!("{place}"));
+    let shown = words(svg);
+    for label in *labels {
+        assert!(shown.iter().any(|text| text.contains(label)), "{place}: {label} is not in {shown:?}");
+    }
+    let frames = frames(svg);
+    assert!(!frames.is_empty(), "{place}");
+    match panels {
+        Below => share(place, &frames, ACROSS),
+        Beside => share(place, &frames, ALONG),
+        Corner => {
+            share(place, &frames[..2], ALONG);
+            share(place, &[&frames[..1], &frames[2..]].concat(), ACROSS);
+        }
+        Pairs => {
+            frames.chunks(2).for_each(|row| share(place, row, ALONG));
+            let column = |first: usize| -> Vec<_> { frames.iter().skip(first).step_by(2).copied().collect() };
+            [0, 1].into_iter().for_each(|first| share(place, &column(first), ACROSS));
+        }
+        Free => {}
+    }
+    if name == "stress_map" {
+        square(place, &frames);
+    }
+    inside(place, svg);
+}
+
+/// The start and the length of a frame from left to right, and from top to bottom.
+const ACROSS: [usize; 2] = [0, 2];
+const ALONG: [usize; 2] = [1, 3];
+
+/// Frames begin and end together.
+fn share(place: &str, frames: &[[f64; 4]], sides: [usize; 2]) {
+    let apart =
+        |frame: &[f64; 4]| sides.map(|side| (frame[side] - frames[0][side]).abs()).iter().sum::<f64>();
+    assert!(frames.iter().all(|frame| apart(frame) < ROUNDING), "{place}: {frames:?}");
+}
+
+/// Maps of equally many rows and columns are square, and the scale of colours is as tall.
+fn square(place: &str, frames: &[[f64; 4]]) {
+    let (scale, maps) = frames.split_last().unwrap();
+    for map in maps {
+        assert!((map[2] - map[3]).abs() < ROUNDING, "{place}: {map:?}");
+    }
+    let lowest = maps.iter().map(|map| map[1] + map[3]).fold(0.0, f64::max);
+    let highest = maps.iter().map(|map| map[1]).fold(f64::INFINITY, f64::min);
+    assert!(
+        (scale[1] - highest).abs() + (scale[1] + scale[3] - lowest).abs() < ROUNDING,
+        "{place}: {frames:?}"
+    );
+}
+
+/// Everything that is drawn, letters included, is within the canvas.
+fn inside(place: &str, svg: &str) {
+    let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
+    for font in [dejavu::sans::regular(), dejavu::sans::oblique(), dejavu::sans::bold()] {
+        Arc::make_mut(&mut options.fontdb).load_font_data(font.to_vec());
+    }
+    let tree = usvg::Tree::from_str(svg, &options).unwrap();
+    let (size, drawn) = (tree.size(), tree.root().abs_stroke_bounding_box());
+    // Half of the line of a frame at the edge, and the accuracy of single precision.
+    let beyond = 1.0;
+    let out = -drawn.left() > beyond
+        || -drawn.top() > beyond
+        || drawn.right() - size.width() > beyond
+        || drawn.bottom() - size.height() > beyond;
+    assert!(!out, "{place}: {drawn:?} in {size:?}");
+}
+
+/// The texts of a picture without the marks of symbols in them.
+fn words(svg: &str) -> Vec<String> {
+    let texts = svg.split("<text").skip(1).filter_map(|part| part.split("</text>").next());
+    let plain = |text: &str| -> String {
+        let mut pieces = text.split('<').map(|piece| piece.split_once('>').map_or(piece, |(_, rest)| rest));
+        let first = pieces.next().unwrap_or_default().to_owned();
+        pieces.fold(first, |words, piece| words + piece)
+    };
+    texts.map(plain).collect()
+}
+
+/// The frames of the panels on the canvas: left, top, width, height.
+fn frames(svg: &str) -> Vec<[f64; 4]> {
+    let (mut moved, mut found): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
+    for tag in svg.split('<').filter_map(|part| part.split('>').next()) {
+        if tag.starts_with("/g") {
+            moved.pop();
+        } else if tag.starts_with("g ") || tag == "g" {
+            let by = numbers(tag, "translate(", ')').and_then(|by| by.try_into().ok()).unwrap_or([0.0; 2]);
+            moved.push(by);
+            if let Some(frame) = numbers(tag, "data-frame=\"", '"') {
+                let at = |axis: usize| moved.iter().map(|by| by[axis]).sum::<f64>();
+                found.push([at(0) + frame[0], at(1) + frame[1], frame[2], frame[3]]);
+            }
+        }
+    }
+    found
+}
+
+/// The numbers after a key, up to an end.
+fn numbers(tag: &str, key: &str, end: char) -> Option<Vec<f64>> {
+    let listed = tag.split(key).nth(1)?.split(end).next()?;
+    Some(listed.split([' ', ',']).filter_map(|number| number.parse().ok()).collect())
+}
