@@ -139,8 +139,9 @@ fn measured_velocity_steps_are_read_and_drawn_beside_a_computed_one() {
         folder.write("step.toml", &std::fs::read_to_string(&scenario).unwrap());
         folder.succeed(&["run", "step.toml", "--quiet", "--set", "compare.file=\"step.csv\""]);
         let picture = std::fs::read_to_string(folder.path().join("out/step/velocity_step.svg")).unwrap();
-        assert!(picture.contains("compared curve") && picture.contains("rate-and-state fit"));
-        assert!(picture.contains("its fit"));
+        for text in ["rate-and-state fit", ">measured<", "fit of measured"] {
+            assert!(picture.contains(text), "{name}: {text}");
+        }
         let summary = std::fs::read_to_string(folder.path().join("out/step/summary.json")).unwrap();
         assert!(summary.contains("\"measured\""), "{summary}");
     }
