@@ -9,7 +9,7 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line, thinned};
-use super::style::{self, BLUE, GREEN, Page, Plots, RED};
+use super::style::{self, BLACK, BLUE, GREEN, Page, Plots, RED};
 use super::{measured, ticks};
 
 /// Largest number of steps.
@@ -62,7 +62,7 @@ fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
         entries.push(style::marker("measured", GREEN, MarkerShape::Circle));
     }
     if outcome.summary.numbers.steps().iter().any(|step| step.measured.is_some()) {
-        entries.push(style::line("fit of measured", GREEN, Some(DASHES)));
+        entries.push(style::line("fit of measured", BLACK, Some(DASHES)));
     }
     entries
 }
@@ -93,7 +93,7 @@ fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Ve
     let air = 0.1 * (high - low);
     let plots = vec![
         measured::points(compared),
-        line(compared_fit, GREEN, 1.6, Some(DASHES)),
+        line(compared_fit, BLACK, 1.6, Some(DASHES)),
         line(computed, BLUE, 2.0, None),
         line(fitted, RED, 1.6, Some(DASHES)),
     ];
