@@ -50,10 +50,10 @@ pub enum Error {
         version: String,
     },
     /// The results cannot be put into a NetCDF file.
-    #[error("result.nc: {0}")]
+    #[error("{0}")]
     Encoding(#[from] netcdf_writer::Error),
     /// The file that `netcdf-writer` assembled has no places for values.
-    #[error("result.nc: the assembled file is not of the form in which values can be placed")]
+    #[error("the assembled file is not of the form in which values can be placed")]
     Unplaced,
 }
 

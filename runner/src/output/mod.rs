@@ -13,6 +13,7 @@ mod posterior;
 mod read;
 mod view;
 
+use std::io;
 use std::path::Path;
 
 use asperity::record::Record;
@@ -117,8 +118,10 @@ pub fn write_only(
     files
         .extend(fitted::fitted(outcome).into_iter().map(|(name, text)| NewFile::of(name, text.into_bytes())));
     if only.netcdf {
-        let result = netcdf::assemble(outcome, variables)?;
-        files.push(NewFile { name: "result.nc".to_owned(), write: Box::new(move |to| result.write(to)) });
+        let write = move |to: &mut dyn io::Write| {
+            netcdf::assemble(outcome, variables).map_err(io::Error::other)?.write(to)
+        };
+        files.push(NewFile { name: "result.nc".to_owned(), write: Box::new(write) });
         files.extend(posterior::encode(outcome)?.map(|bytes| NewFile::of("posterior.nc", bytes)));
     }
     write_files(dir, files, attachments)
