@@ -161,6 +161,7 @@ figures: $(venv)/installed
 	draw velocity-curve-ageing ageing velocity_curve; \
 	draw precursors-edge precursors space_time; \
 	draw healing healing hold_curve; \
+	draw creep creep creep_rate static_fatigue; \
 	draw velocity-step step velocity_step; \
 	draw stick-slip-ageing aged stick_slip; \
 	draw spectrum noise spectrum; \

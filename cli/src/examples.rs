@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 49] = shipped![
+const SHIPPED: [Shipped; 50] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -41,6 +41,7 @@ const SHIPPED: [Shipped; 49] = shipped![
     "velocity-step.toml",
     "slide-hold-slide.toml",
     "healing.toml",
+    "creep.toml",
     "spectrum.toml",
     "fit.toml",
     "fit-cycles.toml",

@@ -284,6 +284,7 @@ fn pictures_are_those_that_the_program_draws() {
         ("slow-slip", "slow", &["stick_slip"]),
         ("precursors-edge", "precursors", &["space_time"]),
         ("healing", "healing", &["hold_curve"]),
+        ("creep", "creep", &["creep_rate", "static_fatigue"]),
         ("velocity-step", "step", &["velocity_step"]),
         ("stick-slip-ageing", "aged", &["stick_slip"]),
         ("spectrum", "noise", &["spectrum"]),

@@ -5,7 +5,7 @@ mod support;
 
 use std::sync::Arc;
 
-use Panels::{Below, Beside, Corner, Free, Pairs};
+use Panels::{Below, Beside, Corner, Free, Pairs, Steps};
 use rayon::prelude::*;
 use support::{Folder, command_of, names, scenarios, tomls};
 
@@ -30,15 +30,21 @@ enum Panels {
     Corner,
     /// In rows of two: those of a row are equally tall, those of a column begin and end together.
     Pairs,
+    /// Rows of one panel, two panels, and so on: those of a row are equally tall, those of a column begin and end together.
+    Steps,
     /// Each for itself.
     Free,
 }
 
 /// Pictures with the labels of their axes.
-const PICTURES: [(&str, Panels, &[&str]); 29] = [
+const PICTURES: [(&str, Panels, &[&str]); 35] = [
     ("catalogue", Free, &["Force F"]),
+    ("corner", Steps, &["gaussian.mean", "count", "stiffness"]),
     ("correlation", Below, &["Displacement u", "Autocorrelation of the force"]),
+    ("covariance", Beside, &["Displacement X₁", "Displacement X₂", "Correlation coefficient"]),
     ("creep", Below, &["Imposed force", "Position X"]),
+    ("creep_curve", Below, &["Time t", "Slip since loading"]),
+    ("creep_rate", Below, &["Time t", "Velocity v"]),
     ("critical_stiffness", Beside, &["Critical stiffness Kc", "Velocity v"]),
     ("critical_stiffness_sliding", Beside, &["Critical stiffness of steady sliding Kc", "Velocity v"]),
     ("distribution", Below, &["Stretch x", "Stretch density Q(x)"]),
@@ -46,6 +52,7 @@ const PICTURES: [(&str, Panels, &[&str]); 29] = [
     ("evolution", Pairs, &["Stretch x", "Q(x; X)"]),
     ("fit", Below, &["Friction force F", "Whitened residual"]),
     ("force", Below, &["Position X", "Friction force F"]),
+    ("free_form", Below, &["Threshold", "Density of thresholds"]),
     ("hold_curve", Below, &["Hold time", "Static friction Fs"]),
     ("hysteresis", Below, &["Position X", "Friction force F"]),
     ("mean_drop", Beside, &["Mean drop of the force", "Stiffness of the spring K"]),
@@ -60,6 +67,7 @@ const PICTURES: [(&str, Panels, &[&str]); 29] = [
     ("space_time", Corner, &["Cell", "Force of a cell"]),
     ("spectrum", Below, &["Wave number q", "Spectrum S"]),
     ("stability", Below, &["Velocity v", "Stiffness K"]),
+    ("static_fatigue", Below, &["Constant force F", "Time to failure"]),
     ("stick_slip", Below, &["Load-point displacement XT", "Spring force"]),
     ("stress_map", Free, &["Column", "Row", "Force of a cell"]),
     ("thresholds", Below, &["Drive X", "Probability density"]),
@@ -72,11 +80,28 @@ const ROUNDING: f64 = 0.03;
 
 #[test]
 fn pictures_of_shipped_scenarios_are_in_order() {
-    let mut seen: Vec<String> = tomls(&scenarios()).par_iter().flat_map(|path| checked(path)).collect();
+    let folder = others();
+    let paths = [tomls(&scenarios()), tomls(folder.path())].concat();
+    let mut seen: Vec<String> = paths.par_iter().flat_map(|path| checked(path)).collect();
     seen.sort();
     seen.dedup();
     let known: Vec<&str> = PICTURES.iter().map(|picture| picture.0).collect();
     assert_eq!(seen, known);
+}
+
+/// Scenarios with the pictures that no shipped one has.
+fn others() -> Folder {
+    let (folder, shipped) = (Folder::new(), scenarios());
+    let read = |name: &str| std::fs::read_to_string(shipped.join(name)).unwrap();
+    folder.write("measured-pull.csv", &read("measured-pull.csv"));
+    let fit = "thresholds = \"free_form\"\nposterior = { draws = 20, chains = 2 }\n";
+    folder.write("fit-free-form.toml", &(read("fit.toml") + fit));
+    let pull = "[pull]\ndistance = 3.0\npoints = 31\ncovariance = [0.5, 1.0, 1.5, 2.0, 2.5]\n";
+    folder.write(
+        "covariance.toml",
+        &format!("contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}\n{pull}"),
+    );
+    folder
 }
 
 /// The names of the pictures of a scenario, which are in order.
@@ -119,9 +144,10 @@ fn check(place: &str, name: &str, svg: &str) {
             let column = |first: usize| -> Vec<_> { frames.iter().skip(first).step_by(2).copied().collect() };
             [0, 1].into_iter().for_each(|first| share(place, &column(first), ACROSS));
         }
+        Steps => steps(place, &frames),
         Free => {}
     }
-    if name == "stress_map" {
+    if ["covariance", "stress_map"].contains(&name) {
         square(place, &frames);
     }
     inside(place, svg);
@@ -130,6 +156,19 @@ fn check(place: &str, name: &str, svg: &str) {
 /// The start and the length of a frame from left to right, and from top to bottom.
 const ACROSS: [usize; 2] = [0, 2];
 const ALONG: [usize; 2] = [1, 3];
+
+/// Rows of one frame, two frames, and so on are in columns.
+fn steps(place: &str, frames: &[[f64; 4]]) {
+    let (mut columns, mut rest) = (Vec::<Vec<[f64; 4]>>::new(), frames);
+    while !rest.is_empty() {
+        let (row, later) = rest.split_at(columns.len() + 1);
+        share(place, row, ALONG);
+        columns.push(Vec::new());
+        columns.iter_mut().zip(row).for_each(|(column, frame)| column.push(*frame));
+        rest = later;
+    }
+    columns.iter().for_each(|column| share(place, column, ACROSS));
+}
 
 /// Frames begin and end together.
 fn share(place: &str, frames: &[[f64; 4]], sides: [usize; 2]) {

@@ -38,14 +38,15 @@ impl Limits {
 }
 
 /// The number of points of each task that `scenario` has, with its key.
-fn counts(scenario: &Scenario) -> [Option<(&'static str, usize)>; 8] {
+fn counts(scenario: &Scenario) -> [Option<(&'static str, usize)>; 9] {
     let draws = scenario.fit.as_ref().and_then(|fit| fit.posterior.as_ref());
     [
         scenario.pull.as_ref().map(|pull| ("pull.points", pull.points)),
         scenario.drive.as_ref().map(|drive| ("drive.points", drive.points)),
         scenario.protocol.as_ref().map(|protocol| ("protocol", protocol.points())),
-        scenario.velocity_curve.as_ref().map(|curve| ("velocity_curve.points", curve.points)),
+        scenario.velocity_curve.as_ref().map(|curve| ("velocity_curve.points", curve.points())),
         scenario.hold_curve.as_ref().map(|curve| ("hold_curve.points", curve.points)),
+        scenario.creep.as_ref().map(|task| ("creep.points", task.points.saturating_mul(task.forces.len()))),
         scenario.spectrum.as_ref().map(|spectrum| ("spectrum.points", spectrum.points)),
         scenario.renormalisation.as_ref().map(|task| ("renormalisation.points", task.points)),
         draws.map(|posterior| ("fit.posterior.draws", posterior.draws.saturating_mul(posterior.chains))),

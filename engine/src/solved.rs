@@ -53,7 +53,10 @@ pub fn pulled(scenario: &Scenario) -> Scenario {
 fn velocity(scenario: &Scenario) -> Option<f64> {
     let of_drive = scenario.drive.as_ref().and_then(|drive| drive.velocity);
     let of_protocol = || scenario.protocol.as_ref()?.0.iter().find_map(|step| step.velocity);
-    let of_curve = || scenario.velocity_curve.as_ref().map(|curve| (curve.from * curve.to).sqrt());
+    let of_curve = || {
+        let velocities = scenario.velocity_curve.as_ref()?.velocities();
+        Some((velocities.first()? * velocities.last()?).sqrt())
+    };
     let of_holds = || scenario.hold_curve.as_ref().map(|curve| curve.velocity);
     let of_stability = || scenario.stability.as_ref().and_then(|task| task.velocities.first().copied());
     of_drive.or_else(of_protocol).or_else(of_curve).or_else(of_holds).or_else(of_stability)

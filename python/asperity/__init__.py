@@ -79,6 +79,7 @@ from asperity._spots import Dropped, Spots, spots
 from asperity._sweep import sweep
 from asperity._tasks import (
     Comparison,
+    CreepCurves,
     DistributionDistance,
     FirstBreaks,
     HealingLaw,
@@ -88,6 +89,7 @@ from asperity._tasks import (
     VelocityCurve,
     VelocityLimits,
     compare,
+    creep,
     healing,
     hold_curve,
     renormalisation,
@@ -136,6 +138,7 @@ __all__ = [
     "Contacts",
     "Correlation",
     "Course",
+    "CreepCurves",
     "Damped",
     "Deformable",
     "Delta",
@@ -222,6 +225,7 @@ __all__ = [
     "WithError",
     "__version__",
     "compare",
+    "creep",
     "critical_coupling",
     "exact",
     "fit",

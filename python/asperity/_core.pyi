@@ -126,7 +126,6 @@ __all__ = [
     "_restore_fit",
     "_restore_result",
     "_sweep_cases",
-    "_velocity_curve",
     "critical_coupling",
     "fit",
     "fit_steady",
@@ -1438,7 +1437,7 @@ class FrozenRank(Ageing):
     >>> import asperity as asp
     >>> ageing = asp.FrozenRank(asp.Gaussian(1.0, 0.05), time=1.0)
     >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
-    >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+    >>> round(asp.velocity_curve(contacts, 1.0), 6)
     0.386778
     """
 
@@ -1492,6 +1491,22 @@ class Gradient:
     @property
     def parameter(self, /) -> str:
         """The parameter, such as `thresholds.mean`."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the derivative at the positions of the pull; it needs matplotlib, whose styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
 
 @final
 class Healing:
@@ -1818,6 +1833,9 @@ class Law(Description):
     before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
     raises TypeError.
 
+    The arguments of a distribution are attributes, except for a mean and a standard deviation, whose names are those of
+    the methods mean() and std(); all are in parameters, and type(law)(**law.parameters) is an equal distribution.
+
     Examples
     --------
     >>> import asperity as asp
@@ -1830,6 +1848,8 @@ class Law(Description):
     0.2
     >>> asp.Weibull(12.0, 1.0) == asp.Weibull(scale=1.0, shape=12.0)
     True
+    >>> asp.Weibull(12.0, 1.0).shape, law.parameters
+    (12.0, {'mean': 1.0, 'std': 0.05})
     """
 
     @property
@@ -2047,6 +2067,23 @@ class Law(Description):
 
     @overload
     def pdf(self, /, x: ArrayLike) -> _Array: ...
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the density with its quantiles of 5, 50 and 95 %, point masses as stems; it needs matplotlib, whose styles it
+        follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+
     @overload
     def ppf(self, /, q: float) -> float:
         """The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1.
@@ -2168,8 +2205,8 @@ class Logarithmic(Ageing):
     --------
     >>> import asperity as asp
     >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
-    >>> asp.velocity_curve(contacts, [1.0, 1e-2]).round(6)
-    array([0.512211, 0.552766])
+    >>> asp.velocity_curve(contacts, [1e-2, 1.0]).kinetic_friction.round(6)
+    array([0.552766, 0.512211])
     """
 
     def __new__(cls, /, growth: _Number, time: _Number) -> Logarithmic: ...
@@ -2328,7 +2365,7 @@ class MeanField(Ageing):
     >>> import asperity as asp
     >>> ageing = asp.MeanField(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
     >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
-    >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+    >>> round(asp.velocity_curve(contacts, 1.0), 6)
     0.370081
     """
 
@@ -2359,6 +2396,9 @@ class Mixture(Law):
     """
 
     def __new__(cls, /, components: Sequence[tuple[_Number, _AnyLaw]]) -> Mixture: ...
+    @property
+    def components(self, /) -> list[tuple[float, Law]]:
+        """The pairs of weights and distributions."""
 
 class Model(Description):
     """Contacts and their initial state."""
@@ -2386,6 +2426,9 @@ class Point(Law):
     """
 
     def __new__(cls, /, at: _Number) -> Point: ...
+    @property
+    def at(self, /) -> float:
+        """The single value, 0 or above."""
 
 @final
 class Posterior:
@@ -2879,6 +2922,13 @@ class Rectangular(Law):
     """
 
     def __new__(cls, /, min: _Number, max: _Number) -> Rectangular: ...
+    @property
+    def max(self, /) -> float:
+        """Upper end, above the lower."""
+
+    @property
+    def min(self, /) -> float:
+        """Lower end, 0 or above."""
 
 @final
 class Relaxation:
@@ -2968,6 +3018,13 @@ class Renormalised(Law):
     """
 
     def __new__(cls, /, law: _AnyLaw, coupling: _Number) -> Renormalised: ...
+    @property
+    def coupling(self, /) -> float:
+        """κ, the fraction of its stretch that a breaking contact transfers."""
+
+    @property
+    def law(self, /) -> Law:
+        """The distribution before the renormalisation."""
 
 @final
 class Result(Record):
@@ -2990,8 +3047,8 @@ class Result(Record):
 
     @property
     def kinetic_friction(self, /) -> float | _Array:
-        """The kinetic friction F_k, the force of steady sliding; an array where the task has many velocities; nan for tasks
-        without it.
+        """The kinetic friction F_k, the force of steady sliding; an array where the task has many velocities, of a protocol that
+        of each step, nan in holds and ramps; nan for tasks without it.
         """
 
     @property
@@ -3060,6 +3117,17 @@ class Series(Law):
     def __new__(
         cls, /, boundaries: ArrayLike, coefficients: Sequence[ArrayLike], *, cut: _Number = 0.0
     ) -> Series: ...
+    @property
+    def boundaries(self, /) -> list[float]:
+        """The boundaries of the cells."""
+
+    @property
+    def coefficients(self, /) -> list[list[float]]:
+        """The coefficients of each cell, as they were given."""
+
+    @property
+    def cut(self, /) -> float:
+        """The probability of the tail that was truncated."""
 
 @final
 class Simulation:
@@ -3264,7 +3332,7 @@ class Smoluchowski(Ageing):
     >>> import asperity as asp
     >>> ageing = asp.Smoluchowski(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
     >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
-    >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 4)
+    >>> round(asp.velocity_curve(contacts, 1.0), 4)
     0.3847
     """
 
@@ -3715,6 +3783,25 @@ class Tabulated(Law):
         bandwidth: _Number | None = None,
         exact: bool = False,
     ) -> Tabulated: ...
+    @property
+    def bandwidth(self, /) -> float | None:
+        """The bandwidth that was given, a length; None for that of Silverman's rule."""
+
+    @property
+    def density(self, /) -> list[float] | None:
+        """The density there, as it was given; None for samples."""
+
+    @property
+    def exact(self, /) -> bool:
+        """Whether quantiles are linear between the samples."""
+
+    @property
+    def samples(self, /) -> list[float] | None:
+        """The samples; None for a density."""
+
+    @property
+    def stretch(self, /) -> list[float] | None:
+        """The stretches at which the density is given; None for samples."""
 
 @final
 class Temperature(Description):
@@ -3737,7 +3824,7 @@ class Temperature(Description):
     >>> import asperity as asp
     >>> thermal = asp.Temperature(energy=0.05, attempt_rate=1.0)
     >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=thermal)
-    >>> friction = asp.velocity_curve(contacts, [1e-4, 1e-2])
+    >>> friction = asp.velocity_curve(contacts, [1e-4, 1e-2]).kinetic_friction
     >>> bool(friction[0] < friction[1])
     True
     """
@@ -3785,6 +3872,23 @@ class ThresholdResponse:
         Returns
         -------
         numpy.ndarray
+        """
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the response to some of the thresholds, seven at most, at the positions of the pull; it needs matplotlib, whose
+        styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
         """
 
     @property
@@ -3980,6 +4084,13 @@ class Weibull(Law):
     """
 
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
+    @property
+    def scale(self, /) -> float:
+        """Scale λ, above 0."""
+
+    @property
+    def shape(self, /) -> float:
+        """Shape k of e^{−(x/λ)^k}, above 0."""
 
 @final
 class _Engine:
@@ -4050,10 +4161,6 @@ def _sweep_cases(
     cases: Sequence[SupportsIndex],
     threads: SupportsIndex,
 ) -> bytes: ...
-@overload
-def _velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float: ...
-@overload
-def _velocity_curve(contacts: Contacts, velocities: ArrayLike, *, progress: _Progress = None) -> _Array: ...
 def critical_coupling(law: _AnyLaw) -> float:
     """κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
     avalanche; 0 if some thresholds are identical.

@@ -215,6 +215,46 @@ def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     ax.legend()
 
 
+def creep_curve(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The slip since loading in time, a curve for each force, with a cross at failure."""
+    draw_creep(record, ax, record["creep_position"] - record["loaded_position"][:, None], **style)
+    time, units = record.labels["creep_time"].units, record.labels["creep_position"].units
+    ax.set(xlabel=axis("t", time), ylabel=axis("X - X_0", units))
+
+
+def creep_rate(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The velocity in time, a curve for each force, with a cross at failure."""
+    draw_creep(record, ax, record["creep_velocity"], **style)
+    ax.set_yscale("log")
+    named(record, ax, ("creep_time", "t"), ("creep_velocity", "v"))
+
+
+def draw_creep(record: "Record", ax: "Axes", values: "NDArray[Any]", **style: Any) -> None:
+    """Curves against the logarithm of time, from the first point after loading on."""
+    fails = np.isfinite(record["failure_time"]) if "failure_time" in record else np.zeros(len(values), bool)
+    for force, time, curve, fail in zip(
+        record["imposed_force"], record["creep_time"], values, fails, strict=True
+    ):
+        shown = np.isfinite(time) & np.isfinite(curve) & (np.arange(len(time)) > 0)
+        if shown.any():
+            label = {"label": f"F = {force:g}"}
+            (line,) = ax.plot(time[shown], curve[shown], **{**label, **style})
+            if fail:
+                ax.plot(time[shown][-1], curve[shown][-1], "x", color=line.get_color())
+    ax.set_xscale("log")
+    ax.legend()
+
+
+def static_fatigue(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The time to failure against the force, on a logarithmic scale."""
+    order = np.argsort(record["imposed_force"])
+    force, time = record["imposed_force"][order], record["failure_time"][order]
+    fails = time > 0.0
+    ax.plot(force[fails], time[fails], **{"marker": "o", "markersize": 5, **style})
+    ax.set_yscale("log")
+    named(record, ax, ("imposed_force", "F"), ("failure_time", "t_f"))
+
+
 def spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
     """The spectrum of the force, with the periodogram of the ensemble."""
     names = ("ensemble_wave_number", "ensemble_spectrum")
@@ -528,6 +568,9 @@ KINDS: Mapping[str, Kind] = {
     "periodogram": Kind(fit_spectrum, ("wave_number", "periodogram", "expected")),
     "velocity_curve": Kind(velocity_curve, ("velocity", "kinetic_friction")),
     "hold_curve": Kind(hold_curve, ("hold", "static_friction")),
+    "creep_curve": Kind(creep_curve, ("imposed_force", "creep_position")),
+    "creep_rate": Kind(creep_rate, ("imposed_force", "creep_velocity")),
+    "static_fatigue": Kind(static_fatigue, ("imposed_force", "failure_time"), least=2),
     "spectrum": Kind(spectrum, ("wave_number", "spectrum")),
     "thresholds": Kind(thresholds, ("drive", "measured_density")),
     "motion": Kind(motion, ("time", "force"), ("event_drive",)),

@@ -15,16 +15,20 @@ if TYPE_CHECKING:
 
     from asperity._core import (
         Estimates,
+        Gradient,
         Healing,
+        Law,
         Posterior,
         Pull,
         Record,
         Relaxation,
         SteadyState,
+        ThresholdResponse,
         VelocityStep,
     )
     from asperity._events import Events
-    from asperity._values import StretchDensity
+    from asperity._spots import Spots
+    from asperity._values import Prediction, StretchDensity
 
 
 def friction(record: "Record", ax: "Axes", **style: Any) -> None:
@@ -192,6 +196,96 @@ def stretches(found: "StretchDensity", ax: "Axes | None" = None, **style: Any) -
     ax.set_ylim(bottom=0.0)
     masses(ax, stems)
     ax.set(xlabel=axis("x", ""), ylabel=axis("Q", ""))
+    return ax
+
+
+def law(law: "Law", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The density of a distribution, with dots at the quantiles of 5, 50 and 95 %."""
+    import numpy as np
+
+    from asperity._values import StretchDensity
+
+    low, high = law.ppf(1e-3), law.isf(1e-3)
+    beside = 0.1 * ((high - low) or high or 1.0)
+    low, high = max(low - beside, 0.0), high + beside
+    # A density may jump at its ends; at a pole it is drawn up to that at the quantile of 5 %.
+    jumps = [end for end in law.support() if low <= end <= high and math.isfinite(law.pdf(end))]
+    edges = [x for end in jumps for x in (math.nextafter(end, 0.0), end, math.nextafter(end, math.inf))]
+    within = law.ppf(np.linspace(0.02, 0.98, 97))
+    x = np.unique(np.concatenate([np.linspace(low, high, 1001), within, edges]))
+    density = law.pdf(x)
+    ax = stretches(StretchDensity(x, np.where(np.isfinite(density), density, np.nan), law.atoms), ax, **style)
+    at = law.ppf([0.05, 0.5, 0.95])
+    here = law.pdf(at)
+    continuous = ~np.isin(at, law.atoms.position) & np.isfinite(here)
+    (curve, *_) = (line for line in reversed(ax.lines) if np.size(line.get_xdata()) == len(x))
+    dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
+    ax.plot(at[continuous], here[continuous], **dots, color=curve.get_color())
+    if not np.isfinite(density).all() and continuous.any():
+        ax.set_ylim(top=1.1 * float(here[continuous].max()))
+    ax.set(xlabel=axis("x", ""), ylabel=axis("p", "", "probability density"))
+    return ax
+
+
+def gradient(
+    gradient: "Gradient", position: "NDArray[np.float64]", ax: "Axes | None" = None, **style: Any
+) -> "Axes":
+    """The derivative of the force by a parameter against the position."""
+    ax = lines([(position, gradient(position), None)], ("X", "F"), ax, **style)
+    ax.set_ylabel(f"derivative of $F$ by {gradient.parameter}")
+    return ax
+
+
+def threshold_response(
+    response: "ThresholdResponse", position: "NDArray[np.float64]", ax: "Axes | None" = None, **style: Any
+) -> "Axes":
+    """The response to the probability of some of the thresholds against the position."""
+    import numpy as np
+
+    if ax is None:
+        ax = new_axes()
+    order = np.argsort(response.thresholds)
+    shown = order[np.unique(np.linspace(0, len(order) - 1, 7).round().astype(int))]
+    curves = response(position)
+    for number, color in zip(shown, shades(len(shown)), strict=True):
+        label = f"$x$ = {response.thresholds[number]:.4g}"
+        ax.plot(position, curves[number], **{"label": label, "color": color, **style})
+    ax.set(xlabel=axis("X", ""), ylabel="response of $F$ to a probability")
+    legend_above(ax)
+    return ax
+
+
+def prediction(found: "Prediction", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The expected force with a band of two standard deviations of a reading."""
+    ax = lines([(found.position, found.force, None)], ("X", "F"), ax, **style)
+    low, high = (found.force + sign * 2 * found.std for sign in (-1, 1))
+    ax.fill_between(found.position, low, high, color=ax.lines[-1].get_color(), alpha=0.2, linewidth=0)
+    return ax
+
+
+def spots(spots: "Spots", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """A map of the spots, in the colours of their loads."""
+    import numpy as np
+    from matplotlib.colors import LogNorm
+
+    from asperity._pictures import colorbar
+
+    if ax is None:
+        ax = new_axes()
+    pixel = math.sqrt(float(spots.area.sum()) / np.count_nonzero(spots.labels))
+    loads = np.concatenate([[np.nan], spots.load])[spots.labels]
+    low, high = float(spots.load.min()), float(spots.load.max())
+    rows, columns = (pixel * count for count in spots.labels.shape)
+    look: dict[str, Any] = {
+        "origin": "lower",
+        "extent": (0.0, columns, 0.0, rows),
+        "interpolation": "nearest",
+    }
+    # Over more than a decade, small spots would all look the same.
+    norm = LogNorm(low, high) if 0.0 < 10.0 * low < high else None
+    image = ax.imshow(loads, **{"norm": norm, **look, **style})
+    ax.set(xlabel="second axis of the map", ylabel="first axis of the map")
+    colorbar(ax, image, "load of a spot")
     return ax
 
 

@@ -1,7 +1,7 @@
 """Contact spots of a rough surface, from the pressure of a contact solver, and contacts made of them."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from asperity._bridge import projected
 from asperity._core import Contacts, Law, Point, Tabulated
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     _Array = NDArray[np.float64]
@@ -56,6 +57,25 @@ class Spots:
     centre: "_Array"
     dropped: Dropped
     labels: "NDArray[np.int64]"
+
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots a map of the spots in the colours of their loads; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the imshow() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        return _plot.spots(self, ax, **style)
 
     def __len__(self) -> int:
         return len(self.area)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from asperity import _pictures, _show
-from asperity._core import Block, Ensemble, MasterEquation, _velocity_curve, run
+from asperity._core import Block, Ensemble, MasterEquation, run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -138,7 +138,7 @@ class TaskResult:
 
 @dataclass(frozen=True, repr=False)
 class VelocityCurve(TaskResult):
-    """Kinetic friction against velocity, as velocity_curve returns it for a range of velocities."""
+    """Kinetic friction against velocity, as velocity_curve returns it."""
 
     velocity: "_Array"
     """The velocities, shape (n,)."""
@@ -196,6 +196,34 @@ class HoldCurve(TaskResult):
     """The force of the ensemble at the peaks, shape (n,); None without one."""
     ensemble_error: "_Array | None"
     """Its standard error."""
+
+
+@dataclass(frozen=True, repr=False)
+class CreepCurves(TaskResult):
+    """Slip under constant forces, and the time to failure."""
+
+    force: "_Array"
+    """The forces, shape (n,)."""
+    failure_time: "_Array"
+    """Times to failure, shape (n,): 0 if the slider fails at once, nan if it does not in the duration."""
+    failure_time_error: "_Array"
+    """Their estimated errors, shape (n,)."""
+    loaded_position: "_Array"
+    """The positions at the end of loading, a length, shape (n,)."""
+    final_position: "_Array"
+    """The positions at failure or at the end, a length, shape (n,)."""
+    final_velocity: "_Array"
+    """The velocities at the end, shape (n,); nan where the slider fails."""
+    slowest_velocity: "_Array"
+    """The lowest velocities after loading, those of secondary creep where failure follows, shape (n,)."""
+    slowest_time: "_Array"
+    """The times of the lowest velocities, shape (n,)."""
+    time: "_Array"
+    """Times of the creep curves, shape (n, points), evenly spaced in slip; nan where loading fails."""
+    position: "_Array"
+    """The positions at these times, a length, shape (n, points)."""
+    velocity: "_Array"
+    """The velocities at these times, shape (n, points); inf at failure."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -270,18 +298,19 @@ def _between(span: "tuple[float, float]") -> dict[str, float]:
 
 @overload
 def velocity_curve(
-    contacts: "Contacts", velocities: float, *, span: None = None, progress: "_Progress" = None
+    contacts: "Contacts",
+    velocities: float,
+    *,
+    span: None = None,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
 ) -> float: ...
 @overload
 def velocity_curve(
-    contacts: "Contacts", velocities: "ArrayLike", *, span: None = None, progress: "_Progress" = None
-) -> "_Array": ...
-@overload
-def velocity_curve(
     contacts: "Contacts",
-    velocities: None = None,
+    velocities: "ArrayLike | None" = None,
     *,
-    span: "tuple[float, float]",
+    span: "tuple[float, float] | None" = None,
     points: int = 41,
     temperatures: "list[float] | None" = None,
     ensemble: "Mapping[str, Any] | None" = None,
@@ -298,7 +327,7 @@ def velocity_curve(
     ensemble: "Mapping[str, Any] | None" = None,
     tolerance: float | None = None,
     progress: "_Progress" = None,
-) -> "float | _Array | VelocityCurve":
+) -> "float | VelocityCurve":
     """Kinetic friction F_k of contacts against velocity.
 
     Parameters
@@ -306,32 +335,31 @@ def velocity_curve(
     contacts : Contacts
         The contacts.
     velocities : float or array_like, optional
-        Velocities above 0; only the friction of the contacts at these velocities is then returned, without a
-        background force.
+        Velocities above 0, in increasing order; or one velocity.
     span : (float, float), optional
-        Instead of velocities, the lowest and the highest one, for a curve with its limits.
+        Instead of velocities, the lowest and the highest one.
     points : int
-        The number of velocities of the span, evenly spaced in their logarithm, with both ends.
+        The number of velocities of a span, evenly spaced in their logarithm, with both ends.
     temperatures : list of float, optional
-        With a span: temperatures, a curve for each, instead of that of the contacts.
+        Temperatures, a curve for each, instead of that of the contacts.
     ensemble : mapping, optional
-        With a span: `size`, `seed` and `disorder` of an ensemble beside the master equation.
+        `size`, `seed` and `disorder` of an ensemble beside the master equation.
     tolerance : float, optional
-        With a span: as for MasterEquation.
+        As for MasterEquation.
     progress : callable or bool, optional
         As for MasterEquation.pull.
 
     Returns
     -------
-    float, numpy.ndarray or VelocityCurve
-        A number for one velocity, an array for a list of them, a VelocityCurve for a span.
+    float or VelocityCurve
+        The force for one velocity, otherwise the curve with its limits; with the background force.
 
     Raises
     ------
     ValueError
-        For a velocity that is not above 0, and for invalid values.
+        For a velocity that is not above 0 or below the one before, and for invalid values.
     TypeError
-        For velocities and a span, or neither.
+        For velocities and a span, or neither; for one velocity with temperatures or an ensemble.
 
     Examples
     --------
@@ -339,6 +367,8 @@ def velocity_curve(
     >>> warm = asp.Contacts(asp.Gaussian(1.0, 0.05), temperature=asp.Temperature(0.02, 1.0))
     >>> round(asp.velocity_curve(warm, 1e-2), 4)
     0.4876
+    >>> asp.velocity_curve(warm, [1e-4, 1.0]).kinetic_friction.round(4).tolist()
+    [0.4374, 0.501]
     >>> curve = asp.velocity_curve(warm, span=(1e-4, 1e-1), points=4)
     >>> curve.kinetic_friction.round(3).tolist()
     [0.437, 0.463, 0.488, 0.499]
@@ -349,10 +379,17 @@ def velocity_curve(
         found = "neither" if span is None else "both"
         raise TypeError(f"velocities: expected either velocities or a span, got {found}")
     if span is None:
-        if temperatures is not None or ensemble is not None or tolerance is not None:
-            raise TypeError("temperatures, ensemble, tolerance: expected beside a span, got velocities")
-        return _velocity_curve(contacts, velocities, progress=progress)  # type: ignore[arg-type]
-    curve = _between(span) | {"points": points} | _given(temperatures=temperatures)
+        curve: dict[str, Any] = {"velocities": np.atleast_1d(np.asarray(velocities))}
+    else:
+        curve = _between(span) | {"points": points}
+    if velocities is not None and np.ndim(velocities) == 0:
+        if temperatures is not None or ensemble is not None:
+            raise TypeError(
+                "velocities: expected a list beside temperatures or an ensemble, got one velocity"
+            )
+        scenario = {"contacts": contacts, "velocity_curve": curve} | _solved(tolerance)
+        return float(run(scenario, progress=progress)["kinetic_friction"][0])
+    curve |= _given(temperatures=temperatures)
     scenario = {"contacts": contacts, "velocity_curve": curve} | _sampled(ensemble) | _solved(tolerance)
     result = run(scenario, progress=progress)
     limits = [
@@ -508,6 +545,87 @@ def hold_curve(
         growth,
         _array(result, "ensemble_force"),
         _array(result, "ensemble_error"),
+    )
+
+
+def creep(
+    contacts: "Contacts",
+    forces: "ArrayLike",
+    duration: float,
+    *,
+    loading_rate: float | None = None,
+    points: int = 201,
+    tolerance: float | None = None,
+    progress: "_Progress" = None,
+) -> CreepCurves:
+    """Slip in time under constant forces, up to the failure of the slider (static fatigue).
+
+    The slider has no mass and no drag: the contacts, relaxed at first, carry the force at every time.
+    It advances as contacts break, until an advance at once does not raise their force any more.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The contacts, with a temperature or another dependence on time.
+    forces : array_like
+        One constant force or several, above 0.
+    duration : float
+        The time after which a motion without failure ends, above 0.
+    loading_rate : float, optional
+        The rate at which a force is raised at the start, force per time; at once by default.
+    points : int
+        The number of points of each creep curve, evenly spaced in slip, with both ends.
+    tolerance : float, optional
+        As for Transport; 1e-5 by default.
+    progress : callable or bool, optional
+        As for MasterEquation.pull.
+
+    Returns
+    -------
+    CreepCurves
+        Creep curves and times to failure.
+
+    Raises
+    ------
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> warm = asp.Temperature(0.03, 1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=warm)
+    >>> found = asp.creep(contacts, [0.6, 0.7], duration=1000.0)
+    >>> found.failure_time.round().tolist()
+    [350.0, 22.0]
+    """
+    task: dict[str, Any] = {
+        "forces": np.atleast_1d(np.asarray(forces, dtype=float)).tolist(),
+        "duration": duration,
+        "points": points,
+    }
+    if loading_rate is not None:
+        task["loading_rate"] = loading_rate
+    result = run({"contacts": contacts, "creep": task} | _solved(tolerance), progress=progress)
+    force = result["imposed_force"]
+
+    def known(name: str, shape: "tuple[int, ...]" = force.shape) -> "_Array":
+        return result[name] if name in result else np.full(shape, np.nan)
+
+    curve = (len(force), points)
+    return CreepCurves(
+        result,
+        force,
+        known("failure_time"),
+        known("failure_time_error"),
+        result["loaded_position"],
+        result["final_position"],
+        known("final_velocity"),
+        known("slowest_velocity"),
+        known("slowest_time"),
+        known("creep_time", curve),
+        known("creep_position", curve),
+        known("creep_velocity", curve),
     )
 
 

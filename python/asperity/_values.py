@@ -469,6 +469,27 @@ class Prediction(NamedTuple):
     """The standard deviation of a reading about it: noise of contacts, independent error and drift."""
     error: "NDArray[np.float64]"
     """The standard error of the expected force, from the covariance of the estimates."""
+    position: "NDArray[np.float64]"
+    """The positions of the readings, a length."""
+
+    def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
+        """Plots the expected force with a band of two standard deviations of a reading; it needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from asperity import _plot
+
+        return _plot.prediction(self, ax, **style)
 
 
 class PosteriorNumber(NamedTuple):

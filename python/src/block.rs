@@ -7,7 +7,7 @@ use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 
-use crate::convert::{self, Domain, Whole};
+use crate::convert::{self, Domain, Real, Whole};
 use crate::description::{Description, Plain, Slider};
 use crate::law::given;
 use crate::model::Model;
@@ -43,7 +43,8 @@ pub struct Inertial;
 impl Inertial {
     #[new]
     #[pyo3(signature = (mass, damping = 0.0))]
-    fn new(mass: f64, damping: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(mass: Real, damping: f64) -> PyResult<PyClassInitializer<Self>> {
+        let mass = mass.get("mass")?;
         let slip = Slip::Inertial { mass, damping };
         block::Block::new(Loading::Rigid, slip, None).map_err(error::core)?;
         Ok(Description::new(Plain::Slip(slip)).add_subclass(Self))
@@ -211,10 +212,11 @@ impl Block {
     )]
     fn new(
         model: Bound<'_, Model>,
-        stiffness: Option<f64>,
+        stiffness: Option<Real>,
         slip: Rule,
         slip_fraction: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let stiffness = stiffness.map(|number| number.get("stiffness")).transpose()?;
         let stiffness = stiffness.filter(|&stiffness| stiffness != f64::INFINITY);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         block::Block::new(loading, slip.0, Some(slip_fraction)).map_err(|e| error::core(e.under("block")))?;
@@ -415,13 +417,16 @@ impl Block {
     )]
     fn drive(
         slf: Bound<'_, Self>,
-        distance: Option<f64>,
+        distance: Option<Real>,
         points: Whole,
-        velocity: Option<f64>,
+        velocity: Option<Real>,
         turning_points: Option<&Bound<'_, PyAny>>,
-        force_to: Option<f64>,
+        force_to: Option<Real>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<StickSlip>> {
+        let distance = distance.map(|number| number.get("distance")).transpose()?;
+        let velocity = velocity.map(|number| number.get("velocity")).transpose()?;
+        let force_to = force_to.map(|number| number.get("force_to")).transpose()?;
         let turning_points =
             turning_points.map(|points| convert::list("turning_points", points)).transpose()?;
         let points = points.get("points")?;

@@ -5,7 +5,7 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
 
-use crate::convert;
+use crate::convert::{self, Real};
 use crate::description::{Description, Plain};
 use crate::error;
 use crate::law::{AnyLaw, Law, given};
@@ -39,7 +39,9 @@ pub struct Areas;
 #[pymethods]
 impl Areas {
     #[new]
-    fn new(law: AnyLaw, modulus: f64, strength: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(law: AnyLaw, modulus: Real, strength: Real) -> PyResult<PyClassInitializer<Self>> {
+        let modulus = modulus.get("modulus")?;
+        let strength = strength.get("strength")?;
         let areas = scenario::Areas { law: law.0, modulus, strength };
         areas.build().map_err(|e| error::core(e.under("areas")))?;
         Ok(Description::new(Plain::Areas(areas)).add_subclass(Self))
@@ -150,18 +152,25 @@ impl Contacts {
         reforming: Option<AnyLaw>,
         areas: Option<&Bound<'_, Areas>>,
         count: f64,
-        stiffness: Option<f64>,
-        stiffness_per_threshold: Option<f64>,
+        stiffness: Option<Real>,
+        stiffness_per_threshold: Option<Real>,
         stiffness_of_threshold: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
-        normal_load: Option<f64>,
-        background_force: Option<f64>,
-        background_coefficient: Option<f64>,
+        normal_load: Option<Real>,
+        background_force: Option<Real>,
+        background_coefficient: Option<Real>,
         temperature: Option<&Bound<'_, Temperature>>,
         ageing: Option<&Bound<'_, Ageing>>,
         delay: Option<AnyDelay>,
         free_friction: f64,
         free_viscosity: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let stiffness = stiffness.map(|number| number.get("stiffness")).transpose()?;
+        let stiffness_per_threshold =
+            stiffness_per_threshold.map(|number| number.get("stiffness_per_threshold")).transpose()?;
+        let normal_load = normal_load.map(|number| number.get("normal_load")).transpose()?;
+        let background_force = background_force.map(|number| number.get("background_force")).transpose()?;
+        let background_coefficient =
+            background_coefficient.map(|number| number.get("background_coefficient")).transpose()?;
         let friction = FreeFriction { force: free_friction, viscosity: free_viscosity };
         let contacts = scenario::Contacts {
             count,

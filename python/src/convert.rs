@@ -341,8 +341,53 @@ impl<'py> FromPyObject<'_, 'py> for Seed {
     }
 }
 
-/// An integer, 0 or above, or the text of a value that is not.
-pub struct Whole(Result<usize, String>);
+/// A number, or the type of a value that is none.
+pub struct Real(Result<f64, String>);
+
+impl Real {
+    pub const fn new(number: f64) -> Self {
+        Self(Ok(number))
+    }
+
+    /// The number that is the argument `key`.
+    pub fn get(self, key: &str) -> PyResult<f64> {
+        self.0.map_err(|found| PyTypeError::new_err(format!("{key}: expected a number, got {found}")))
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Real {
+    type Error = PyErr;
+
+    argument_type!("_Number");
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract::<f64>() {
+            Ok(number) => Ok(Self(Ok(number))),
+            Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
+                Ok(Self(Err(described(&value)?)))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// The type of a value, with the shape of an array.
+fn described(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let name = value.get_type().name()?.to_string();
+    Ok(match value.cast::<PyUntypedArray>() {
+        Ok(array) => format!("{name} of shape {:?}", array.shape()),
+        Err(_) => name,
+    })
+}
+
+/// An integer, 0 or above, or the text or the type of a value that is not.
+pub struct Whole(Result<usize, Found>);
+
+/// What was found in place of an integer.
+enum Found {
+    Text(String),
+    Type(String),
+}
 
 impl Whole {
     pub const fn new(number: usize) -> Self {
@@ -351,8 +396,14 @@ impl Whole {
 
     /// The number under `key`.
     pub fn get<T: TryFrom<usize>>(self, key: &str) -> PyResult<T> {
-        let number = self.0.and_then(|number| T::try_from(number).map_err(|_| number.to_string()));
-        number.map_err(|found| invalid(key, "a whole number, 0 or above, and not too large", found))
+        let number =
+            self.0.and_then(|number| T::try_from(number).map_err(|_| Found::Text(number.to_string())));
+        number.map_err(|found| match found {
+            Found::Text(text) => invalid(key, "a whole number, 0 or above, and not too large", text),
+            Found::Type(name) => {
+                PyTypeError::new_err(format!("{key}: expected a whole number, 0 or above, got {name}"))
+            }
+        })
     }
 }
 
@@ -365,7 +416,10 @@ impl<'py> FromPyObject<'_, 'py> for Whole {
         match value.extract() {
             Ok(number) => Ok(Self(Ok(number))),
             Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => {
-                Ok(Self(Err(value.str()?.to_string())))
+                Ok(Self(Err(Found::Text(value.str()?.to_string()))))
+            }
+            Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
+                Ok(Self(Err(Found::Type(described(&value)?))))
             }
             Err(error) => Err(error),
         }

@@ -13,7 +13,7 @@ use toml::Value;
 
 use crate::interface::Surface;
 use crate::pickle::{Reduced, VERSION, check_version};
-use crate::{block, contacts, ensemble, equation, interface, law, rules, transport, typed};
+use crate::{block, contacts, distributions, ensemble, equation, interface, rules, transport, typed};
 
 /// The plain values of a description, as in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -71,7 +71,7 @@ impl Plain {
 
     fn class<'py>(&self, py: Python<'py>) -> Bound<'py, PyType> {
         match self {
-            Self::Law(law) => law::class(law, py),
+            Self::Law(law) => distributions::class(law, py),
             Self::Areas(_) => py.get_type::<contacts::Areas>(),
             Self::Contacts(_) => py.get_type::<contacts::Contacts>(),
             Self::Temperature(_) => py.get_type::<rules::Temperature>(),
@@ -90,7 +90,7 @@ impl Plain {
     fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let arguments = PyDict::new(py);
         match self {
-            Self::Law(law) => law::arguments(law, &arguments),
+            Self::Law(law) => distributions::arguments(law, &arguments),
             Self::Areas(areas) => contacts::areas_arguments(areas, &arguments),
             Self::Contacts(contacts) => contacts::arguments(contacts, &arguments),
             Self::Temperature(temperature) => rules::temperature_arguments(temperature, &arguments),

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Seed, Whole};
+use crate::convert::{self, Real, Seed, Whole};
 use crate::description::{Interface, Plain};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, built, interface_arguments, steady_interface};
@@ -153,7 +153,7 @@ impl Ensemble {
     ///     For results that do not fit.
     #[pyo3(
         signature = (
-            distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots: "ArrayLike | None" = None, edges: "ArrayLike | None" = None,
+            distance = Real::new(20.0), points = Whole::new(2001), *, velocity = None, snapshots: "ArrayLike | None" = None, edges: "ArrayLike | None" = None,
             progress: "_Progress" = None, threads = None
         ),
         text_signature = "($self, distance=20.0, points=2001, *, velocity=None, snapshots=None, edges=None, progress=None, threads=None)"
@@ -161,14 +161,16 @@ impl Ensemble {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn pull(
         slf: Bound<'_, Self>,
-        distance: f64,
+        distance: Real,
         points: Whole,
-        velocity: Option<f64>,
+        velocity: Option<Real>,
         snapshots: Option<&Bound<'_, PyAny>>,
         edges: Option<&Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<EnsemblePull>> {
+        let velocity = velocity.map(|number| number.get("velocity")).transpose()?;
+        let distance = distance.get("distance")?;
         let py = slf.py();
         let snapshots = snapshots.map_or(Ok(Vec::new()), |at| convert::list("snapshots", at))?;
         let asked = scenario::Pull {

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, Whole, evaluate, evaluate_all};
+use crate::convert::{self, Domain, Real, Whole, evaluate, evaluate_all};
 use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, built, interface_arguments, steady_interface};
@@ -133,15 +133,16 @@ impl MasterEquation {
     /// RuntimeError
     ///     If the tolerance is not reached.
     #[pyo3(
-        signature = (distance = 20.0, points = Whole::new(2001), *, progress: "_Progress" = None),
+        signature = (distance = Real::new(20.0), points = Whole::new(2001), *, progress: "_Progress" = None),
         text_signature = "($self, distance=20.0, points=2001, *, progress=None)"
     )]
     fn pull(
         slf: Bound<'_, Self>,
-        distance: f64,
+        distance: Real,
         points: Whole,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Pull>> {
+        let distance = distance.get("distance")?;
         Pull::object(slf, distance, points.get("points")?, progress)
     }
 

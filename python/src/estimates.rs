@@ -185,7 +185,7 @@ impl Estimates {
         let (positions, curve) = (convert::list("position", position)?, curve.get("curve")?);
         let found = self.found(py)?;
         let predicted = watched(None, py, |monitor| found.predict(curve, &positions, monitor))?;
-        values::prediction(py, predicted)
+        values::prediction(py, positions, predicted)
     }
 
     /// The thresholds of free form that fit the curve: a density without a name, as smooth as the curve allows.

@@ -6,9 +6,9 @@ use asperity::{master, scenario};
 use pyo3::prelude::*;
 
 use crate::description::{Interface, Solved};
+use crate::distributions::set_parameter;
 use crate::equation::MasterEquation;
 use crate::error;
-use crate::law::set_parameter;
 use crate::model::built;
 
 /// The equation of the estimated numbers, with the description of its contacts.

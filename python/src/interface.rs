@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Seed, Whole};
+use crate::convert::{self, Real, Seed, Whole};
 use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, Law, given};
 use crate::model::{interface, interface_arguments, steady_interface};
@@ -101,7 +101,7 @@ impl Deformable {
     ///     For invalid values, or for more results than fit in memory.
     #[pyo3(
         signature = (
-            distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
+            distance = Real::new(20.0), points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
             catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None
         ),
         text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
@@ -109,16 +109,19 @@ impl Deformable {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn drive(
         slf: &Bound<'_, Self>,
-        distance: f64,
+        distance: Real,
         points: Whole,
-        velocity: Option<f64>,
-        tolerance: Option<f64>,
+        velocity: Option<Real>,
+        tolerance: Option<Real>,
         maps: Option<&Bound<'_, PyAny>>,
         catalogue_from: f64,
         slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
+        let velocity = velocity.map(|number| number.get("velocity")).transpose()?;
+        let tolerance = tolerance.map(|number| number.get("tolerance")).transpose()?;
+        let distance = distance.get("distance")?;
         let py = slf.py();
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
@@ -370,7 +373,7 @@ impl Interface {
         contacts: &Bound<'_, Contacts>,
         cells: Vec<usize>,
         initial: Option<AnyLaw>,
-        connection: f64,
+        connection: Real,
         neighbours: Option<f64>,
         half_space: Option<(f64, f64)>,
         edges: &str,
@@ -385,6 +388,7 @@ impl Interface {
         quenched: bool,
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let connection = connection.get("connection")?;
         let coupling = match (neighbours, half_space) {
             (Some(stiffness), None) => Elasticity::Neighbours { stiffness },
             (None, Some((modulus, cell))) => Elasticity::HalfSpace { modulus, cell },
@@ -640,12 +644,13 @@ impl Lattice {
         cells: Vec<usize>,
         initial: Option<AnyLaw>,
         neighbours: f64,
-        connection: f64,
+        connection: Real,
         edges: &str,
         seed: Seed,
         disorder: &str,
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let connection = connection.get("connection")?;
         let own = scenario::Interface {
             cells,
             contacts: PerCell::One,

@@ -2,12 +2,11 @@
 
 use std::convert::Infallible;
 
-use asperity::Error;
-use asperity::law::{self, SharedLaw, parametric_distributions};
+use asperity::law::{self, SharedLaw};
 use asperity::random::{Purpose, Stream};
-use asperity::scenario::{self, Component, Tabulated as Table};
+use asperity::scenario;
+use numpy::IntoPyArray as _;
 use numpy::ndarray::{ArrayD, IxDyn};
-use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
@@ -17,7 +16,7 @@ use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
 use crate::description::{Description, Plain};
 use crate::typed::argument_type;
 use crate::watch::{report, watched};
-use crate::{error, typed, values};
+use crate::{distributions, error, typed, values};
 
 /// Random numbers drawn between two checks for signals.
 const PIECE: usize = 1 << 14;
@@ -29,6 +28,9 @@ const PIECE: usize = 1 << 14;
 /// parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
 /// before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
 /// raises TypeError.
+///
+/// The arguments of a distribution are attributes, except for a mean and a standard deviation, whose names are those of
+/// the methods mean() and std(); all are in parameters, and type(law)(**law.parameters) is an equal distribution.
 ///
 /// Examples
 /// --------
@@ -42,13 +44,15 @@ const PIECE: usize = 1 << 14;
 /// 0.2
 /// >>> asp.Weibull(12.0, 1.0) == asp.Weibull(scale=1.0, shape=12.0)
 /// True
+/// >>> asp.Weibull(12.0, 1.0).shape, law.parameters
+/// (12.0, {'mean': 1.0, 'std': 0.05})
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Law {
     built: SharedLaw,
 }
 
 /// Creates the base object for `law`, checked and built.
-fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
+pub fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
     let built = law.build().map_err(error::core)?;
     Ok(Description::new(Plain::Law(law)).add_subclass(Law { built }))
 }
@@ -419,7 +423,7 @@ impl Law {
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = cls.py();
         let samples = convert::list("samples", samples)?;
-        let found = most_likely(cls, &samples).ok_or_else(|| {
+        let found = distributions::most_likely(cls, &samples).ok_or_else(|| {
             let name = cls.name().map_or_else(|_| String::new(), |name| name.to_string());
             PyTypeError::new_err(format!(
                 "fit: expected a class with parameters, such as Gaussian, got {name}"
@@ -446,6 +450,29 @@ impl Law {
         Ok(self.built.upper_moment(order, -1.0))
     }
 
+    /// Plots the density with its quantiles of 5, 50 and 95 %, point masses as stems; it needs matplotlib, whose styles it
+    /// follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("law", (slf, ax), style)
+    }
+
     /// The lowest and the highest value; the highest may be inf.
     ///
     /// Returns
@@ -467,10 +494,10 @@ impl<'py> FromPyObject<'_, 'py> for AnyLaw {
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         static MADE: Import = Import::new("asperity._bridge", "law");
         if let Ok(law) = value.cast::<Law>() {
-            return Ok(Self(plain(&law)));
+            return Ok(Self(plain(&law).clone()));
         }
         let made = MADE.get(value.py())?.call1((value,))?;
-        Ok(Self(plain(made.cast::<Law>()?)))
+        Ok(Self(plain(made.cast::<Law>()?).clone()))
     }
 }
 
@@ -479,253 +506,12 @@ pub fn built(law: AnyLaw) -> PyResult<SharedLaw> {
     law.0.build().map_err(error::core)
 }
 
-fn plain(law: &Bound<'_, Law>) -> scenario::Law {
+/// The plain values of a distribution.
+pub fn plain<'a>(law: &'a Bound<'_, Law>) -> &'a scenario::Law {
     match law.as_super().get().plain() {
-        Plain::Law(law) => law.clone(),
+        Plain::Law(law) => law,
         _ => unreachable!("a law is described as a law"),
     }
-}
-
-/// Classes of distributions, each created from its own arguments.
-macro_rules! classes {
-    ($($(#[doc = $doc:expr])+ $name:ident($($signature:tt)*) { $($argument:ident: $kind:ty),* } => $plain:expr;)+) => {$(
-        $(#[doc = $doc])+
-        #[pyclass(frozen, extends = Law, module = "asperity")]
-        pub struct $name;
-
-        #[pymethods]
-        impl $name {
-            #[new]
-            #[pyo3(signature = ($($signature)*))]
-            fn new($($argument: $kind),*) -> PyResult<PyClassInitializer<Self>> {
-                Ok(describe($plain)?.add_subclass(Self))
-            }
-        }
-    )+};
-}
-
-/// The classes of parametric distributions, from their declarations.
-macro_rules! parametric_classes {
-    ($(
-        $(#[doc = $doc:literal])+
-        $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
-            $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
-        }
-    )+) => {
-        classes! {$(
-            $(#[doc = $doc])+
-            #[doc = "\nParameters\n----------"]
-            $(#[doc = concat!(stringify!($parameter), "\n   ", $($parameter_doc),+)])+
-            $name($($parameter),+) { $($parameter: f64),+ } => scenario::Law::$name { $($parameter),+ };
-        )+}
-
-        /// The class of a distribution.
-        pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
-            match law {
-                $(scenario::Law::$name { .. } => py.get_type::<$name>(),)+
-                scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
-                scenario::Law::Series { .. } => py.get_type::<Series>(),
-                scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
-                scenario::Law::Renormalised { .. } => py.get_type::<Renormalised>(),
-                _ => unreachable!("a distribution without a class"),
-            }
-        }
-
-        /// The member of the class under which samples are most likely; `None` for classes without parameters.
-        fn most_likely(class: &Bound<'_, PyType>, samples: &[f64]) -> Option<asperity::Result<scenario::Law>> {
-            let py = class.py();
-            $(if class.is(&py.get_type::<$name>()) {
-                return Some(law::maximum_likelihood($key, samples).map(|values| {
-                    let mut values = values.into_iter();
-                    $(let $parameter = values.next().expect("a value for each parameter");)+
-                    scenario::Law::$name { $($parameter),+ }
-                }));
-            })+
-            None
-        }
-
-        /// Sets a parameter of a description, by its name in the distribution that is built from it.
-        pub fn set_parameter(law: &mut scenario::Law, name: &str, to: f64) {
-            match law {
-                $(scenario::Law::$name { $($parameter),+ } => match name {
-                    $(stringify!($parameter) => *$parameter = to,)+
-                    _ => unreachable!("a parameter without a place"),
-                },)+
-                scenario::Law::Mixture(components) => set_of_component(components, name, to),
-                scenario::Law::Renormalised { coupling, .. } if name == "coupling" => *coupling = to,
-                scenario::Law::Renormalised { law, .. } => {
-                    set_parameter(law, name.trim_start_matches("law."), to);
-                }
-                _ => unreachable!("a distribution without parameters"),
-            }
-        }
-
-        /// The arguments of its class that create a distribution.
-        pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
-            match law {
-                $(scenario::Law::$name { $($parameter),+ } => {
-                    $(into.set_item(stringify!($parameter), $parameter)?;)+
-                    Ok(())
-                })+
-                scenario::Law::Tabulated(Table { stretch, density, samples, bandwidth, exact, .. }) => {
-                    let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
-                    columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))?;
-                    given(into, "bandwidth", *bandwidth)?;
-                    given(into, "exact", exact.then_some(true))
-                }
-                scenario::Law::Series { boundaries, coefficients, cut } => {
-                    into.set_item("boundaries", boundaries)?;
-                    into.set_item("coefficients", coefficients)?;
-                    given(into, "cut", (*cut > 0.0).then_some(*cut))
-                }
-                scenario::Law::Mixture(components) => {
-                    let component =
-                        |part: &Component| Ok((part.weight, Plain::Law(part.law.clone()).object(into.py())?));
-                    into.set_item("components", components.iter().map(component).collect::<PyResult<Vec<_>>>()?)
-                }
-                scenario::Law::Renormalised { law, coupling } => {
-                    into.set_item("law", Plain::Law((**law).clone()).object(into.py())?)?;
-                    into.set_item("coupling", coupling)
-                }
-                _ => unreachable!("a distribution without a class"),
-            }
-        }
-    };
-}
-
-parametric_distributions!(parametric_classes);
-
-/// Sets a parameter of a component of a mixture, `1.mean`, or its weight, `1.weight`.
-fn set_of_component(components: &mut [Component], name: &str, to: f64) {
-    let (place, inner) = name.split_once('.').expect("the place of a component, and its parameter");
-    let component = &mut components[place.parse::<usize>().expect("the place of a component")];
-    match inner {
-        "weight" => component.weight = to,
-        _ => set_parameter(&mut component.law, inner, to),
-    }
-}
-
-classes! {
-    /// A measured distribution: a density given at increasing stretches, or a sample.
-    ///
-    /// Parameters
-    /// ----------
-    /// stretch, density
-    ///     Lists of equal length; the density is linear between them, 0 outside, and normalised.
-    /// samples
-    ///     A list of equally likely values, of any length; the distribution is their kernel density estimate, with
-    ///     their mean and standard deviation.
-    /// bandwidth
-    ///     Of the kernels, a length; by default that of Silverman's rule, 0.9 min(s, IQR/1.34) n^(-1/5).
-    /// exact
-    ///     Quantiles that are linear between the samples (as in numpy.quantile) instead of a kernel density estimate.
-    ///     Each sample is then a jump of the density, and more than twenty take the master equation minutes. Give
-    ///     either stretch and density, or samples.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import asperity as asp
-    /// >>> law = asp.Tabulated(stretch=[0.9, 1.1], density=[1.0, 1.0])
-    /// >>> round(law.pdf(1.0), 6)
-    /// 5.0
-    Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None, bandwidth: "_Number | None" = None, exact: "bool" = false) {
-        stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>,
-        bandwidth: Option<f64>, exact: bool
-    } => table(stretch, density, samples, bandwidth, exact)?;
-    /// A density that is a polynomial in each of several cells, given as Legendre series and normalised.
-    ///
-    /// asperity.law makes a Series from any distribution of scipy.stats.
-    ///
-    /// Parameters
-    /// ----------
-    /// boundaries
-    ///     The boundaries of the cells, in increasing order from 0 or above.
-    /// coefficients
-    ///     For each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t), with t from -1
-    ///     to 1 across the cell.
-    /// cut
-    ///     The probability of an infinite tail that was truncated at the last boundary; quantities that depend on
-    ///     this tail, such as the relaxation length, are then nan.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import asperity as asp
-    /// >>> law = asp.Series([0.0, 2.0], [[0.5]])
-    /// >>> round(law.cdf(0.5), 6)
-    /// 0.25
-    Series(boundaries: "ArrayLike", coefficients: "Sequence[ArrayLike]", *, cut = 0.0) {
-        boundaries: Bound<'_, PyAny>, coefficients: Vec<Bound<'_, PyAny>>, cut: f64
-    } => series(&boundaries, &coefficients, cut)?;
-    /// A mixture of distributions.
-    ///
-    /// Parameters
-    /// ----------
-    /// components
-    ///     A list of pairs (weight, distribution), with weights above 0 that sum to 1.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import asperity as asp
-    /// >>> law = asp.Mixture([(0.5, asp.Point(1.0)), (0.5, asp.Gaussian(2.0, 0.1))])
-    /// >>> round(law.mean(), 6)
-    /// 1.5
-    Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
-        components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
-    );
-    /// The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
-    /// that contacts break at lower drives. Its mean is lower and it is narrower than law.
-    ///
-    /// Parameters
-    /// ----------
-    /// law
-    ///     The distribution P_c of the thresholds, without point masses above 0.
-    /// coupling
-    ///     κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to below
-    ///     critical_coupling(law).
-    ///     Contacts start at stretch 0. When the unbroken contacts have the stretch x, breaks have contributed κ∫ξ
-    ///     P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
-    ///
-    /// Examples
-    /// --------
-    /// >>> import asperity as asp
-    /// >>> law = asp.Renormalised(asp.Gaussian(1.0, 0.1), coupling=0.1)
-    /// >>> round(law.std(), 4)
-    /// 0.0721
-    Renormalised(law, coupling) { law: AnyLaw, coupling: f64 } => scenario::Law::Renormalised {
-        law: Box::new(law.0), coupling,
-    };
-}
-
-fn table(
-    stretch: Option<Bound<'_, PyAny>>,
-    density: Option<Bound<'_, PyAny>>,
-    samples: Option<Bound<'_, PyAny>>,
-    bandwidth: Option<f64>,
-    exact: bool,
-) -> PyResult<scenario::Law> {
-    let column = |key, values: Option<Bound<'_, PyAny>>| values.map(|v| convert::list(key, &v)).transpose();
-    Ok(scenario::Law::Tabulated(Table {
-        file: None,
-        samples: column("tabulated.samples", samples)?,
-        stretch: column("tabulated.stretch", stretch)?,
-        density: column("tabulated.density", density)?,
-        bandwidth,
-        exact,
-    }))
-}
-
-fn series(
-    boundaries: &Bound<'_, PyAny>,
-    coefficients: &[Bound<'_, PyAny>],
-    cut: f64,
-) -> PyResult<scenario::Law> {
-    let cell = |(cell, given): (usize, _)| convert::list(&format!("series.coefficients.{cell}"), given);
-    let coefficients = coefficients.iter().enumerate().map(cell).collect::<PyResult<_>>()?;
-    Ok(scenario::Law::Series {
-        boundaries: convert::list("series.boundaries", boundaries)?,
-        coefficients,
-        cut,
-    })
 }
 
 /// κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
@@ -751,29 +537,6 @@ fn series(
 #[pyfunction]
 pub fn critical_coupling(law: AnyLaw) -> PyResult<f64> {
     Ok(law::critical_coupling(built(law)?.as_ref()))
-}
-
-/// The distribution of a density that is called with arrays of points, accurate to rounding.
-#[pyfunction(name = "_resolve")]
-#[pyo3(signature = (density: "Callable[[_Array], ArrayLike]", boundaries: "Sequence[float]"))]
-pub fn resolve<'py>(density: &Bound<'py, PyAny>, boundaries: Vec<f64>) -> PyResult<Bound<'py, Series>> {
-    let py = density.py();
-    let mut raised = None;
-    let values = |points: &[f64]| {
-        let values = density.call1((PyArray1::from_slice(py, points),));
-        values.and_then(|values| convert::list("density", &values)).map_err(|error| {
-            raised = Some(error);
-            Error::Stopped
-        })
-    };
-    let resolved = law::Series::resolve(values, &boundaries, 1e-14);
-    let (law, _) = resolved.map_err(|error| raised.unwrap_or_else(|| error::core(error)))?;
-    let plain = scenario::Law::Series {
-        boundaries: law.boundaries().to_vec(),
-        coefficients: law.coefficients().iter().map(|cell| cell.to_vec()).collect(),
-        cut: law.cut(),
-    };
-    Bound::new(py, describe(plain)?.add_subclass(Series))
 }
 
 /// Sets an argument, unless it is omitted.

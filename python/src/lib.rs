@@ -6,6 +6,7 @@ mod command;
 mod contacts;
 mod convert;
 mod description;
+mod distributions;
 mod ensemble;
 mod equation;
 mod error;
@@ -56,6 +57,11 @@ mod _core {
     #[pymodule_export]
     use crate::description::{Description, restore};
     #[pymodule_export]
+    use crate::distributions::{
+        Exponential, Gamma, Gaussian, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
+        Tabulated, Weibull, resolve,
+    };
+    #[pymodule_export]
     use crate::ensemble::{Ensemble, EnsemblePull};
     #[pymodule_export]
     use crate::equation::{MasterEquation, Relaxation, SteadyState};
@@ -78,10 +84,7 @@ mod _core {
     #[pymodule_export]
     use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]
-    use crate::law::{
-        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
-        Tabulated, Weibull, critical_coupling, resolve,
-    };
+    use crate::law::{Law, critical_coupling};
     #[pymodule_export]
     use crate::machine_step::fit_velocity_step;
     #[pymodule_export]
@@ -109,7 +112,7 @@ mod _core {
     #[pymodule_export]
     use crate::sweep::{Sweep, cases};
     #[pymodule_export]
-    use crate::transport::{Step, Transport, velocity_curve};
+    use crate::transport::{Step, Transport};
 
     #[pymodule_export]
     #[expect(non_upper_case_globals)]

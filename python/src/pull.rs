@@ -577,6 +577,29 @@ impl Gradient {
         evaluate("position", position, &self.pull.get().positions(), |x| self.gradient.at(x))
     }
 
+    /// Plots the derivative at the positions of the pull; it needs matplotlib, whose styles it follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let position = slf.get().pull.bind(slf.py()).get_item("position")?;
+        slf.py().import("asperity._plot")?.call_method("gradient", (slf, position, ax), style)
+    }
+
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         again(self.pull.bind(py), "gradient", PyTuple::new(py, [&self.parameter])?)
@@ -640,6 +663,30 @@ impl ThresholdResponse {
         let weights = convert::list("weights", weights)?;
         let found = watched(None, py, |monitor| self.response.adjoint_with(&positions, &weights, monitor))?;
         convert::row(py, found).map(typed::Array)
+    }
+
+    /// Plots the response to some of the thresholds, seven at most, at the positions of the pull; it needs matplotlib, whose
+    /// styles it follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let position = slf.get().pull.bind(slf.py()).get_item("position")?;
+        slf.py().import("asperity._plot")?.call_method("threshold_response", (slf, position, ax), style)
     }
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]

@@ -74,11 +74,16 @@ impl Result {
         }
     }
 
-    /// The kinetic friction F_k, the force of steady sliding; an array where the task has many velocities; nan for tasks
-    /// without it.
+    /// The kinetic friction F_k, the force of steady sliding; an array where the task has many velocities, of a protocol that
+    /// of each step, nan in holds and ramps; nan for tasks without it.
     #[getter]
     fn kinetic_friction<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::NumberOrArray<'py>> {
         let numbers = &slf.get().summary.numbers;
+        let of_steps = numbers.steps().iter().map(|step| step.kinetic_friction.unwrap_or(f64::NAN));
+        let of_steps: Vec<f64> = of_steps.collect();
+        if of_steps.iter().any(|friction| friction.is_finite()) {
+            return convert::row(slf.py(), of_steps).map(typed::NumberOrArray);
+        }
         let of_curve = numbers.hold_curve().map(|curve| curve.kinetic_friction);
         let of_noise = numbers.noise().map(|noise| noise.kinetic_friction);
         let number = of_curve.or(of_noise);

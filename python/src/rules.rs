@@ -4,7 +4,7 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use crate::convert;
+use crate::convert::{self, Real};
 use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, Law, given};
 use crate::typed;
@@ -28,7 +28,7 @@ use crate::typed;
 /// >>> import asperity as asp
 /// >>> thermal = asp.Temperature(energy=0.05, attempt_rate=1.0)
 /// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=thermal)
-/// >>> friction = asp.velocity_curve(contacts, [1e-4, 1e-2])
+/// >>> friction = asp.velocity_curve(contacts, [1e-4, 1e-2]).kinetic_friction
 /// >>> bool(friction[0] < friction[1])
 /// True
 #[pyclass(frozen, extends = Description, module = "asperity")]
@@ -38,7 +38,9 @@ pub struct Temperature;
 impl Temperature {
     #[new]
     #[pyo3(signature = (energy, attempt_rate, *, barrier: "Literal['elastic', 'bell', 'catastrophe']" = "elastic"))]
-    fn new(energy: f64, attempt_rate: f64, barrier: &str) -> PyResult<PyClassInitializer<Self>> {
+    fn new(energy: Real, attempt_rate: Real, barrier: &str) -> PyResult<PyClassInitializer<Self>> {
+        let energy = energy.get("energy")?;
+        let attempt_rate = attempt_rate.get("attempt_rate")?;
         let barrier = convert::word("barrier", barrier)?;
         let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });
         Ok(Description::new(plain).add_subclass(Self))
@@ -122,7 +124,7 @@ impl Ageing {
 /// >>> import asperity as asp
 /// >>> ageing = asp.Smoluchowski(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
 /// >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
-/// >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 4)
+/// >>> round(asp.velocity_curve(contacts, 1.0), 4)
 /// 0.3847
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct Smoluchowski;
@@ -130,8 +132,10 @@ pub struct Smoluchowski;
 #[pymethods]
 impl Smoluchowski {
     #[new]
-    fn new(mature: AnyLaw, diffusion: f64) -> PyClassInitializer<Self> {
-        Ageing::described(scenario::Ageing::Smoluchowski { mature: mature.0, diffusion }).add_subclass(Self)
+    fn new(mature: AnyLaw, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
+        let diffusion = diffusion.get("diffusion")?;
+        Ok(Ageing::described(scenario::Ageing::Smoluchowski { mature: mature.0, diffusion })
+            .add_subclass(Self))
     }
 
     /// The distribution P_cf of mature thresholds.
@@ -161,7 +165,7 @@ impl Smoluchowski {
 /// >>> import asperity as asp
 /// >>> ageing = asp.FrozenRank(asp.Gaussian(1.0, 0.05), time=1.0)
 /// >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
-/// >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+/// >>> round(asp.velocity_curve(contacts, 1.0), 6)
 /// 0.386778
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct FrozenRank;
@@ -169,8 +173,9 @@ pub struct FrozenRank;
 #[pymethods]
 impl FrozenRank {
     #[new]
-    fn new(mature: AnyLaw, time: f64) -> PyClassInitializer<Self> {
-        Ageing::described(scenario::Ageing::FrozenRank { mature: mature.0, time }).add_subclass(Self)
+    fn new(mature: AnyLaw, time: Real) -> PyResult<PyClassInitializer<Self>> {
+        let time = time.get("time")?;
+        Ok(Ageing::described(scenario::Ageing::FrozenRank { mature: mature.0, time }).add_subclass(Self))
     }
 
     /// The distribution P_cf of mature thresholds.
@@ -199,16 +204,18 @@ impl FrozenRank {
 /// --------
 /// >>> import asperity as asp
 /// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
-/// >>> asp.velocity_curve(contacts, [1.0, 1e-2]).round(6)
-/// array([0.512211, 0.552766])
+/// >>> asp.velocity_curve(contacts, [1e-2, 1.0]).kinetic_friction.round(6)
+/// array([0.552766, 0.512211])
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct Logarithmic;
 
 #[pymethods]
 impl Logarithmic {
     #[new]
-    fn new(growth: f64, time: f64) -> PyClassInitializer<Self> {
-        Ageing::described(scenario::Ageing::Logarithmic { growth, time }).add_subclass(Self)
+    fn new(growth: Real, time: Real) -> PyResult<PyClassInitializer<Self>> {
+        let growth = growth.get("growth")?;
+        let time = time.get("time")?;
+        Ok(Ageing::described(scenario::Ageing::Logarithmic { growth, time }).add_subclass(Self))
     }
 
     /// The growth β.
@@ -241,7 +248,7 @@ impl Logarithmic {
 /// >>> import asperity as asp
 /// >>> ageing = asp.MeanField(asp.Gaussian(1.0, 0.05), diffusion=0.0025)
 /// >>> contacts = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=ageing)
-/// >>> round(float(asp.velocity_curve(contacts, [1.0])[0]), 6)
+/// >>> round(asp.velocity_curve(contacts, 1.0), 6)
 /// 0.370081
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct MeanField;
@@ -249,8 +256,9 @@ pub struct MeanField;
 #[pymethods]
 impl MeanField {
     #[new]
-    fn new(mature: AnyLaw, diffusion: f64) -> PyClassInitializer<Self> {
-        Ageing::described(scenario::Ageing::MeanField { mature: mature.0, diffusion }).add_subclass(Self)
+    fn new(mature: AnyLaw, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
+        let diffusion = diffusion.get("diffusion")?;
+        Ok(Ageing::described(scenario::Ageing::MeanField { mature: mature.0, diffusion }).add_subclass(Self))
     }
 
     /// The distribution P_cf of mature thresholds.

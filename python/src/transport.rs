@@ -1,21 +1,20 @@
 //! Contacts under a slider whose velocity varies.
 
 use asperity::history::History;
-use asperity::monitor::{Monitor, Part};
+use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, TaskStart, Units};
 use asperity::{Error, ensemble, master};
-use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Whole};
+use crate::convert::Whole;
 use crate::description::{Description, Interface, Plain, Solved};
 use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::Model;
-use crate::model::{built, interface, interface_arguments, steady_interface, warn_of_left_out};
+use crate::model::{interface_arguments, steady_interface, warn_of_left_out};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::watch::watched;
@@ -363,32 +362,4 @@ pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
     add("force_error", "its standard error", Quantity::Force, trace.error);
     add("free", "fraction of contacts that are detached", Quantity::Number, trace.free);
     record
-}
-
-/// Kinetic friction F_k of contacts at velocities, each a separate computation: what velocity_curve calls.
-#[pyfunction(name = "_velocity_curve")]
-#[pyo3(signature = (contacts, velocities: "float; ArrayLike", *, progress: "_Progress" = None) -> "float; _Array")]
-pub fn velocity_curve<'py>(
-    contacts: &Bound<'py, Contacts>,
-    velocities: &Bound<'py, PyAny>,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let py = velocities.py();
-    let (values, single) = convert::one_or_list("velocities", velocities, &convert::Domain::NUMBERS)?;
-    let (contacts, initial) = built(&interface(contacts, None, "conditional")?).map_err(error::core)?;
-    let curve = watched(progress, py, |monitor| {
-        let mut friction = Vec::with_capacity(values.len());
-        for (i, &velocity) in values.iter().enumerate() {
-            let done = i as f64 / values.len() as f64;
-            let part = &mut Part::new(monitor, done, 1.0 / values.len() as f64);
-            let at = master::MasterEquation::at_with(contacts.clone(), &initial, velocity, part);
-            let equation = at.map_err(|e| e.under(&format!("velocities.{i}")))?;
-            friction.push(equation.steady_state().kinetic_friction());
-            if monitor.progress((i + 1) as f64 / values.len() as f64).is_break() {
-                return Err(Error::Stopped);
-            }
-        }
-        Ok(friction)
-    })?;
-    if single { curve[0].into_bound_py_any(py) } else { convert::row(py, curve) }
 }

@@ -275,9 +275,10 @@ pub fn free_form<'py>(
 }
 
 /// Expected readings.
-pub fn prediction(py: Python<'_>, found: fit::Prediction) -> PyResult<Prediction<'_>> {
+pub fn prediction(py: Python<'_>, positions: Vec<f64>, found: fit::Prediction) -> PyResult<Prediction<'_>> {
     let fit::Prediction { forces, std, error } = found;
-    PREDICTION.get(py)?.call1((row(py, forces)?, row(py, std)?, row(py, error)?)).map(Prediction)
+    let columns = (row(py, forces)?, row(py, std)?, row(py, error)?, row(py, positions)?);
+    PREDICTION.get(py)?.call1(columns).map(Prediction)
 }
 
 /// The numbers that were drawn from a posterior.

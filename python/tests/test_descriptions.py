@@ -81,6 +81,25 @@ def test_notebooks_show_every_parameter(description: asp.Description) -> None:
     assert all(f">{name}<" in html for name in description.parameters)
 
 
+@pytest.mark.parametrize("law", LAWS, ids=lambda one: type(one).__name__)
+def test_parameters_of_distributions_are_attributes(law: asp.Law) -> None:
+    for name, value in law.parameters.items():
+        attribute = getattr(law, name)
+        # The distribution itself has a mean and a standard deviation, as in scipy.stats.
+        assert callable(attribute) if name in ("mean", "std") else attribute == value
+    assert callable(law.mean)
+    assert callable(law.std)
+
+
+def test_parameters_that_were_not_given_have_their_defaults() -> None:
+    table = asp.Tabulated(stretch=[0.0, 1.0], density=[2.0, 2.0])
+    assert (table.stretch, table.density, table.samples) == ([0.0, 1.0], [2.0, 2.0], None)
+    assert (table.bandwidth, table.exact) == (None, False)
+    assert asp.Tabulated(samples=[1.0, 2.0], bandwidth=0.5).bandwidth == 0.5
+    assert asp.Tabulated(samples=[1.0, 2.0], exact=True).exact
+    assert asp.Series([0.0, 1.0], [[1.0]]).cut == 0.0
+
+
 def test_different_descriptions_differ() -> None:
     assert len(set(ALL)) == len(ALL)
     assert asp.Gaussian(1.0, 0.05) != asp.Gamma(1.0, 0.05)

@@ -69,7 +69,7 @@ def test_what_is_found_fits_together() -> None:
 
 def test_a_prediction_has_the_noise_of_contacts_and_the_errors_of_the_estimates() -> None:
     order = np.array([100, 3, 40])
-    force, std, error = FOUND.predict(POSITION[order])
+    force, std, error, _ = FOUND.predict(POSITION[order])
     # Another solution for the same contacts, over a shorter distance: the aim is 1e-10 of N⟨k⟩⟨x_s⟩.
     np.testing.assert_allclose(force, FOUND.readings["expected"][order], atol=2000 * 1e-9)
     noise = FOUND.pull.force_std(FOUND.contacts.count, POSITION[order])

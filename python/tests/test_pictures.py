@@ -17,6 +17,7 @@ SLOW = {
     "areas",
     "avalanches",
     "fig3",
+    "creep",
     "front-ageing",
     "half-space-512",
     "healing",
@@ -35,6 +36,7 @@ SCENARIOS = [
     if path.stem not in SLOW and not path.stem.startswith("sweep")
 ]
 SMALLER: dict[str, dict[str, Any]] = {
+    "creep": {"creep.forces": [0.65, 0.7], "creep.points": 21},
     "healing": {"hold_curve.points": 5, "ensemble.size": 100},
     "laboratory": {"ensemble.size": 100},
     "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},
@@ -100,6 +102,7 @@ def test_every_task_is_among_them() -> None:
         "protocol",
         "velocity_curve",
         "hold_curve",
+        "creep",
         "spectrum",
         "fit",
         "renormalisation",
@@ -137,6 +140,63 @@ def test_objects_have_pictures() -> None:
     )
     for record in records:
         assert drawn(record.plot())
+
+
+LAWS: list[asp.Law] = [
+    asp.Gaussian(1.0, 0.05),
+    asp.Rectangular(0.5, 1.5),
+    asp.Lognormal(1.0, 0.5),
+    asp.Weibull(0.5, 1.0),
+    asp.Point(1.0),
+    asp.Point(0.0),
+    asp.Mixture([(0.25, asp.Point(0.7)), (0.75, asp.Gaussian(1.0, 0.1))]),
+    asp.Tabulated(samples=[0.8, 1.0, 1.1]),
+]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_distributions_have_pictures(law: asp.Law) -> None:
+    _, axes = matplotlib.pyplot.subplots()
+    assert law.plot(axes, color="red") is axes
+    axes.figure.canvas.draw()
+    assert axes.get_ylabel() == "probability density $p$"
+    x, density = (np.array(values) for values in axes.lines[0].get_data())
+    # The curve has the mass between the quantiles of 0.1 %; of Weibull, some at its pole.
+    mass = np.trapezoid(np.nan_to_num(density), x) if hasattr(np, "trapezoid") else None
+    expected = 1.0 - law.atoms.weight.sum()
+    if mass is not None and law != asp.Weibull(0.5, 1.0):
+        # 0.2 % beyond the ends, and the trapezoidal rule.
+        assert mass == pytest.approx(expected, abs=4e-3)
+    at = np.array(axes.lines[1].get_xdata())
+    # Half of the mass is on either side of the dot in the middle.
+    assert np.all(np.isin(at, law.ppf([0.05, 0.5, 0.95])))
+    assert len(at) == (3 if expected == 1.0 else 2 if expected > 0.0 else 0)
+    assert axes.lines[0].get_color() == "red"
+
+
+def test_derivatives_predictions_and_spots_have_pictures() -> None:
+    pull = THEORY.pull(3.0, 31)
+    by_mean = pull.gradient("thresholds.mean")
+    line = by_mean.plot().lines[0]
+    np.testing.assert_array_equal(line.get_ydata(), by_mean(pull.position))
+    response = pull.threshold_response(np.linspace(0.8, 1.2, 9))
+    axes = response.plot()
+    assert len(axes.lines) == 7
+    np.testing.assert_array_equal(axes.lines[-1].get_ydata(), response(pull.position)[-1])
+    position = np.linspace(0.0, 2.0, 41)
+    force = THEORY.pull(2.0, 41).force + 0.01 * np.sin(50.0 * position)
+    fit = asp.fit(THEORY.contacts, position, force, free=("thresholds.mean",), noise="white")
+    predicted = fit.predict([0.5, 1.0])
+    assert predicted.position.tolist() == [0.5, 1.0]
+    np.testing.assert_array_equal(predicted.plot().lines[0].get_ydata(), predicted.force)
+    x = np.arange(32) - 15.5
+    map_of = np.sqrt(np.maximum(1.0 - (x[:, None] ** 2 + x**2) / 100.0, 0.0))
+    map_of[0:2, 0:3] = 0.05
+    found = asp.spots(map_of, pixel=0.5, periodic=False)
+    axes = found.plot()
+    shown: Any = np.ma.filled(np.ma.asarray(axes.images[0].get_array()), np.nan)
+    assert np.nansum(shown == found.load[1]) == np.count_nonzero(found.labels == 2)
+    assert axes.get_xlim() == (0.0, 16.0)
 
 
 def test_a_picture_shows_the_numbers_of_the_result() -> None:

@@ -30,6 +30,7 @@ TABLES = (
     "trace.csv",
     "velocity_curve.csv",
     "hold_curve.csv",
+    "static_fatigue.csv",
     "spectrum.csv",
     "stability.csv",
     "fit.csv",

@@ -77,7 +77,8 @@ def test_spots_as_an_ensemble() -> None:
     distance = 3.0 * contacts.thresholds.mean()
     exact = asp.MasterEquation(contacts, tolerance=1e-8).pull(distance, points=21)
     sample = asp.Ensemble(contacts, size=100_000, seed=3).pull(distance, points=21)
-    assert np.all(np.abs(sample.force - exact.force)[1:] < 4.5 * sample.force_error[1:])
+    # Deviations of 16 seeds are standard normal (rms 0.98); one of 20 points is beyond 4 in 10⁻³ of runs.
+    assert np.all(np.abs(sample.force - exact.force)[1:] < 4.0 * sample.force_error[1:])
 
 
 def test_large_spots_are_stiffer_than_small_ones_of_the_same_threshold() -> None:

@@ -131,6 +131,7 @@ XARRAY: dict[str, dict[str, Any]] = {
     "ofc": {},
     "fit-cycles": {},
     "fit-steady": {},
+    "creep": {"creep.forces": [0.4, 0.65], "creep.duration": 1e3, "creep.points": 21},
     "healing": {"hold_curve.points": 5, "ensemble.size": 100},
     "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},
     "velocity-curve-thermal": {"velocity_curve.points": 3, "ensemble.size": 100},

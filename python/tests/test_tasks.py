@@ -26,7 +26,7 @@ def test_examples_print_what_is_shown(module: Any) -> None:
 def test_a_velocity_curve_has_its_numbers() -> None:
     curve = asp.velocity_curve(WARM, span=(1e-4, 1e-1), points=4, ensemble={"size": 200, "seed": 3})
     # Each velocity of a list is a solution of its own.
-    alone = asp.velocity_curve(WARM, curve.velocity)
+    alone = np.array([asp.velocity_curve(WARM, float(velocity)) for velocity in curve.velocity])
     np.testing.assert_allclose(curve.kinetic_friction, alone, rtol=1e-9)
     assert curve.temperature is None
     assert curve.ensemble_force is not None
@@ -36,6 +36,24 @@ def test_a_velocity_curve_has_its_numbers() -> None:
     assert several.kinetic_friction.shape == (2, 2)
     assert [one.temperature for one in several.limits] == [0.02, 0.05]
     np.testing.assert_allclose(several.kinetic_friction[0], alone[2:], rtol=1e-9)
+
+
+def test_a_curve_at_given_velocities_is_a_result() -> None:
+    velocities = [1e-3, 2e-2, 0.1]
+    curve = asp.velocity_curve(WARM, velocities, temperatures=[0.02, 0.05], ensemble={"size": 50})
+    assert curve.velocity.tolist() == velocities
+    assert curve.kinetic_friction.shape == curve.ensemble_force.shape == (2, 3)
+    steady = [
+        asp.Transport(WARM, start="steady", velocity=one).follow([asp.Step(one, distance=0.1)])
+        for one in velocities
+    ]
+    # Steady sliding stays as it begins, to the default tolerance of a transport.
+    np.testing.assert_allclose(curve.kinetic_friction[0], [one["force"][0] for one in steady], rtol=1e-4)
+    # The background force is part of it, as of all results of scenarios.
+    loaded = WARM.replace(background_force=1.0)
+    assert asp.velocity_curve(loaded, [0.1]).kinetic_friction[0] == asp.velocity_curve(loaded, 0.1)
+    assert asp.velocity_curve(loaded, 0.1) == pytest.approx(1.0 + curve.kinetic_friction[0, 2], rel=1e-12)
+    assert curve.result.scenario.count("velocities = [0.001, 0.02, 0.1]") == 1
 
 
 def test_stability_is_that_of_a_block() -> None:
@@ -60,6 +78,34 @@ def test_healing_is_read_from_the_hold_curve() -> None:
     assert curve.kinetic_friction == pytest.approx(asp.velocity_curve(AGEING, 0.1), rel=1e-6)
     assert curve.healing.per_decade is not None
     assert curve.healing.relative == pytest.approx(curve.healing.per_decade / curve.kinetic_friction)
+
+
+def test_creep_fails_later_under_smaller_forces() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.03, 1.0))
+    found = asp.creep(contacts, [0.3, 0.6, 0.7, 0.9], duration=1e3, points=51)
+    assert np.isnan(found.failure_time).tolist() == [True, False, False, False]
+    assert found.failure_time[1] > 10.0 * found.failure_time[2] > 0.0
+    assert found.failure_time[3] == 0.0
+    assert (found.failure_time_error[1:3] < 1e-3 * found.failure_time[1:3]).all()
+    assert np.isnan(found.time[3]).all()
+    assert (np.diff(found.time[:3], axis=1) > 0.0).all()
+    np.testing.assert_array_equal(found.position[:3, -1], found.final_position[:3])
+    np.testing.assert_array_equal(found.time[1:3, -1], found.failure_time[1:3])
+    assert (found.velocity[1:3, 1:-1].min(axis=1) >= 0.99 * found.slowest_velocity[1:3]).all()
+    # A force that is raised in a time far below that to failure changes it by that time at most.
+    slow = asp.creep(contacts, 0.6, 1e3, loading_rate=6.0)
+    assert slow.failure_time[0] == pytest.approx(
+        found.failure_time[1], abs=0.1 + 1e-3 * found.failure_time[1]
+    )
+
+
+def test_creep_without_failure_has_no_time_to_failure() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.03, 1.0))
+    held = asp.creep(contacts, 0.3, 10.0)
+    assert np.isnan(held.failure_time).all()
+    assert held.final_velocity[0] > 0.0
+    with pytest.raises(ValueError, match=r"creep\.forces\.0: expected a number above 0"):
+        asp.creep(contacts, -1.0, 10.0)
 
 
 def test_first_breaks_are_those_of_a_scenario() -> None:
@@ -100,7 +146,13 @@ def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
     [
         (lambda: asp.velocity_curve(WARM), TypeError, "either velocities or a span, got neither"),
         (lambda: asp.velocity_curve(WARM, 1.0, span=(1, 2)), TypeError, "got both"),
-        (lambda: asp.velocity_curve(WARM, 1.0, tolerance=1e-3), TypeError, "beside a span"),
+        (lambda: asp.velocity_curve(WARM, 1.0, temperatures=[0.1]), TypeError, "got one velocity"),
+        (lambda: asp.velocity_curve(WARM, []), ValueError, "velocities: expected one velocity or more"),
+        (
+            lambda: asp.velocity_curve(WARM, [2.0, 1.0]),
+            ValueError,
+            r"velocities\.1: expected a velocity above",
+        ),
         (lambda: asp.velocity_curve(WARM, span=3.0), TypeError, "span: expected the lowest and the highest"),
         (lambda: asp.velocity_curve(WARM, span=(0.0, 1.0)), ValueError, "velocity_curve.from: expected"),
         (lambda: asp.hold_curve(AGEING, (1.0, 2.0), -1.0), ValueError, "hold_curve.velocity: expected"),

@@ -15,11 +15,11 @@ RANKED = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.FrozenRank(asp.Gaussian
 
 def test_velocity_curves_have_the_values_of_the_theory() -> None:
     # kx̄²/2T = 10 and σ = 0.1; logarithmic growth; frozen rank, which ignores 3e-7 of the newborn law below 0
-    assert asp.velocity_curve(THERMAL, [1e-4, 1e-2]) == pytest.approx(
-        [0.29806681116, 0.44526255210], abs=1e-9
-    )
+    warm = asp.velocity_curve(THERMAL, [1e-4, 1e-2])
+    assert warm.kinetic_friction == pytest.approx([0.29806681116, 0.44526255210], abs=1e-9)
     assert asp.velocity_curve(GROWING, 1.0) == pytest.approx(0.5122109494, abs=1e-9)
-    assert asp.velocity_curve(RANKED, [10.0, 1.0]) == pytest.approx([0.2721367872, 0.3867782523], abs=4e-7)
+    ranked = asp.velocity_curve(RANKED, [1.0, 10.0])
+    assert ranked.kinetic_friction == pytest.approx([0.3867782523, 0.2721367872], abs=4e-7)
 
 
 def test_an_equation_of_contacts_that_know_time_has_a_velocity() -> None:
@@ -147,7 +147,10 @@ def test_scenarios_take_rules_and_steps_as_objects() -> None:
         {"contacts": GROWING, "protocol": [asp.Step(1.0, distance=1.0, points=11), asp.Step(hold=1.0)]}
     )
     assert result["force"].shape == (11 + 200,)
-    assert np.isnan(result.kinetic_friction)
+    # A protocol has that of each step, a hold has none.
+    steady, held = np.asarray(result.kinetic_friction)
+    assert steady == pytest.approx(asp.velocity_curve(GROWING, 1.0))
+    assert np.isnan(held)
     assert [step["velocity"] for step in result.summary["steps"]] == [1.0, 0.0]
 
 
@@ -245,3 +248,11 @@ def test_the_closure_of_steady_sliding_knows_no_first_loading() -> None:
     assert np.isnan(theory.relaxation().length)
     with pytest.raises(ValueError, match=r"^ageing\.mean_field"):
         theory.pull(5.0)
+
+
+def test_a_protocol_has_the_kinetic_friction_of_each_step() -> None:
+    steps = [{"velocity": 1.0, "distance": 2.0}, {"hold": 1.0}, {"velocity": 0.1, "distance": 1.0}]
+    result = asp.run({"contacts": GROWING, "protocol": steps})
+    fast, held, slow = np.asarray(result.kinetic_friction)
+    assert (fast, slow) == pytest.approx([asp.velocity_curve(GROWING, 1.0), asp.velocity_curve(GROWING, 0.1)])
+    assert np.isnan(held)

@@ -1,6 +1,7 @@
 """Wrong input is refused with ValueError or TypeError: never a panic, never a wrong number."""
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -404,3 +405,31 @@ def test_masked_values_are_refused(call: Callable[[], object], key: str) -> None
 def test_masks_that_hide_nothing_are_none() -> None:
     assert np.array_equal(LAW.pdf(np.ma.masked_array(WITHOUT)), LAW.pdf(WITHOUT))
     assert asp.Tabulated(samples=np.ma.masked_array(WITHOUT)) == asp.Tabulated(samples=WITHOUT)
+
+
+@pytest.mark.parametrize(
+    ("call", "wrong", "message"),
+    [
+        (lambda x: asp.Gaussian(x, 0.1), "1", "mean: expected a number, got str"),
+        (lambda x: asp.Weibull(2.0, x), [1.0], "scale: expected a number, got list"),
+        (lambda x: asp.Renormalised(LAW, x), None, "coupling: expected a number, got NoneType"),
+        (lambda x: asp.Areas(LAW, 1.0, x), "x", "strength: expected a number, got str"),
+        (lambda x: asp.Contacts(LAW, stiffness=x), "x", "stiffness: expected a number, got str"),
+        (lambda x: asp.Temperature(x, 1.0), "x", "energy: expected a number, got str"),
+        (lambda x: asp.Logarithmic(growth=x, time=1.0), "x", "growth: expected a number, got str"),
+        (lambda x: THEORY.pull(x), np.zeros(5), "distance: expected a number, got ndarray of shape [5]"),
+        (lambda x: THEORY.pull(1.0, x), 2.5, "points: expected a whole number, 0 or above, got float"),
+        (lambda x: asp.Ensemble(CONTACTS, size=x), "x", "size: expected a whole number, 0 or above, got str"),
+        (lambda x: asp.Ensemble(CONTACTS).pull(x), "x", "distance: expected a number, got str"),
+        (lambda x: asp.Block(THEORY, x), "x", "stiffness: expected a number, got str"),
+        (lambda x: BLOCK.drive(velocity=x), "x", "velocity: expected a number, got str"),
+        (
+            lambda x: asp.Interface(CONTACTS, [4], connection=x, neighbours=1.0),
+            "x",
+            "connection: expected a number, got str",
+        ),
+    ],
+)
+def test_messages_name_the_argument(call: Callable[[Any], object], wrong: object, message: str) -> None:
+    with pytest.raises(TypeError, match=re.escape(message)):
+        call(wrong)

@@ -37,7 +37,7 @@ const ALL: [Scale; 2] = [
 ];
 
 /// Numbers of a summary, and what they measure.
-const QUOTED: [(&str, Quantity); 31] = [
+const QUOTED: [(&str, Quantity); 34] = [
     ("/kinetic_friction", Quantity::Force),
     ("/static_friction/force", Quantity::Force),
     ("/static_friction/position", Quantity::Length),
@@ -60,6 +60,9 @@ const QUOTED: [(&str, Quantity); 31] = [
     ("/stick_slip/0/critical_stiffness_sliding", Quantity::Stiffness),
     ("/hold_curve/healing_per_decade", Quantity::Force),
     ("/hold_curve/healing_cutoff", Quantity::Time),
+    ("/creep/0/failure_time", Quantity::Time),
+    ("/creep/0/final_position", Quantity::Length),
+    ("/creep/1/final_velocity", Quantity::Velocity),
     ("/catalogue/mean_waiting", Quantity::Length),
     ("/catalogue/events", Quantity::Number),
     ("/noise/force_std", Quantity::Force),
@@ -459,6 +462,10 @@ fn sliders_in_time_have_no_scale() {
         // Panels of steady sliding are halved where many contacts break together.
         &format!(
             "[contacts]\nthresholds.point.at = 1_m\nstiffness = 1_k\n{LOGARITHMIC}\n[hold_curve]\nvelocity = 0.1_v\nfrom = 1_s\nto = 10_s\npoints = 2\n[master_equation]\ntolerance = 1e-3\n"
+        ),
+        &format!(
+            "{}temperature = {{ energy = 0.03_J, attempt_rate = 1_Hz }}\n[creep]\nforces = [ 0.6_N, 0.3_N ]\nduration = 1e3_s\npoints = 5\n[master_equation]\ntolerance = 1e-2\n",
+            contacts!()
         ),
         &format!("{ageing}{block}slip.damped = {{ damping = 0.5_e }}\n{steps}"),
         &format!("{ageing}{block}slip.inertial = {{ mass = 1_M, damping = 0.5_e }}\n{steps}"),

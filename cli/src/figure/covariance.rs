@@ -18,7 +18,10 @@ const FINE: usize = 200;
 /// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
 /// Side of the map.
-const SIDE: f64 = 480.0;
+const SIDE: f64 = 415.0;
+/// Room for labels left and right of the map, and above and below it.
+const SIDES: (f64, f64) = (60.0, 13.0);
+const MARGINS: (f64, f64) = (10.0, 49.0);
 /// Variances below this, relative to the largest, are 0 up to rounding: the force is certain there.
 const CERTAIN: f64 = 1e-9;
 /// Correlation coefficients.
@@ -32,15 +35,20 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let position = outcome.record.get("covariance_position")?;
     let layout = panel(range)
         .with_x_label(style::axis(outcome, &name('₁'), position))
-        .with_y_label(style::axis(outcome, &name('₂'), position));
+        .with_y_label(style::axis(outcome, &name('₂'), position))
+        .with_force_margins(SIDES.0, SIDES.1)
+        .with_force_margins_y(MARGINS.0, MARGINS.1);
     let (scale, axes) = bar(ENDS, &colours(), "Correlation coefficient of the force");
+    // Cells are square, and the colour scale is as tall as the map.
+    let axes = axes.with_force_margins_y(MARGINS.0, MARGINS.1);
+    let side = page.height(SIDE);
     let (title, size) = page.heading(&outcome.summary.title);
     let plots: Plots = vec![field.plot(ENDS, &colours(), 1)];
     let figure = Figure::new(1, 2)
         .with_structure(vec![vec![0], vec![1]])
         .with_title(title)
         .with_title_size(size)
-        .with_cell_size(page.height(SIDE), page.height(SIDE))
+        .with_cell_size(side + SIDES.0 + SIDES.1, side + MARGINS.0 + MARGINS.1)
         .with_col_width(1, BAR)
         .with_spacing(6.0);
     Some(ticks::panels(figure, vec![plots, scale], vec![layout, axes]))

@@ -5,6 +5,7 @@ mod catalogue;
 mod clip;
 mod corner;
 mod covariance;
+mod creep;
 mod curve;
 mod distribution;
 mod dots;
@@ -82,6 +83,9 @@ fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String
         ("hold_curve", hold_curve::scene(outcome, page)),
         ("protocol", protocol::scene(outcome, page)),
         ("velocity_step", velocity_step::scene(outcome, page)),
+        ("creep_curve", creep::scene(outcome, page)),
+        ("creep_rate", creep::rate(outcome, page)),
+        ("static_fatigue", creep::fatigue(outcome, page)),
         ("equilibrium", equilibrium::scene(outcome, page)),
         ("potential", potential::scene(outcome, page)),
         ("slip", slip::scene(outcome, page)),

@@ -1,6 +1,7 @@
 //! Text of the summary of a run.
 
 mod catalogue;
+mod creep;
 mod derivatives;
 mod fit;
 mod noise;
@@ -38,6 +39,7 @@ pub fn readable(summary: &Summary) -> String {
     lines.extend(summary.numbers.noise().into_iter().flat_map(|found| noise::lines(summary, found)));
     lines.extend(stick_slip::lines(summary));
     lines.extend(timed::lines(summary));
+    lines.extend(creep::lines(summary));
     if let Some(catalogue) = summary.numbers.catalogue() {
         lines.extend(catalogue::lines(summary, catalogue));
     }

@@ -184,6 +184,7 @@ fn names_a_key(message: &str) -> bool {
         "protocol",
         "velocity_curve",
         "hold_curve",
+        "creep",
         "spectrum",
         "stability",
         "renormalisation",

@@ -66,6 +66,7 @@ fn ordinary(dimension: &str, table: &str, key: &str) -> [f64; 2] {
         ("frozen_rank" | "logarithmic", "time") => [-2.0, 2.0],
         ("delay", "time") => [-2.0, 1.0],
         ("hold_curve", "from" | "to") => [-1.0, 3.0],
+        ("creep", "forces") => [-1.0, -0.3],
         ("contacts", "count") => [0.0, 3.0],
         ("logarithmic", "growth") | ("disorder", "std") => [-3.0, -0.5],
         ("master_equation", "tolerance") => [-9.0, -3.0],

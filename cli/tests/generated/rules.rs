@@ -78,7 +78,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         }
         ("contacts", "stiffness_of_threshold")
             if in_time
-                || matches!(task, "renormalisation" | "protocol" | "hold_curve")
+                || matches!(task, "renormalisation" | "protocol" | "hold_curve" | "creep")
                 || walk.given("contacts.stiffness_per_threshold") =>
         {
             no
@@ -88,6 +88,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         }
         // Free contacts slide; without a delay there are none.
         ("contacts", "free_friction") if !walk.given("contacts.delay") => no,
+        ("contacts.free_friction", "viscosity") if task == "creep" => no,
         ("contacts.stiffness_of_threshold", key) => Some(key != "file"),
         ("contacts", "background_force" | "background_coefficient") if task == "renormalisation" => no,
         ("contacts", "background_force") if walk.given("contacts.background_coefficient") => no,
@@ -102,7 +103,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
             _ => no,
         },
         ("", "compare") if !(task == "pull" || task == "protocol" && !walk.given("block")) => no,
-        ("", "ensemble") if matches!(task, "renormalisation" | "stability") => no,
+        ("", "ensemble") if matches!(task, "renormalisation" | "stability" | "creep") => no,
         ("", "ensemble") if walk.is("contacts.ageing", "mean_field") => no,
         ("", "ensemble") if interface && !walk.single() && !walk.is("interface.slip", "overdamped") => no,
         ("pull", "covariance") if walk.is("ensemble.disorder", "quenched") => no,

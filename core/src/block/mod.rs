@@ -11,6 +11,7 @@
 //!
 //! A background force B ([`Block::with_background`]) adds to F against the motion; at rest it holds the slider.
 
+mod creep;
 mod curves;
 mod equilibrium_path;
 mod events;
@@ -25,6 +26,7 @@ mod simulation;
 mod slip;
 mod trace;
 
+pub use creep::{CreepAccuracy, CreepLoad, CreepPath, CreepState};
 pub use curves::{Curve, critical_stiffness};
 pub use events::{Event, Size, Sizes};
 pub use loading::Loading;

@@ -20,6 +20,7 @@
 mod block;
 mod compare;
 mod contacts;
+mod creep;
 mod drive;
 mod ensemble;
 mod figure;
@@ -66,6 +67,7 @@ pub use crate::shape::Edges;
 pub use block::Block;
 pub use compare::Compare;
 pub use contacts::{Areas, Contacts, StiffnessOfThreshold};
+pub use creep::Creep;
 pub use drive::Drive;
 pub use ensemble::Ensemble;
 pub use figure::{Figure, FigureFormat};
@@ -106,6 +108,7 @@ use crate::{Error, Result};
     { "required": ["protocol_file"] },
     { "required": ["velocity_curve"] },
     { "required": ["hold_curve"] },
+    { "required": ["creep"] },
     { "required": ["spectrum"] },
     { "required": ["stability"] },
     { "required": ["fit"] },
@@ -141,6 +144,9 @@ pub struct Scenario {
     /// A task: static friction against the time for which the slider has been held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
+    /// A task: slip in time under a constant force, and the time to failure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub creep: Option<Creep>,
     /// A task: the noise of the force in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spectrum: Option<Spectrum>,
@@ -192,6 +198,7 @@ impl Scenario {
             protocol_file: None,
             velocity_curve: None,
             hold_curve: None,
+            creep: None,
             spectrum: None,
             stability: None,
             fit: None,

@@ -112,6 +112,9 @@ impl Task<'_> {
             let expected = "no ensemble with [stability], whose motions are those of the master equation ([drive] and [[protocol]] have one)";
             return Err(Error::invalid("ensemble", expected, "one"));
         }
+        if let Task::Creep(_) = self {
+            check_creep(model)?;
+        }
         if let Some(ensemble) = &model.ensemble {
             ensemble.build(model.contacts.clone(), model.initial.clone())?;
         }
@@ -231,6 +234,20 @@ fn refuse_quenched(task: Task<'_>, model: &Model) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses what creep under a constant force does not have.
+fn check_creep(model: &Model) -> Result<()> {
+    if model.ensemble.is_some() {
+        let expected = "no ensemble with [creep], whose motion is that of the master equation";
+        return Err(Error::invalid("ensemble", expected, "one"));
+    }
+    let viscosity = model.contacts.rules.free_friction.viscosity;
+    if viscosity > 0.0 {
+        let expected = "0 with [creep], whose slider has no drag";
+        return Err(Error::invalid("contacts.free_friction.viscosity", expected, viscosity));
+    }
+    Ok(())
 }
 
 /// Refuses tables that the slider `table`, moved in time, excludes.

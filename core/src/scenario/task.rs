@@ -1,7 +1,8 @@
 //! The task of a scenario: one of the tables that are tasks.
 
 use super::{
-    Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Stability, VelocityCurve,
+    Creep, Drive, Fit, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Stability,
+    VelocityCurve,
 };
 use crate::{Error, Result};
 
@@ -19,6 +20,8 @@ pub enum Task<'a> {
     VelocityCurve(&'a VelocityCurve),
     /// `[hold_curve]`: static friction against hold time.
     HoldCurve(&'a HoldCurve),
+    /// `[creep]`: slip under a constant force, and the time to failure.
+    Creep(&'a Creep),
     /// `[spectrum]`: the noise of steady sliding.
     Spectrum(&'a Spectrum),
     /// `[stability]`: whether a slider sticks and slips.
@@ -30,7 +33,7 @@ pub enum Task<'a> {
 }
 
 /// The tables that are tasks, for messages.
-const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [spectrum], [stability], [fit] and [renormalisation]";
+const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [creep], [spectrum], [stability], [fit] and [renormalisation]";
 
 impl Scenario {
     /// The one task that the scenario has.
@@ -44,6 +47,7 @@ impl Scenario {
             self.protocol.as_ref().map(Task::Protocol),
             self.velocity_curve.as_ref().map(Task::VelocityCurve),
             self.hold_curve.as_ref().map(Task::HoldCurve),
+            self.creep.as_ref().map(Task::Creep),
             self.spectrum.as_ref().map(Task::Spectrum),
             self.stability.as_ref().map(Task::Stability),
             self.fit.as_ref().map(Task::Fit),
@@ -81,6 +85,7 @@ impl Task<'_> {
             Self::Protocol(_) => "protocol",
             Self::VelocityCurve(_) => "velocity_curve",
             Self::HoldCurve(_) => "hold_curve",
+            Self::Creep(_) => "creep",
             Self::Spectrum(_) => "spectrum",
             Self::Stability(_) => "stability",
             Self::Fit(_) => "fit",
@@ -95,6 +100,7 @@ impl Task<'_> {
             Self::Protocol(protocol) => protocol.check(),
             Self::VelocityCurve(curve) => curve.check(),
             Self::HoldCurve(curve) => curve.check(),
+            Self::Creep(task) => task.check(),
             Self::Spectrum(task) => task.check(),
             Self::Stability(task) => task.check(),
             Self::Fit(task) => task.check(),

@@ -13,7 +13,9 @@ impl Task<'_> {
         if matches!(model.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
             self.steady_alone(model)?;
         }
-        if matches!(self, Task::Protocol(_) | Task::HoldCurve(_)) && model.interface.is_none() {
+        if matches!(self, Task::Protocol(_) | Task::HoldCurve(_) | Task::Creep(_))
+            && model.interface.is_none()
+        {
             model.contacts.have_no_stiffness_table().map_err(Error::of_scenario)?;
         }
         let Some(rule) = model.contacts.rules.first() else { return Ok(()) };
@@ -23,9 +25,11 @@ impl Task<'_> {
             Task::Stability(task) => velocities(&task.velocities, rule),
             Task::Fit(task) => velocity(task.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
-            Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
-                Ok(())
-            }
+            Task::Protocol(_)
+            | Task::VelocityCurve(_)
+            | Task::HoldCurve(_)
+            | Task::Creep(_)
+            | Task::Renormalisation(_) => Ok(()),
         }
         .map_err(|e| e.under(self.name()))
     }
@@ -83,6 +87,12 @@ impl Scenario {
             if self.hold_curve.is_some() {
                 warnings
                     .push("hold_curve: nothing in [contacts] depends on time: a hold changes nothing".into());
+            }
+            if self.creep.is_some() {
+                warnings.push(
+                    "creep: nothing in [contacts] depends on time: the slider stays where the force is carried, or fails at once"
+                        .into(),
+                );
             }
             if self.velocity_curve.is_some() {
                 warnings.push("velocity_curve: nothing in [contacts] depends on time: friction is the same at all velocities".into());

@@ -23,6 +23,7 @@ mod accuracy;
 mod background;
 mod checkpoint;
 mod coordinates;
+mod creep;
 mod distribution;
 mod drive;
 mod ensemble;
@@ -199,6 +200,7 @@ fn compute(
         },
         Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
         Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
+        Task::Creep(task) => creep::run(model, task, monitor)?.erased(),
         Task::Spectrum(task) => spectrum::run(model, task, monitor)?.erased(),
         Task::Stability(task) => stability::run(model, task, monitor)?.erased(),
         Task::Fit(task) => fit::run(model, task, monitor)?.erased(),
@@ -249,6 +251,7 @@ tasks! {
     Protocol: protocol => ProtocolNumbers;
     VelocityCurve: velocity_curve => VelocityCurveNumbers;
     HoldCurve: hold_curve => HoldCurveNumbers;
+    Creep: creep => CreepNumbers;
     Spectrum: spectrum => SpectrumNumbers;
     Stability: stability => StabilityNumbers;
     Fit: fit => FitNumbers;

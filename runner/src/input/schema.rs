@@ -36,19 +36,21 @@ fn combinations() -> Vec<Value> {
         // Which tables belong to which task.
         never(
             "block",
-            any(["pull", "hold_curve", "spectrum", "fit", "renormalisation", "interface"].map(key)),
+            any(["pull", "hold_curve", "creep", "spectrum", "fit", "renormalisation", "interface"].map(key)),
         ),
         implies(all([key("block"), key("velocity_curve")]), stability),
         never(
             "interface",
-            any(["pull", "velocity_curve", "hold_curve", "spectrum", "stability", "fit"].map(key)),
+            any(["pull", "velocity_curve", "hold_curve", "creep", "spectrum", "stability", "fit"].map(key)),
         ),
         implies(key("renormalisation"), key("interface")),
         implies(key("stability"), key("block")),
         never("stability", key("ensemble")),
+        never("creep", key("ensemble")),
+        refuses(having("contacts.free_friction.viscosity", json!({ "exclusiveMinimum": 0 })), key("creep")),
         refuses(
             all([key("contacts.stiffness_of_threshold"), not(key("interface"))]),
-            any(["protocol", "protocol_file", "hold_curve"].map(key)),
+            any(["protocol", "protocol_file", "hold_curve", "creep"].map(key)),
         ),
         implies(key("drive.maps"), key("interface")),
         refuses(not(any(["pull", "protocol", "protocol_file"].map(key))), key("compare")),
@@ -86,6 +88,7 @@ fn combinations() -> Vec<Value> {
                 key("protocol"),
                 key("protocol_file"),
                 key("hold_curve"),
+                key("creep"),
                 key("stability"),
                 having("velocity_curve.stability", json!({ "const": true })),
             ]),

@@ -272,6 +272,16 @@ impl Transport {
         self.unit
     }
 
+    /// Force per stretch if all contacts were attached.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// The tolerance of the solution by which errors are estimated.
+    pub fn rough_tolerance(tolerance: f64) -> f64 {
+        rough(tolerance)
+    }
+
     /// Force F, with that of free contacts, but without what their viscosity adds in motion.
     pub fn force(&self) -> f64 {
         let carried = self.stiffness * self.cohorts.iter().map(Cohort::force).sum::<f64>();

@@ -1,6 +1,7 @@
 //! The summary of a run, written to `summary.json`: a few numbers for each task.
 
 mod catalogue;
+mod creep;
 mod fit;
 mod posterior;
 mod renormalisation;
@@ -16,6 +17,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use crate::rate_state::Fitted;
 pub use catalogue::{Catalogue, Largest, PowerLaw};
+pub use creep::{CreepAtForce, CreepNumbers};
 pub use fit::{FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use posterior::{PosteriorNumber, PosteriorSummary};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
@@ -80,6 +82,8 @@ pub enum Numbers {
     VelocityCurve(VelocityCurveNumbers),
     /// Of `[hold_curve]`.
     HoldCurve(HoldCurveNumbers),
+    /// Of `[creep]`.
+    Creep(CreepNumbers),
     /// Of `[spectrum]`.
     Spectrum(SpectrumNumbers),
     /// Of `[stability]`.
@@ -244,6 +248,7 @@ numbers! {
     BlockNumbers => BlockProtocol,
     VelocityCurveNumbers => VelocityCurve,
     HoldCurveNumbers => HoldCurve,
+    CreepNumbers => Creep,
     SpectrumNumbers => Spectrum,
     StabilityNumbers => Stability,
     FitNumbers => Fit,
@@ -339,6 +344,14 @@ impl Numbers {
         match self {
             Self::HoldCurve(HoldCurveNumbers { hold_curve }) => Some(hold_curve),
             _ => None,
+        }
+    }
+
+    /// Creep under each force; none for other tasks.
+    pub fn creep(&self) -> &[CreepAtForce] {
+        match self {
+            Self::Creep(CreepNumbers { creep }) => creep,
+            _ => &[],
         }
     }
 

@@ -1,0 +1,249 @@
+//! Creep of a slider under a constant force over time-dependent contacts, up to its failure (static fatigue).
+//!
+//! The slider has no mass and no drag: at every time the force of the contacts is the imposed one, F_c[X(·), t] = F(t), which is
+//! raised at a rate and then held. Contacts that break let the slider advance, so that the others carry more. The slider fails
+//! where an advance at once no longer raises F_c, ∂F_c/∂X = 0 at fixed t: its velocity −(∂F_c/∂t)/(∂F_c/∂X) diverges. What
+//! follows depends on inertia and is not computed.
+//!
+//! Steps are steps in X, and the balance yields their time: t(X) has a smooth maximum at failure, which steps in X reach. Within
+//! a step the velocity is constant. The error of its time is of third order in its length; two steps of half the length tell it.
+
+mod balance;
+mod path;
+
+use crate::error::positive;
+use crate::monitor::{Aside, Monitor, report};
+use crate::rate_dependent::RateDependentContacts;
+use crate::{Error, Result};
+use balance::{Balance, CreepBalance, ForceRamp};
+pub use path::{CreepPath, CreepState};
+
+/// Allowed error of steps per unit of length, in tolerances, so that their sum is proportional to the tolerance.
+const STEPS: f64 = 30.0;
+/// Allowed error of any step, in tolerances: what forces of contacts differ by.
+const STEP: f64 = 0.1;
+/// First step, in tolerances.
+const FIRST: f64 = 10.0;
+/// Longest step, in units of length.
+const LONGEST: f64 = 0.02;
+/// Smallest and largest ratio of a step to the one before.
+const RATIO: (f64, f64) = (0.2, 2.0);
+/// Ratio of a step to the longest one that its error allows.
+const MARGIN: f64 = 0.8;
+
+/// A force on a slider in time: raised from that of the contacts, then constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CreepLoad {
+    /// The force F, at least that of the contacts at the start.
+    pub force: f64,
+    /// Rate at which it is raised, force per time, above 0.
+    pub rate: f64,
+    /// Time after which the motion ends, from the start, above 0.
+    pub duration: f64,
+}
+
+/// Accuracy of a creep motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CreepAccuracy {
+    /// The unit of lengths, as the mean threshold.
+    pub unit: f64,
+    /// Error of a step: of X in units of length, or of t relative to t.
+    pub tolerance: f64,
+}
+
+impl CreepLoad {
+    /// Moves a slider over a copy of `contacts`, from balance at rest.
+    ///
+    /// # Errors
+    /// A force below that of the contacts; a rate, duration, unit or tolerance that is not above 0; contacts whose free ones are
+    /// viscous, or that push the slider back; those of the contacts; stopped by the monitor.
+    pub fn follow(
+        self,
+        contacts: &dyn RateDependentContacts,
+        accuracy: CreepAccuracy,
+        monitor: &mut dyn Monitor,
+    ) -> Result<CreepPath> {
+        self.check(contacts, accuracy)?;
+        let end = ((self.force - contacts.force()) / self.rate).min(self.duration);
+        let mut slider = CreepingSlider::new(contacts, accuracy, self.rate);
+        let rise = ForceRamp { time: 0.0, force: contacts.force(), rate: self.rate, end };
+        if end > 0.0 && slider.moves_through(rise, self.duration, monitor)? {
+            return Ok(slider.path.failed());
+        }
+        slider.path.loaded = slider.path.states.len() - 1;
+        let held = ForceRamp { time: end, force: self.force, rate: 0.0, end: self.duration };
+        let fails = end < self.duration && slider.moves_through(held, self.duration, monitor)?;
+        report(monitor, 1.0)?;
+        Ok(if fails { slider.path.failed() } else { slider.path })
+    }
+
+    fn check(self, contacts: &dyn RateDependentContacts, accuracy: CreepAccuracy) -> Result<()> {
+        for (name, value) in [
+            ("rate", self.rate),
+            ("duration", self.duration),
+            ("unit", accuracy.unit),
+            ("tolerance", accuracy.tolerance),
+        ] {
+            positive(name, value)?;
+        }
+        let begun = contacts.force();
+        if !(self.force >= begun && self.force.is_finite()) {
+            let expected = format!("a finite force of at least {begun}, that of the contacts at the start");
+            return Err(Error::invalid("force", expected, self.force));
+        }
+        Ok(())
+    }
+}
+
+/// A slider on its way.
+struct CreepingSlider {
+    contacts: Box<dyn RateDependentContacts>,
+    accuracy: CreepAccuracy,
+    time: f64,
+    /// Length of the next step.
+    advance: f64,
+    /// Time per displacement in the last step.
+    slowness: f64,
+    /// Whether the next step is the first one of a ramp, at whose start the velocity jumps.
+    begins: bool,
+    path: CreepPath,
+}
+
+/// Two steps in balance, as (displacement, time), with the contacts after them and the estimated error.
+struct CreepStep {
+    first: (f64, f64),
+    second: (f64, f64),
+    contacts: Box<dyn RateDependentContacts>,
+    error: f64,
+}
+
+impl CreepingSlider {
+    fn new(contacts: &dyn RateDependentContacts, accuracy: CreepAccuracy, rate: f64) -> Self {
+        let slowness = contacts.tangent() / rate;
+        let start = CreepState::of(contacts, 0.0, contacts.position(), slowness);
+        let path = CreepPath::from(start);
+        Self { contacts: contacts.copy(), accuracy, time: 0.0, advance: 0.0, slowness, begins: true, path }
+    }
+
+    /// Moves to the end of a ramp. Returns whether the slider fails before.
+    fn moves_through(&mut self, ramp: ForceRamp, duration: f64, monitor: &mut dyn Monitor) -> Result<bool> {
+        self.begins = true;
+        self.advance = FIRST * self.accuracy.tolerance * self.accuracy.unit;
+        while self.time < ramp.end {
+            let fraction = self.time / duration;
+            report(monitor, fraction)?;
+            if !self.steps(ramp, &mut Aside { fraction, monitor })? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Makes one step. Returns whether there is a balance to step to.
+    fn steps(&mut self, ramp: ForceRamp, monitor: &mut dyn Monitor) -> Result<bool> {
+        let CreepAccuracy { unit, tolerance } = self.accuracy;
+        let shortest = tolerance * unit;
+        let mut grow = RATIO.1;
+        loop {
+            let Some(step) = self.attempt(ramp, monitor)? else {
+                if self.advance <= shortest {
+                    return Ok(false);
+                }
+                (self.advance, grow) = (0.5 * self.advance, 1.0);
+                continue;
+            };
+            let allowed = tolerance * (STEPS * self.advance + STEP * unit);
+            let ratio = (MARGIN * (allowed / step.error).sqrt()).clamp(RATIO.0, grow);
+            let accepted = step.error <= allowed || self.advance <= shortest;
+            self.advance = (ratio * self.advance).clamp(shortest, LONGEST * unit);
+            if accepted {
+                self.accept(step, ramp);
+                return Ok(true);
+            }
+        }
+    }
+
+    /// One step and two of half the length; `None` where there is no balance at the end of each.
+    fn attempt(&self, ramp: ForceRamp, monitor: &mut dyn Monitor) -> Result<Option<CreepStep>> {
+        let by = self.advance;
+        let mut balance = CreepBalance { ramp, accuracy: self.accuracy, monitor };
+        let whole = match balance.after(self.contacts.as_ref(), self.time, by, self.slowness)? {
+            Balance::Found { duration, .. } => duration,
+            Balance::Later => return self.last(&mut balance),
+            Balance::Lost => return Ok(None),
+        };
+        let half = 0.5 * by;
+        let (first, contacts) = match balance.after(self.contacts.as_ref(), self.time, half, whole / by)? {
+            Balance::Found { duration, contacts } => (duration, contacts),
+            Balance::Later => return self.last(&mut balance),
+            Balance::Lost => return Ok(None),
+        };
+        match balance.after(contacts.as_ref(), self.time + first, half, whole / by)? {
+            Balance::Found { duration, contacts } => {
+                let error = self.length((first + duration - whole).abs(), first + duration, duration / half);
+                Ok(Some(CreepStep { first: (half, first), second: (half, duration), contacts, error }))
+            }
+            Balance::Later => self.last(&mut balance),
+            Balance::Lost => Ok(None),
+        }
+    }
+
+    /// An error of a time as one of a length: that of X where the slider is slow, in units of length relative to t where it is fast.
+    fn length(&self, error: f64, duration: f64, slowness: f64) -> f64 {
+        error / (slowness + (self.time + duration) / self.accuracy.unit)
+    }
+
+    /// The step to the end of the ramp, at most as long as the next step.
+    fn last(&self, balance: &mut CreepBalance<'_>) -> Result<Option<CreepStep>> {
+        let left = balance.ramp.end - self.time;
+        let (whole, at_end) = balance.at_end(self.contacts.as_ref(), self.advance, left)?;
+        let half = 0.5 * whole;
+        let found = match whole {
+            0.0 => Balance::Later,
+            _ => balance.after(self.contacts.as_ref(), self.time, half, left / whole)?,
+        };
+        let Balance::Found { duration, contacts } = found else {
+            // At rest within the tolerance.
+            return Ok((whole <= self.accuracy.tolerance * self.accuracy.unit).then_some(CreepStep {
+                first: (0.0, 0.0),
+                second: (whole, left),
+                contacts: at_end,
+                error: 0.0,
+            }));
+        };
+        let (rest, contacts) = balance.at_end(contacts.as_ref(), self.advance, left - duration)?;
+        let error = (half + rest - whole).abs();
+        Ok(Some(CreepStep { first: (half, duration), second: (rest, left - duration), contacts, error }))
+    }
+
+    fn accept(&mut self, step: CreepStep, ramp: ForceRamp) {
+        let CreepStep { first, second, mut contacts, .. } = step;
+        contacts.settle();
+        let [before, after] = [first, second].map(|(by, duration)| duration / by);
+        let share = second.0 / (first.0 + second.0);
+        let end = if self.time + first.1 + second.1 >= ramp.end {
+            ramp.end
+        } else {
+            self.time + first.1 + second.1
+        };
+        let position = self.contacts.position() + first.0;
+        if first.0 > 0.0 && second.0 > 0.0 {
+            // Derivatives of the parabola t(X) through the three states.
+            if std::mem::take(&mut self.begins)
+                && let Some(start) = self.path.states.last_mut()
+            {
+                start.slowness = before - (1.0 - share) * (after - before);
+            }
+            let middle = before + (1.0 - share) * (after - before);
+            let state = CreepState::of(self.contacts.as_ref(), self.time + first.1, position, middle);
+            self.path.states.push(state);
+            let last = after + share * (after - before);
+            self.path.states.push(CreepState::of(contacts.as_ref(), end, contacts.position(), last));
+        } else {
+            self.path.states.push(CreepState::of(contacts.as_ref(), end, contacts.position(), after));
+        }
+        // Contacts at rest leave the last known pace.
+        self.slowness = if after.is_finite() { after } else { self.slowness };
+        (self.time, self.contacts) = (end, contacts);
+    }
+}
