@@ -213,6 +213,26 @@ fn failure_comes_exponentially_later_under_smaller_forces_and_not_under_the_smal
     assert!((friction - 0.4).abs() < 3e-4, "{velocity} {friction}");
 }
 
+/// At a temperature far above all barriers, contacts without thresholds in reach slide at once: F = Ẋ/ω in the end. The steps
+/// of 1e9 unit lengths would take years.
+#[test]
+fn a_slider_that_slides_steadily_does_so_to_the_end_at_no_cost() {
+    let hot = contacts(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), 1e6);
+    let found = creep(hot, 0.1, 1e10, 1e-5);
+    assert_eq!(found.failure_time(), None);
+    let last = found.last();
+    // Of the contacts of all ages, e^{−h/(Ẋ/ω)} reach a threshold h: Ẋ/ω − F is of the order of e^{−1/F} = 5e-5 of F.
+    assert!((last.position / 1e9 - 1.0).abs() < 1e-3, "{last:?}");
+    let steady = MasterEquation::at(
+        contacts(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), 1e6),
+        &Initial::default(),
+        last.velocity(),
+    );
+    let friction = steady.unwrap().steady_state().kinetic_friction();
+    // The tolerance of forces.
+    assert!((friction - 0.1).abs() < 3e-5, "{last:?} {friction}");
+}
+
 #[test]
 fn the_failure_time_converges_with_the_tolerance_and_does_not_depend_on_fast_loading() {
     let [rough, fine, best] = [1e-4, 1e-5, 1e-6]

@@ -7,6 +7,7 @@
 //!
 //! Steps are steps in X, and the balance yields their time: t(X) has a smooth maximum at failure, which steps in X reach. Within
 //! a step the velocity is constant. The error of its time is of third order in its length; two steps of half the length tell it.
+//! A slider that has come to slide steadily keeps its velocity to the end.
 
 mod balance;
 mod path;
@@ -30,6 +31,8 @@ const LONGEST: f64 = 0.02;
 const RATIO: (f64, f64) = (0.2, 2.0);
 /// Ratio of a step to the longest one that its error allows.
 const MARGIN: f64 = 0.8;
+/// Shortest slip after which a slider may slide steadily, in units of length: contacts have been renewed several times.
+const RENEWED: f64 = 10.0;
 
 /// A force on a slider in time: raised from that of the contacts, then constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,6 +137,11 @@ impl CreepingSlider {
             report(monitor, fraction)?;
             if !self.steps(ramp, &mut Aside { fraction, monitor })? {
                 return Ok(true);
+            }
+            if ramp.rate == 0.0 && self.path.is_steady(RENEWED * self.accuracy.unit, self.accuracy.tolerance)
+            {
+                self.path.slide_steadily(ramp.end);
+                return Ok(false);
             }
         }
         Ok(false)

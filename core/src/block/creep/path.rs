@@ -68,6 +68,33 @@ impl CreepPath {
         self
     }
 
+    /// Whether the slider slides steadily after a slip S since the force has been raised: S is at least `shortest`, and the mean
+    /// velocities in its second half and in the quarter before differ by less than the tolerance, relatively. Both lengths grow
+    /// with S, so that a velocity that drifts as a power of S is not steady.
+    pub(super) fn is_steady(&self, shortest: f64, tolerance: f64) -> bool {
+        let states = &self.states[self.loaded..];
+        let (first, last) = (states[0], self.last());
+        let slip = last.position - first.position;
+        if slip < shortest {
+            return false;
+        }
+        let after =
+            |fraction: f64| states.partition_point(|state| state.position < first.position + fraction * slip);
+        let [quarter, half] = [0.25, 0.5].map(|fraction| states[after(fraction)]);
+        let slowness =
+            |from: CreepState, to: CreepState| (to.time - from.time) / (to.position - from.position);
+        (slowness(quarter, half) / slowness(half, last) - 1.0).abs() < tolerance
+    }
+
+    /// Adds the state at a time up to which the slider keeps its velocity.
+    pub(super) fn slide_steadily(&mut self, end: f64) {
+        let last = self.last();
+        if last.time < end {
+            let position = last.position + (end - last.time) / last.slowness;
+            self.states.push(CreepState { time: end, position, ..last });
+        }
+    }
+
     /// The last state.
     ///
     /// # Panics
