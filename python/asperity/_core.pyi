@@ -1834,7 +1834,7 @@ class Law(Description):
     raises TypeError.
 
     The arguments of a distribution are attributes, except for a mean and a standard deviation, whose names are those of
-    the methods mean() and std(); all are in parameters, and type(law)(**law.parameters) is an equal distribution.
+    the methods mean() and std(); all are in parameters, and ``type(law)(**law.parameters)`` is an equal distribution.
 
     Examples
     --------

@@ -164,6 +164,31 @@ fn a_protocol_is_told_step_by_step_and_both_solvers_agree() {
     assert_eq!(output::read(&dir).unwrap(), outcome);
 }
 
+/// Two velocity steps of a synthetic record: the force before the second one is that after the transient of the first.
+#[test]
+fn each_velocity_step_of_a_compared_curve_begins_at_the_steady_force_before_it() {
+    let (direct, evolution, distance, ratio) = (0.02, 0.03, 0.7, 10f64.ln());
+    let response = |x: f64| {
+        let evolved = evolution * -(-x / distance).exp_m1();
+        if x > 0.0 { ratio * (direct - evolved) } else { 0.0 }
+    };
+    let positions: Vec<f64> = (0..=300).map(|i| 0.05 * f64::from(i)).collect();
+    let noise = |i: usize| 1e-3 * (7.3 * (i * i) as f64).sin();
+    let forces: Vec<f64> =
+        (0..).zip(&positions).map(|(i, x)| 0.6 + noise(i) + response(x - 5.0) - response(x - 10.0)).collect();
+    let outcome = run(&format!(
+        "{GROWING}
+         protocol = [{{ velocity = 0.1, distance = 5.0 }}, {{ velocity = 1.0, distance = 5.0 }}, {{ velocity = 0.1, distance = 5.0 }}]
+         compare = {{ position = {positions:?}, force = {forces:?} }}"
+    ));
+    let steps = outcome.summary.numbers.steps();
+    let before = |step: usize| steps[step].measured.as_ref().unwrap().force_before;
+    for (step, expected) in [(1, 0.6), (2, 0.6 + response(5.0))] {
+        // Where the half step begins, ln 10 · b e^{−2.5/D_c} = 2e-3 of the first transient is left. The whole step yields 0.5928.
+        near(before(step).value, expected, 2e-3);
+    }
+}
+
 #[test]
 fn a_protocol_at_one_velocity_is_a_pull() {
     let pull = run(&format!("{THERMAL} pull = {{ distance = 2.0, points = 21, velocity = 0.1 }}"));

@@ -163,7 +163,8 @@ fn steady(
 
 /// The rate-and-state parameters of the compared curve after a step of the velocity by the factor `ratio`, or
 /// the reason why there are none; `None` without points after the step. The `ends` are the start of the step
-/// before, of this one, and its end.
+/// before, of this one, and its end. The force before the step is that of the second half of the step before, which has a
+/// transient, too.
 fn compared_step(
     curve: &scenario::Compare,
     [start, step, end]: [f64; 3],
@@ -171,7 +172,8 @@ fn compared_step(
     monitor: &mut dyn Monitor,
 ) -> Result<Option<std::result::Result<MeasuredRateState, String>>> {
     let (positions, forces) = curve.points();
-    let within = positions.iter().zip(forces).filter(|(x, _)| (start..=end).contains(*x));
+    let steady = 0.5 * (start + step);
+    let within = positions.iter().zip(forces).filter(|(x, _)| (steady..=end).contains(*x));
     let (position, force): (Vec<f64>, Vec<f64>) = within.map(|(x, force)| (x - step, *force)).unzip();
     if position.iter().all(|x| *x <= 0.0) {
         return Ok(None);
