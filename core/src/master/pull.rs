@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::renewal::{RenewalSolution, unit_force};
-use super::{Extremum, MasterEquation, Stretches, Tolerance};
+use super::{Extremum, MasterEquation, SteadyState, Stretches, Tolerance};
 use crate::Result;
 use crate::law::Atom;
 use crate::life::Life;
@@ -259,6 +259,19 @@ impl Pull {
     /// and of the polynomials.
     pub fn error_estimate(&self) -> f64 {
         self.renewal.error * self.renewal.reformed.mean()
+    }
+
+    /// Largest distance of F/(N_c⟨k⟩) from that of steady sliding, a length, at the ends and in the middle of each cell: the error
+    /// of a pull that begins in steady sliding and should stay there.
+    pub(crate) fn distance_from(&self, steady: &SteadyState) -> f64 {
+        let friction = steady.kinetic_friction() / self.stiffness;
+        let edges = &self.renewal.force.boundaries;
+        let distance = |(cell, part): (usize, f64)| {
+            let x = edges[cell] + part * (edges[cell + 1] - edges[cell]);
+            (self.renewal.force.value_in(cell, x) - friction).abs()
+        };
+        let places = (0..self.cells()).flat_map(|cell| [0.0, 0.5, 1.0].map(|part| (cell, part)));
+        places.map(distance).fold(0.0, f64::max)
     }
 }
 

@@ -1,11 +1,10 @@
 //! The error budget of a task: the estimated error of its forces, compared with the required accuracy.
 
-use crate::Result;
-use crate::monitor::Monitor;
-
 use super::Output;
-use crate::monitor::Part;
-use crate::scenario::Model;
+use crate::Result;
+use crate::master::{Pull, SteadyState};
+use crate::monitor::{Monitor, Part};
+use crate::scenario::{Model, TaskStart};
 
 /// How accurate the forces of a task are.
 pub struct ForceAccuracy {
@@ -21,6 +20,14 @@ impl ForceAccuracy {
     /// Accuracy of a solution of the renewal equation, with the error of F/(N_c⟨k⟩) and the mean life, both lengths.
     pub fn new(model: &Model, error: f64, life: f64) -> Self {
         Self { error, life, aim: Some(model.master_equation.tolerance().value()) }
+    }
+
+    /// Accuracy of the force on a pull. One that begins in steady sliding stays there; its distance from F_k is the error of the
+    /// stretches with which it begins.
+    pub fn of_pull(model: &Model, start: TaskStart, pull: &Pull, steady: &SteadyState) -> Self {
+        let stays = start == TaskStart::Steady && !model.contacts.rules.are_time_dependent();
+        let start = if stays { pull.distance_from(steady) + steady.error_estimate() } else { 0.0 };
+        Self::new(model, pull.error_estimate() + start, steady.mean_life())
     }
 
     /// Accuracy of contacts followed through time, from the error of their force.

@@ -119,7 +119,8 @@ pub(super) fn run(
     let steady = equation.steady_state();
     let friction = friction(model, &steady, &relaxation, &pull);
     let output = Output::new(model, DriveNumbers { friction, sliding: Some(sliding) }, record);
-    let accuracy = ForceAccuracy::new(model, pull.error_estimate().max(error), steady.mean_life());
+    let mut accuracy = ForceAccuracy::of_pull(model, task.start, &pull, &steady);
+    accuracy.error = accuracy.error.max(error);
     accuracy.of(model, "the force on a slider that is driven", output)
 }
 

@@ -137,7 +137,7 @@ pub(super) fn run(
     model.add_coefficient(FORCE.name, &mut record);
     let friction = friction(model, &steady, &relaxation, &pull);
     let numbers = PullNumbers { friction, derivatives, compare };
-    let accuracy = ForceAccuracy::new(model, pull.error_estimate(), steady.mean_life());
+    let accuracy = ForceAccuracy::of_pull(model, task.start, &pull, &steady);
     accuracy.of(model, "the force on a pull", Output::new(model, numbers, record))
 }
 
