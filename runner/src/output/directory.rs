@@ -1,10 +1,10 @@
 //! A folder of results that is replaced as a whole or not at all. Files of others in it are kept.
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, Receiver, Sender};
-use std::thread::{self, Scope, ScopedJoinHandle};
+use std::thread::{self, ScopedJoinHandle};
 
 use super::error::{Error, Result};
 use super::listing::{Listing, Summed};
@@ -31,12 +31,14 @@ pub(crate) struct NewFile<'a> {
     pub name: String,
     /// Writes its content.
     pub write: Writer<'a>,
+    /// Whether it is so large that it is worth a thread of its own.
+    pub large: bool,
 }
 
 impl<'a> NewFile<'a> {
     /// A file with this content.
     pub(crate) fn of(name: impl Into<String>, content: impl AsRef<[u8]> + Sync + 'a) -> Self {
-        Self { name: name.into(), write: Box::new(move |to| to.write_all(content.as_ref())) }
+        Self { name: name.into(), write: Box::new(move |to| to.write_all(content.as_ref())), large: false }
     }
 }
 
@@ -142,9 +144,6 @@ fn free_name(dir: &Path, name: &str, wanted: PathBuf) -> PathBuf {
     std::iter::once(wanted).chain(others).find(is_free).expect("numbers do not end")
 }
 
-/// The thread that writes and flushes a file, or what has come of it on this one.
-type Flushed<'scope> = std::result::Result<ScopedJoinHandle<'scope, Result<()>>, Result<()>>;
-
 /// A hidden folder next to the destination, which is removed when dropped.
 struct Staging {
     path: PathBuf,
@@ -169,57 +168,26 @@ impl Staging {
         unreachable!("numbers do not end")
     }
 
-    /// Writes files, adds them to the listing, and writes the listing. Each file has a thread, which also flushes it to the disk: the
-    /// disk is waited for most of that time, and takes several together.
+    /// Writes files, adds them to the listing, and writes the listing; then flushes all of them to the disk, which takes several
+    /// together. A file that is made while the disk is flushed waits for it, so all are written before.
     fn store(&self, files: &[NewFile<'_>], listing: &mut Listing) -> Result<()> {
-        thread::scope(|scope| {
-            let begun: Vec<_> = files.iter().map(|new| self.begin(scope, new)).collect();
-            let mut all = Vec::new();
-            for (new, (written, flushed)) in files.iter().zip(begun) {
-                if let Ok((size, checksum)) = written.recv() {
-                    listing.add(&new.name, size, checksum);
-                }
-                all.push(flushed);
-            }
-            let (path, file, ..) = self.write(&NewFile::of(MARKER, listing.to_text()))?;
-            let marked = flush(&path, &file);
-            // Every one is waited for, also after an error.
-            let flushed = all.into_iter().map(|flushed| match flushed {
-                Ok(thread) => thread.join().expect("a file is written or refused"),
-                Err(done) => done,
-            });
-            flushed.collect::<Vec<_>>().into_iter().chain([marked]).collect()
-        })
+        let mut stored = together(files, |new| new.large, |new| self.write(new))?;
+        for (new, file) in files.iter().zip(&stored) {
+            listing.add(&new.name, file.size, file.checksum);
+        }
+        stored.push(self.write(&NewFile::of(MARKER, listing.to_text()))?);
+        together(&stored, |file| file.path.file_name() != Some(OsStr::new(MARKER)), Stored::flush).map(drop)
     }
 
-    /// Writes and flushes a file on another thread, or on this one if the system has no more. The size and the checksum of its
-    /// content come first.
-    fn begin<'scope>(
-        &'scope self,
-        scope: &'scope Scope<'scope, '_>,
-        new: &'scope NewFile<'_>,
-    ) -> (Receiver<(u64, u32)>, Flushed<'scope>) {
-        let (sender, receiver) = mpsc::channel();
-        let write = move |sender: Sender<(u64, u32)>| -> Result<()> {
-            let (path, file, size, checksum) = self.write(new)?;
-            // Where nobody receives it, another file has failed.
-            let _ = sender.send((size, checksum));
-            flush(&path, &file)
-        };
-        let other = sender.clone();
-        let thread = thread::Builder::new().spawn_scoped(scope, move || write(other));
-        (receiver, thread.map_err(|_| write(sender)))
-    }
-
-    /// Writes a file. Returns its path, with the size and the checksum of its content.
-    fn write(&self, new: &NewFile<'_>) -> Result<(PathBuf, File, u64, u32)> {
+    /// Writes a file.
+    fn write(&self, new: &NewFile<'_>) -> Result<Stored> {
         let path = self.path.join(&new.name);
         let file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
         let mut summed = Summed::new(BufWriter::new(file));
         let written = (new.write)(&mut summed);
         let (file, size, checksum) = summed.finish();
         let file = written.and_then(|()| Ok(file.into_inner()?)).map_err(Error::system(&path, "write"))?;
-        Ok((path, file, size, checksum))
+        Ok(Stored { path, file, size, checksum })
     }
 
     fn become_(self, dir: &Path) -> Result<()> {
@@ -247,9 +215,41 @@ impl Staging {
     }
 }
 
-/// Flushes a file to the disk. A full one may be reported only now.
-fn flush(path: &Path, file: &File) -> Result<()> {
-    file.sync_all().map_err(Error::system(path, "write"))
+/// A file that has been written.
+struct Stored {
+    path: PathBuf,
+    file: File,
+    size: u64,
+    /// CRC-32 of its content.
+    checksum: u32,
+}
+
+impl Stored {
+    /// Flushes it to the disk. A full one may be reported only now.
+    fn flush(&self) -> Result<()> {
+        self.file.sync_all().map_err(Error::system(&self.path, "write"))
+    }
+}
+
+/// Does `each` with all items: with those that are `apart` on threads of their own, as far as the system has some, with all others
+/// on this thread. Every one is waited for, also after an error.
+fn together<T: Sync, R: Send>(
+    items: &[T],
+    apart: impl Fn(&T) -> bool,
+    each: impl Fn(&T) -> Result<R> + Sync,
+) -> Result<Vec<R>> {
+    let each = &each;
+    let done: Vec<Result<R>> = thread::scope(|scope| {
+        let begin = |item| thread::Builder::new().spawn_scoped(scope, move || each(item)).ok();
+        let begun: Vec<_> =
+            items.iter().map(|item| (item, apart(item).then(|| begin(item)).flatten())).collect();
+        let end = |(item, thread): (&T, Option<ScopedJoinHandle<'_, _>>)| match thread {
+            Some(thread) => thread.join().expect("a file is written or refused"),
+            None => each(item),
+        };
+        begun.into_iter().map(end).collect()
+    });
+    done.into_iter().collect()
 }
 
 impl Drop for Staging {

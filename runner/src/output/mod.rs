@@ -103,7 +103,10 @@ pub fn write_only(
     attachments: &[Attachment],
     only: Only,
 ) -> Result<Written> {
+    /// Bytes of results whose files are written at the same time. To start a thread takes as long as to write some 50 kB of a table.
+    const LARGE: u64 = 1 << 20;
     let variables = Variables { record: &outcome.record, stored };
+    let large = variables.bytes() > LARGE;
     let mut files = vec![NewFile::of("scenario.toml", outcome.scenario.as_bytes())];
     if only.json {
         files.push(NewFile::of("summary.json", json(&outcome.summary)));
@@ -113,6 +116,7 @@ pub fn write_only(
         files.extend(csv::tables(variables).map(|table| NewFile {
             name: table.file.to_owned(),
             write: Box::new(move |to| table.write(to)),
+            large,
         }));
     }
     files
@@ -121,7 +125,7 @@ pub fn write_only(
         let write = move |to: &mut dyn io::Write| {
             netcdf::assemble(outcome, variables).map_err(io::Error::other)?.write(to)
         };
-        files.push(NewFile { name: "result.nc".to_owned(), write: Box::new(write) });
+        files.push(NewFile { name: "result.nc".to_owned(), write: Box::new(write), large });
         files.extend(posterior::encode(outcome)?.map(|bytes| NewFile::of("posterior.nc", bytes)));
     }
     write_files(dir, files, attachments)

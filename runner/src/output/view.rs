@@ -32,6 +32,11 @@ impl<'a> Variables<'a> {
         stored.iter().map(View::Stored).chain(self.record.variables.iter().map(View::Kept))
     }
 
+    /// Bytes that all of them take.
+    pub fn bytes(self) -> u64 {
+        self.record.bytes() + self.stored.map_or(0, StoredColumns::bytes)
+    }
+
     /// The variable called `name`.
     pub fn get(self, name: &str) -> Option<View<'a>> {
         self.all().find(|view| view.variable().name == name)

@@ -138,8 +138,12 @@ pub fn write(dir: &Path, dataset: &Dataset, attachments: &[Attachment]) -> Resul
     let files = vec![
         NewFile::of("scenario.toml", dataset.scenario.as_bytes()),
         NewFile::of("summary.json", summary),
-        NewFile { name: "sweep.csv".to_owned(), write: Box::new(|to| table::write(dataset, to)) },
-        NewFile { name: "sweep.nc".to_owned(), write: Box::new(move |to| result.write(to)) },
+        NewFile {
+            name: "sweep.csv".to_owned(),
+            write: Box::new(|to| table::write(dataset, to)),
+            large: true,
+        },
+        NewFile { name: "sweep.nc".to_owned(), write: Box::new(move |to| result.write(to)), large: true },
     ];
     Ok(output::write_files(dir, files, attachments)?)
 }
