@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use asperity::Error;
-use asperity::elastic::coupling::{Coupling, half_space, neighbours};
+use asperity::elastic::coupling::{Coupling, SlidingDirection, Solid, half_space, neighbours};
 use asperity::shape::{Edges, Shape};
 
 const EDGES: [Edges; 2] = [Edges::Open, Edges::Periodic];
@@ -14,8 +14,16 @@ fn shapes() -> [Shape; 5] {
 
 /// Every kind of coupling, small.
 fn couplings() -> impl Iterator<Item = Box<dyn Coupling>> {
-    let of =
-        |shape, edges| [neighbours(shape, edges, 2.5).unwrap(), half_space(shape, edges, 5.0, 0.5).unwrap()];
+    let of = |shape, edges| {
+        let springs = neighbours(shape, edges, 2.5).unwrap();
+        let space = |solid| half_space(shape, edges, solid, 0.5).unwrap();
+        let [least, most] = [Solid::POISSON_RATIOS.start(), Solid::POISSON_RATIOS.end()];
+        let solids = [(0.0, SlidingDirection::Columns), (*least, SlidingDirection::Columns)]
+            .into_iter()
+            .chain([SlidingDirection::Columns, SlidingDirection::Rows].map(|sliding| (*most, sliding)));
+        let spaces = solids.map(|(ratio, sliding)| space(Solid::new(5.0, ratio, sliding)));
+        std::iter::once(springs).chain(spaces).collect::<Vec<_>>()
+    };
     let alone = [Shape::Chain(1), Shape::Square([1, 1]), Shape::Square([1, 7]), Shape::Chain(2)];
     let all = shapes().into_iter().flat_map(|shape| EDGES.map(|edges| (shape, edges)));
     all.chain(alone.map(|shape| (shape, Edges::Open))).flat_map(move |(shape, edges)| of(shape, edges))
@@ -127,19 +135,33 @@ fn a_rigid_translation_costs_nothing() {
     }
 }
 
-/// Σ sin² for a wave q along each side of a torus: 2K(1 − cos q_x) + 2K(1 − cos q_y), and its root for a half-space.
+/// Σ sin² for a wave q along each side of a torus: 2K(1 − cos q_x) + 2K(1 − cos q_y), and its root for a half-space, in which the
+/// part along the direction of sliding counts 1/(1 − ν) times.
 #[test]
 fn waves_on_a_torus_have_their_stiffness() {
     let sides = [12, 20];
     let shape = Shape::Square(sides);
     let mut springs = neighbours(shape, Edges::Periodic, 3.0).unwrap();
-    let mut space = half_space(shape, Edges::Periodic, 8.0, 0.25).unwrap();
+    let solid = |ratio, sliding| Solid::new(8.0, ratio, sliding);
+    let space = |solid: Solid| half_space(shape, Edges::Periodic, solid, 0.25).unwrap();
+    let mut isotropic = space(8.0.into());
+    let mut down = space(solid(0.3, SlidingDirection::Columns));
+    let mut along = space(solid(0.3, SlidingDirection::Rows));
     for waves in [[0, 1], [1, 0], [3, 4], [6, 10]] {
         let q = [0, 1].map(|i| 2.0 * PI * waves[i] as f64 / sides[i] as f64);
         let wave: Vec<f64> =
             (0..240).map(|j| (q[0] * (j / 20) as f64 + q[1] * (j % 20) as f64 + 0.4).cos()).collect();
-        let laplacian: f64 = q.iter().map(|q| 2.0 * (1.0 - q.cos())).sum();
-        for (coupling, stiffness) in [(&mut springs, 3.0 * laplacian), (&mut space, 2.0 * laplacian.sqrt())] {
+        let parts = q.map(|q| 2.0 * (1.0 - q.cos()));
+        let laplacian: f64 = parts.iter().sum();
+        let with =
+            |factors: [f64; 2]| 2.0 * (factors[0] * parts[0] + factors[1] * parts[1]) / laplacian.sqrt();
+        let expected = [
+            (&mut springs, 3.0 * laplacian),
+            (&mut isotropic, 2.0 * laplacian.sqrt()),
+            (&mut down, with([1.0 / 0.7, 1.0])),
+            (&mut along, with([1.0, 1.0 / 0.7])),
+        ];
+        for (coupling, stiffness) in expected {
             let mut forces = vec![0.0; 240];
             coupling.forces(&wave, &mut forces);
             assert!(largest(forces.iter().zip(&wave).map(|(f, x)| f + stiffness * x)) < ROUNDING);
@@ -201,6 +223,86 @@ fn kernels_between_open_edges_are_those_of_a_plane() {
         let found = forces[300 * row + column];
         // What follows is some 10(a/r)⁴, and roundings of what is between neighbours.
         assert!((found - expected).abs() < 1e-8 * expected + 1e-15, "{row} {column}: {found} {expected}");
+    }
+}
+
+/// G a⁴ [1 − ν/(1 − ν) (1 − 3x²/r²)]/2πr³ between points, x along the direction of sliding.
+#[test]
+fn kernels_of_a_solid_depend_on_the_direction() {
+    const SIDE: usize = 300;
+    for (ratio, sliding) in
+        [(0.3, SlidingDirection::Columns), (0.45, SlidingDirection::Rows), (-0.5, SlidingDirection::Rows)]
+    {
+        let shape = Shape::Square([SIDE; 2]);
+        let (mut displacements, mut forces) = (vec![0.0; shape.size()], vec![0.0; shape.size()]);
+        displacements[0] = 1.0;
+        let solid = Solid::new(4.0, ratio, sliding);
+        half_space(shape, Edges::Open, solid, 0.5).unwrap().forces(&displacements, &mut forces);
+        for (row, column) in [(0, 200), (299, 0), (210, 210), (120, 250)] {
+            let r = 0.5 * (row as f64).hypot(column as f64);
+            let x = 0.5 * if sliding == SlidingDirection::Rows { column } else { row } as f64;
+            let factor = 1.0 - ratio / (1.0 - ratio) * (1.0 - 3.0 * (x / r).powi(2));
+            let expected = 4.0 * 0.5_f64.powi(4) / (2.0 * PI * r.powi(3));
+            let found = forces[SIDE * row + column];
+            // What follows is some 10(a/r)².
+            let follows = 10.0 * (0.5 / r).powi(2) * expected;
+            assert!((found - factor * expected).abs() < follows, "{ratio} {row} {column}: {found}");
+        }
+    }
+}
+
+/// Plane strain along the direction of sliding, and antiplane shear across it.
+#[test]
+fn a_chain_has_the_modulus_of_its_direction() {
+    for edges in EDGES {
+        let forces = |solid: Solid| {
+            let mut forces = vec![0.0; 24];
+            half_space(Shape::Chain(24), edges, solid, 0.5).unwrap().forces(&noise(24), &mut forces);
+            forces
+        };
+        let along = forces(Solid::new(2.0, 0.3, SlidingDirection::Columns));
+        let across = forces(Solid::new(2.0, 0.3, SlidingDirection::Rows));
+        assert!(apart(&along, &forces((2.0 / 0.7).into())) < ROUNDING);
+        assert!(apart(&across, &forces(2.0.into())) < ROUNDING);
+    }
+}
+
+/// V. Cerruti's solution: a point force f along x moves the surface by f [(1 − ν) + νx²/r²]/2πGr, here on a torus whose mean is held.
+#[test]
+fn a_point_force_moves_the_surface_as_cerruti_found() {
+    const SIDE: usize = 1024;
+    let (ratio, modulus) = (0.4, 3.0);
+    let shape = Shape::Square([SIDE; 2]);
+    let solid = Solid::new(modulus, ratio, SlidingDirection::Rows);
+    let mut space = half_space(shape, Edges::Periodic, solid, 1.0).unwrap();
+    let mut moved = vec![0.0; shape.size()];
+    moved[0] = 1.0;
+    space.solve_uniform(1e-9, &mut moved);
+    // Differences are free of the mean displacement.
+    let (near, far) = (10, 20);
+    let expected = (1.0 / near as f64 - 1.0 / far as f64) / (2.0 * PI * modulus);
+    let along = moved[near] - moved[far];
+    let across = moved[SIDE * near] - moved[SIDE * far];
+    let oblique = moved[(SIDE + 1) * near] - moved[(SIDE + 1) * far];
+    // The lattice leaves (a/r)², some 1 %, and the images less.
+    assert!((along / expected - 1.0).abs() < 0.01, "{along} {expected}");
+    assert!((across / expected - (1.0 - ratio)).abs() < 0.01, "{across} {expected}");
+    let between = (1.0 - 0.5 * ratio) / 2.0_f64.sqrt();
+    assert!((oblique / expected - between).abs() < 0.01, "{oblique} {expected}");
+}
+
+#[test]
+fn ratios_for_which_cells_would_pull_others_back_are_refused() {
+    let build = |ratio| {
+        half_space(Shape::Square([4, 4]), Edges::Open, Solid::new(1.0, ratio, SlidingDirection::Rows), 1.0)
+    };
+    for ratio in [0.5, 0.49, -0.95, f64::NAN, f64::INFINITY] {
+        let error = build(ratio).unwrap_err();
+        assert!(matches!(&error, Error::Invalid { key, .. } if key == "poisson_ratio"), "{ratio}: {error}");
+    }
+    // Beyond the first of these numbers the third cell across the direction of sliding would be pulled back.
+    for ratio in [0.48, 0.0, -0.9] {
+        assert!(build(ratio).is_ok());
     }
 }
 

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::{Ageing, Contacts, Rules};
-use asperity::elastic::coupling::{half_space, neighbours};
+use asperity::elastic::coupling::{SlidingDirection, half_space, neighbours};
 use asperity::elastic::{self, InterfaceParameters};
 use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
@@ -154,7 +154,12 @@ fn interfaces() {
         for edges in [Edges::Open, Edges::Periodic] {
             let springs = scenario::Elasticity::Neighbours { stiffness };
             on_a_slider(|| neighbours(shape, edges, stiffness), shape, springs);
-            let bulk = scenario::Elasticity::HalfSpace { modulus: stiffness, cell: 1.0 };
+            let bulk = scenario::Elasticity::HalfSpace {
+                modulus: stiffness,
+                cell: 1.0,
+                poisson_ratio: 0.0,
+                sliding: SlidingDirection::default(),
+            };
             on_a_slider(|| half_space(shape, edges, stiffness, 1.0), shape, bulk);
         }
     }

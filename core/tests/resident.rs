@@ -11,7 +11,7 @@ use std::process::Command;
 use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::Contacts;
-use asperity::elastic::coupling::half_space;
+use asperity::elastic::coupling::{SlidingDirection, half_space};
 use asperity::elastic::{self, InterfaceParameters};
 use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
@@ -77,7 +77,12 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         cells: vec![SIDE; 2],
         contacts: scenario::PerCell::Many,
         connection: 0.5,
-        coupling: scenario::Elasticity::HalfSpace { modulus: stiffness, cell: 1.0 },
+        coupling: scenario::Elasticity::HalfSpace {
+            modulus: stiffness,
+            cell: 1.0,
+            poisson_ratio: 0.0,
+            sliding: SlidingDirection::default(),
+        },
         edges: Edges::Periodic,
         loading: scenario::CellLoading::Uniform,
         slip: None,

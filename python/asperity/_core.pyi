@@ -1618,7 +1618,12 @@ class Interface(Deformable):
     neighbours
         K_int, the stiffness of the spring between two neighbours.
     half_space
-        The modulus G* of a half-space and the side of a cell, instead of neighbours.
+        The shear modulus of a half-space and the side of a cell, instead of neighbours.
+    poisson_ratio
+        Poisson's ratio ν of the half-space, from -0.9 to 0.48; 0 where its modulus is an effective one.
+    sliding
+        The direction of sliding on a half-space, along which one with ν > 0 is stiffer: along the "columns", from row to
+        row and along a chain, or along the "rows".
     edges
         "open" or "periodic".
     loading
@@ -1672,6 +1677,8 @@ class Interface(Deformable):
         connection: _Number,
         neighbours: _Number | None = None,
         half_space: tuple[_Number, _Number] | None = None,
+        poisson_ratio: _Number = 0.0,
+        sliding: Literal["columns", "rows"] = "columns",
         edges: Literal["open", "periodic"] = "open",
         loading: Literal["uniform", "edge"] = "uniform",
         slip: Literal["reset", "overdamped"] | None = None,
@@ -1694,7 +1701,7 @@ class Interface(Deformable):
 
     @property
     def half_space(self, /) -> tuple[float, float] | None:
-        """The modulus G* of a half-space and the side of a cell, or None."""
+        """The shear modulus of a half-space and the side of a cell, or None."""
 
     @property
     def loading(self, /) -> Literal["uniform", "edge"]:
@@ -1705,12 +1712,20 @@ class Interface(Deformable):
         """The mass of a cell, or None."""
 
     @property
+    def poisson_ratio(self, /) -> float | None:
+        """Poisson's ratio ν of a half-space, or None."""
+
+    @property
     def quenched(self, /) -> bool:
         """Whether these keep their thresholds."""
 
     @property
     def size(self, /) -> int | None:
         """The number of contacts in each cell where they are followed one by one, or None."""
+
+    @property
+    def sliding(self, /) -> Literal["columns", "rows"] | None:
+        """The direction of sliding on a half-space, "columns" or "rows", or None."""
 
     @property
     def slip(self, /) -> Literal["reset", "overdamped"] | None:

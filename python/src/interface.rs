@@ -2,7 +2,7 @@
 
 use asperity::scenario::{
     self, CellLoading, CellSlip, Disorder, Drive, Edges, Elasticity, PerCell, Renormalisation, Scales,
-    Scenario,
+    Scenario, SlidingDirection,
 };
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
@@ -312,7 +312,12 @@ impl Deformable {
 /// neighbours
 ///     K_int, the stiffness of the spring between two neighbours.
 /// half_space
-///     The modulus G* of a half-space and the side of a cell, instead of neighbours.
+///     The shear modulus of a half-space and the side of a cell, instead of neighbours.
+/// poisson_ratio
+///     Poisson's ratio ν of the half-space, from -0.9 to 0.48; 0 where its modulus is an effective one.
+/// sliding
+///     The direction of sliding on a half-space, along which one with ν > 0 is stiffer: along the "columns", from row to
+///     row and along a chain, or along the "rows".
 /// edges
 ///     "open" or "periodic".
 /// loading
@@ -363,11 +368,11 @@ impl Interface {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges: "Literal['open', 'periodic']" = "open",
+            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, poisson_ratio = 0.0, sliding: "Literal['columns', 'rows']" = "columns", edges: "Literal['open', 'periodic']" = "open",
             loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped'] | None" = None, viscosity = None, mass = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
             drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional"
         ),
-        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip=None, viscosity=None, mass=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
+        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, poisson_ratio=0.0, sliding='columns', edges='open', loading='uniform', slip=None, viscosity=None, mass=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
     fn new(
         contacts: &Bound<'_, Contacts>,
@@ -376,6 +381,8 @@ impl Interface {
         connection: Real,
         neighbours: Option<f64>,
         half_space: Option<(f64, f64)>,
+        poisson_ratio: f64,
+        sliding: &str,
         edges: &str,
         loading: &str,
         slip: Option<&str>,
@@ -389,9 +396,16 @@ impl Interface {
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
         let connection = connection.get("connection")?;
+        let sliding = convert::word("sliding", sliding)?;
         let coupling = match (neighbours, half_space) {
-            (Some(stiffness), None) => Elasticity::Neighbours { stiffness },
-            (None, Some((modulus, cell))) => Elasticity::HalfSpace { modulus, cell },
+            (Some(stiffness), None) if poisson_ratio == 0.0 && sliding == SlidingDirection::default() => {
+                Elasticity::Neighbours { stiffness }
+            }
+            (Some(_), None) => {
+                let expected = "half_space beside poisson_ratio and sliding, which are those of a half-space";
+                return Err(error::invalid("neighbours", expected, "neighbours"));
+            }
+            (None, Some((modulus, cell))) => Elasticity::HalfSpace { modulus, cell, poisson_ratio, sliding },
             (both, _) => {
                 let found = if both.is_some() { "both" } else { "neither" };
                 return Err(error::invalid("neighbours", "either neighbours or half_space", found));
@@ -421,11 +435,32 @@ impl Interface {
         Ok(Deformable::made(surface)?.add_subclass(Self))
     }
 
-    /// The modulus G* of a half-space and the side of a cell, or None.
+    /// The shear modulus of a half-space and the side of a cell, or None.
     #[getter]
     fn half_space(slf: &Bound<'_, Self>) -> Option<(f64, f64)> {
         match Deformable::plain(slf.as_super()).own.coupling {
-            Elasticity::HalfSpace { modulus, cell } => Some((modulus, cell)),
+            Elasticity::HalfSpace { modulus, cell, .. } => Some((modulus, cell)),
+            _ => None,
+        }
+    }
+
+    /// Poisson's ratio ν of a half-space, or None.
+    #[getter]
+    fn poisson_ratio(slf: &Bound<'_, Self>) -> Option<f64> {
+        match Deformable::plain(slf.as_super()).own.coupling {
+            Elasticity::HalfSpace { poisson_ratio, .. } => Some(poisson_ratio),
+            _ => None,
+        }
+    }
+
+    /// The direction of sliding on a half-space, "columns" or "rows", or None.
+    #[getter]
+    fn sliding(slf: &Bound<'_, Self>) -> Option<typed::SlidingDirectionWord> {
+        match Deformable::plain(slf.as_super()).own.coupling {
+            Elasticity::HalfSpace { sliding: SlidingDirection::Columns, .. } => {
+                Some(typed::SlidingDirectionWord("columns"))
+            }
+            Elasticity::HalfSpace { .. } => Some(typed::SlidingDirectionWord("rows")),
             _ => None,
         }
     }
@@ -696,7 +731,11 @@ pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
     into.set_item("connection", own.connection)?;
     match own.coupling {
         Elasticity::Neighbours { stiffness } => into.set_item("neighbours", stiffness)?,
-        Elasticity::HalfSpace { modulus, cell } => into.set_item("half_space", (modulus, cell))?,
+        Elasticity::HalfSpace { modulus, cell, poisson_ratio, sliding } => {
+            into.set_item("half_space", (modulus, cell))?;
+            given(into, "poisson_ratio", (poisson_ratio != 0.0).then_some(poisson_ratio))?;
+            given(into, "sliding", (sliding == SlidingDirection::Rows).then_some("rows"))?;
+        }
         _ => unreachable!("a coupling that no argument makes"),
     }
     given(into, "edges", (own.edges == Edges::Periodic).then_some("periodic"))?;

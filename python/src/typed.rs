@@ -129,5 +129,6 @@ words! {
     EdgesWord: "Literal['open', 'periodic']",
     LoadingWord: "Literal['uniform', 'edge']",
     CellSlipWord: "Literal['reset', 'overdamped']",
+    SlidingDirectionWord: "Literal['columns', 'rows']",
     RegimeWord: "Literal['smooth', 'transient', 'persistent', 'runaway', 'undecided']",
 }

@@ -3,7 +3,7 @@
 import pickle
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import asperity as asp
 import numpy as np
@@ -120,6 +120,9 @@ def test_few_contacts_of_a_cell_are_atoms_or_counted_in_bins() -> None:
         asp.Interface(
             CONTACTS, [4, 4], half_space=(2.0, 1.0), connection=0.5, edges="periodic", viscosity=1.0
         ),
+        asp.Interface(
+            CONTACTS, [3, 4], half_space=(2.0, 1.0), poisson_ratio=0.3, sliding="rows", connection=0.5
+        ),
         asp.Interface(CONTACTS, [2], neighbours=2.0, connection=0.5, disorder=[1.0, 0.9], loading="edge"),
         asp.Interface(
             CONTACTS, [4], neighbours=2.0, connection=0.5, slip="overdamped", size=5, seed=3, quenched=True
@@ -132,6 +135,24 @@ def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
     assert type(interface)(**interface.parameters) == interface
     assert interface.replace(connection=3.0) != interface
     assert interface.contacts == CONTACTS
+
+
+def test_the_direction_of_sliding_turns_with_the_lattice() -> None:
+    """Rows and columns may change places; with Poisson's ratio they are not the same."""
+    scales = 1.0 + 0.2 * np.sin(np.arange(24.0) ** 2).reshape(4, 6)
+
+    def forces(scales: np.ndarray, sliding: Literal["columns", "rows"]) -> np.ndarray:
+        interface = asp.Interface(
+            CONTACTS, list(scales.shape), half_space=(2.0, 1.0), poisson_ratio=0.4, sliding=sliding,
+            connection=0.3, disorder=scales.ravel(), slip="overdamped",
+        )  # fmt: skip
+        assert (interface.poisson_ratio, interface.sliding) == (0.4, sliding)
+        return interface.drive(4.0, points=41).force
+
+    along, turned, across = forces(scales, "rows"), forces(scales.T, "columns"), forces(scales, "columns")
+    # The accuracy of the drive at which cells begin to slip.
+    assert np.max(np.abs(along - turned)) < 1e-6 * np.max(along)
+    assert np.max(np.abs(along - across)) > 1e-4 * np.max(along)
 
 
 def test_cells_with_a_mass_carry_waves_and_slip() -> None:
@@ -227,6 +248,15 @@ def test_stretches_of_a_cell_in_time_carry_its_force(size: int | None) -> None:
         ({"cells": [0]}, "interface.cells: expected .length."),
         ({"connection": 0.0}, "interface.connection: expected a number above 0"),
         ({"half_space": (1.0, 1.0)}, "neighbours: expected either neighbours or half_space, got both"),
+        (
+            {"neighbours": None, "half_space": (1.0, 1.0), "poisson_ratio": 0.5},
+            "interface.coupling.half_space.poisson_ratio: expected a number from -0.9 to 0.48, got 0.5",
+        ),
+        ({"poisson_ratio": 0.3}, "neighbours: expected half_space beside poisson_ratio and sliding"),
+        (
+            {"neighbours": None, "half_space": (1.0, 1.0), "sliding": "up"},
+            "sliding: expected one of columns and rows",
+        ),
         ({"edges": "loose"}, "edges: expected one of open and periodic"),
         ({"disorder": [1.0, -1.0]}, "interface.disorder.scale.1: expected a number above 0, got -1"),
         (

@@ -46,12 +46,12 @@ impl Modes {
         Self { sides, lines, eigenvalues, rows, columns: vec![0.0; room] }
     }
 
-    /// Replaces `field` by f(Δ) `field`, Δ the lattice Laplacian with eigenvalues λ ≥ 0.
-    pub fn apply(&mut self, field: &mut [f64], f: impl Fn(f64) -> f64 + Sync) {
+    /// Multiplies the amplitude of each mode of `field` by f(λ_column, λ_row), of the eigenvalues ≥ 0 down columns and along rows.
+    /// Those of the lattice Laplacian are their sums.
+    pub fn apply(&mut self, field: &mut [f64], f: impl Fn(f64, f64) -> f64 + Sync) {
         let [down, along] = std::mem::take(&mut self.eigenvalues);
-        // Eigenvalues add up over the two directions, since the Laplacian of the lattice is a sum of both.
         self.multiply(field, |mode, column| {
-            column.iter_mut().zip(&down).for_each(|(amplitude, other)| *amplitude *= f(along[mode] + other));
+            column.iter_mut().zip(&down).for_each(|(amplitude, other)| *amplitude *= f(*other, along[mode]));
         });
         self.eigenvalues = [down, along];
     }

@@ -7,7 +7,7 @@ use crate::Error;
 
 /// Names of arguments, and of fields of them, with their keys. The first that fits counts. No table of a scenario is called like an
 /// argument, so that keys are left as they are.
-const KEYS: [(&str, &str); 22] = [
+const KEYS: [(&str, &str); 23] = [
     ("thresholds", "contacts.thresholds"),
     ("reforming", "contacts.reforming"),
     ("stiffness.per_threshold", "contacts.stiffness_per_threshold"),
@@ -30,6 +30,7 @@ const KEYS: [(&str, &str); 22] = [
     ("stiffness", "interface.coupling.neighbours.stiffness"),
     ("modulus", "interface.coupling.half_space.modulus"),
     ("cell", "interface.coupling.half_space.cell"),
+    ("poisson_ratio", "interface.coupling.half_space.poisson_ratio"),
 ];
 
 impl Error {

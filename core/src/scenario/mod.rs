@@ -60,7 +60,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::block::Slip;
 pub use crate::contacts::Start;
 pub use crate::contacts::{Barrier, Temperature};
-pub use crate::elastic::coupling::Elasticity;
+pub use crate::elastic::coupling::{Elasticity, SlidingDirection};
 pub use crate::elastic::{CellLoading, CellSlip};
 pub use crate::ensemble::Disorder;
 pub use crate::shape::Edges;

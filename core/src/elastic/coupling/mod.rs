@@ -5,7 +5,7 @@ mod half_space;
 mod neighbours;
 
 pub use conjugate_gradients::MOST_ITERATIONS;
-pub use half_space::HalfSpace;
+pub use half_space::{HalfSpace, SlidingDirection, Solid};
 pub use neighbours::Neighbours;
 
 use schemars::JsonSchema;
@@ -81,12 +81,19 @@ pub enum Elasticity {
     },
     /// An elastic half-space.
     HalfSpace {
-        /// G*, its modulus, force per area, above 0.
+        /// G*, its shear modulus, force per area, above 0.
         #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length^2"))]
         modulus: f64,
         /// Side a of a cell, above 0.
         #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
         cell: f64,
+        /// ν, its Poisson's ratio, from −0.9 to 0.48; 0 where `modulus` is an effective one.
+        #[serde(default)]
+        #[schemars(extend("minimum" = -0.9, "maximum" = 0.48))]
+        poisson_ratio: f64,
+        /// The direction of sliding, along which a solid with ν > 0 is stiffer.
+        #[serde(default)]
+        sliding: SlidingDirection,
     },
 }
 
@@ -98,7 +105,9 @@ impl Elasticity {
     pub fn build(self, shape: Shape, edges: Edges) -> Result<Box<dyn Coupling>> {
         match self {
             Self::Neighbours { stiffness } => neighbours(shape, edges, stiffness),
-            Self::HalfSpace { modulus, cell } => half_space(shape, edges, modulus, cell),
+            Self::HalfSpace { modulus, cell, poisson_ratio, sliding } => {
+                half_space(shape, edges, Solid::new(modulus, poisson_ratio, sliding), cell)
+            }
         }
     }
 
@@ -119,14 +128,18 @@ pub fn neighbours(shape: Shape, edges: Edges, stiffness: f64) -> Result<Box<dyn 
     Ok(Box::new(Neighbours::new(shape, edges, stiffness)?))
 }
 
-/// A half-space of effective shear modulus G* under square cells of side `cell`: G* is the shear modulus G for Poisson's ratio
-/// ν = 0, and G/(1 − ν) on a chain along the direction of sliding. On a lattice with ν > 0 waves along that direction are stiffer
-/// than waves across it by 1/(1 − ν), which one G* cannot describe.
+/// A half-space of this solid under square cells of side `cell`. A number is its shear modulus for Poisson's ratio ν = 0, or an
+/// effective one.
 ///
 /// # Errors
 /// What [`HalfSpace::new`] refuses.
-pub fn half_space(shape: Shape, edges: Edges, modulus: f64, cell: f64) -> Result<Box<dyn Coupling>> {
-    Ok(Box::new(HalfSpace::new(shape, edges, modulus, cell)?))
+pub fn half_space(
+    shape: Shape,
+    edges: Edges,
+    solid: impl Into<Solid>,
+    cell: f64,
+) -> Result<Box<dyn Coupling>> {
+    Ok(Box::new(HalfSpace::new(shape, edges, solid, cell)?))
 }
 
 /// Refuses a coupling that takes more memory than is allowed.

@@ -120,7 +120,9 @@ impl Coupling for Neighbours {
             Solver::Chain(chain) => {
                 chain.solve(|_| diagonal, right);
             }
-            Solver::Square(modes) => modes.apply(right, |λ| (diagonal + stiffness * λ).recip()),
+            Solver::Square(modes) => {
+                modes.apply(right, |down, along| (diagonal + stiffness * (along + down)).recip())
+            }
         }
         1
     }

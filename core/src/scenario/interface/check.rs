@@ -3,6 +3,7 @@
 use super::super::{Drive, Ensemble, not_negative, positive, size};
 use super::{CellLoading, CellSlip, Elasticity, Interface, PerCell};
 use crate::contacts::Contacts;
+use crate::elastic::coupling::Solid;
 use crate::ensemble::lattice::Lattice;
 use crate::monitor::fits;
 use crate::{Error, Result};
@@ -234,8 +235,9 @@ impl Elasticity {
             (Self::Neighbours { stiffness }, PerCell::Many) => {
                 positive("neighbours.stiffness", stiffness).map(drop)
             }
-            (Self::HalfSpace { modulus, cell }, _) => {
-                positive("half_space.modulus", modulus)?;
+            (Self::HalfSpace { modulus, cell, poisson_ratio, sliding }, _) => {
+                let solid = Solid::new(modulus, poisson_ratio, sliding);
+                solid.check().map_err(|e| e.under("half_space"))?;
                 positive("half_space.cell", cell).map(drop)
             }
         }

@@ -2,21 +2,27 @@
 
 mod open;
 mod periodic;
+mod solid;
+
+pub use self::solid::{SlidingDirection, Solid};
 
 use self::open::OpenEdges;
 use self::periodic::Periodic;
+use self::solid::Stiffness;
 use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;
 use crate::shape::{Edges, Shape};
 
-/// The elasticity of a half-space of effective shear modulus G*, under square cells of side a: the stress on its surface
-/// is −G*|q| X̂(q), which makes the force on a cell when multiplied by its area a².
+/// The elasticity of a half-space of shear modulus G and Poisson's ratio ν, whose surface moves along one direction, x, under square
+/// cells of side a: the stress on it is −G [q_x²/(1 − ν) + q_y²] X̂(q)/|q|, which makes the force on a cell when multiplied by its
+/// area a². For ν = 0 this is −G|q| X̂.
 ///
-/// On a lattice |q| is taken as √(4 sin²(q_x a/2) + 4 sin²(q_y a/2))/a, the square root of the lattice Laplacian, so that
-/// A = G* a √Δ: the same for waves longer than cells, and an M-matrix as any power ≤ 1 of Δ is. |q| itself up to the edge
+/// On a lattice q² is taken as 4 sin²(qa/2)/a², the lattice Laplacian, in each direction, so that A = G a [Δ_x/(1 − ν) + Δ_y]/√Δ,
+/// Δ = Δ_x + Δ_y: the same for waves longer than cells, and an M-matrix ([`Solid::POISSON_RATIOS`]). |q| itself up to the edge
 /// of the Brillouin zone is not an M-matrix: on a lattice a cell that advances would pull back those at even distances along
-/// its row and its column; on a chain it would not act on them. At a distance r ≫ a the force on a cell is G* a⁴/(2πr³) per unit
-/// displacement, as between points, with corrections (a/r)²; at m cells along a chain it is G* a/(π(m² − ¼)).
+/// its row and its column; on a chain it would not act on them. At a distance r ≫ a the force on a cell is
+/// G a⁴ [1 − ν/(1 − ν) (1 − 3x²/r²)]/(2πr³) per unit displacement, as between points, with corrections (a/r)²; at m cells along a
+/// chain in the direction of sliding it is G a/(π(1 − ν)(m² − ¼)).
 ///
 /// Periodic edges: forces and solutions are one convolution. Open edges: cells act on each other as in an infinite
 /// plane, and the surface beyond them is free to follow, so that a rigid translation costs no energy; forces are one
@@ -37,17 +43,18 @@ enum Method {
 }
 
 impl HalfSpace {
-    /// Cells of side `cell` under a half-space of `modulus` G*.
+    /// Cells of side `cell` under a half-space of this solid.
     ///
     /// # Errors
-    /// No cells, or fewer than three in a periodic direction; modulus or side not above 0; more cells than fit in
+    /// No cells, or fewer than three in a periodic direction; those of [`Solid::check`]; a side not above 0; more cells than fit in
     /// 1 TiB.
-    pub fn new(shape: Shape, edges: Edges, modulus: f64, cell: f64) -> Result<Self> {
+    pub fn new(shape: Shape, edges: Edges, solid: impl Into<Solid>, cell: f64) -> Result<Self> {
+        let solid = solid.into();
         shape.check(edges)?;
-        positive("modulus", modulus)?;
+        solid.check()?;
         positive("cell", cell)?;
-        let scale = modulus * cell;
-        positive("modulus", scale)?;
+        positive("modulus", solid.modulus * cell)?;
+        let stiffness = solid.stiffness(cell);
         // More while it is made than afterwards.
         let bytes = match (shape, edges) {
             (Shape::Chain(_), _) => 200,
@@ -56,8 +63,8 @@ impl HalfSpace {
         };
         fits(shape, bytes)?;
         let kind = match edges {
-            Edges::Periodic => Method::Periodic(Box::new(Periodic::new(shape, scale))),
-            Edges::Open => Method::OpenEdges(Box::new(OpenEdges::new(shape, scale))),
+            Edges::Periodic => Method::Periodic(Box::new(Periodic::new(shape, stiffness))),
+            Edges::Open => Method::OpenEdges(Box::new(OpenEdges::new(shape, stiffness))),
         };
         Ok(Self { shape, kind })
     }

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::{from_first, sides};
-use crate::numerics::fractional::sqrt_laplacian;
+use super::{Stiffness, from_first, sides};
+use crate::numerics::fractional::{row_share_of_sqrt_laplacian, sqrt_laplacian};
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
@@ -13,9 +13,9 @@ use crate::shape::Shape;
 /// A_ji = −w_ji with weights w, A_jj = Σ_i w_ji: cells act on each other as in an infinite plane.
 #[derive(Debug)]
 pub(super) struct OpenEdges {
-    scale: f64,
+    stiffness: Stiffness,
     pairs: Pairs,
-    /// Modes of the lattice with free edges, in which the square root of the Laplacian is close to A.
+    /// Modes of the lattice with free edges, in which the same function of its Laplacian is close to A.
     free: Modes,
 }
 
@@ -30,14 +30,19 @@ struct Pairs {
 }
 
 impl OpenEdges {
-    pub(super) fn new(shape: Shape, scale: f64) -> Self {
+    pub(super) fn new(shape: Shape, stiffness: Stiffness) -> Self {
         let sides = sides(shape);
         let mut weights = match shape {
             Shape::Chain(length) => (0..length).map(along_a_chain).collect(),
             Shape::Square(sides) => sqrt_laplacian(sides),
         };
-        weights.iter_mut().for_each(|weight| *weight *= scale);
-        Self { scale, pairs: Pairs::new(sides, &weights), free: Modes::new(sides, sides.map(Line::free)) }
+        weights.iter_mut().for_each(|weight| *weight *= stiffness.columns);
+        let excess = stiffness.excess();
+        if matches!(shape, Shape::Square(_)) && excess != 0.0 {
+            let rows = row_share_of_sqrt_laplacian(sides);
+            weights.iter_mut().zip(&rows).for_each(|(weight, row)| *weight += excess * row);
+        }
+        Self { stiffness, pairs: Pairs::new(sides, &weights), free: Modes::new(sides, sides.map(Line::free)) }
     }
 
     pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
@@ -47,10 +52,10 @@ impl OpenEdges {
 
     /// Approximates (diagonal + A)⁻¹ r in the modes of free edges.
     pub(super) fn precondition(&mut self, diagonal: f64, right: &mut [f64]) {
-        let Self { scale, free, .. } = self;
-        // The spectral square root with free edges is not A, whose cells act through the half-space
+        let Self { stiffness, free, .. } = self;
+        // The function of the Laplacian with free edges is not A, whose cells act through the half-space
         // outside of the patch, but close to it, which is enough for a preconditioner.
-        free.apply(right, |λ| (diagonal + *scale * λ.sqrt()).recip());
+        free.apply(right, |down, along| (diagonal + stiffness.against(down, along)).recip());
     }
 
     pub(super) fn self_stiffness(&self, cell: usize) -> f64 {
@@ -164,8 +169,9 @@ mod tests {
     #[test]
     fn modes_of_free_edges_come_near_at_any_size() {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        for side in [20, 200] {
-            let mut open = OpenEdges::new(Shape::Square([side, side]), 1.0);
+        let solids = [(20, 1.0), (200, 1.0), (200, 1.9)];
+        for (side, columns) in solids {
+            let mut open = OpenEdges::new(Shape::Square([side, side]), Stiffness { columns, rows: 1.0 });
             for (diagonal, wave) in [(1e-4, 0.0), (1e-4, 0.02), (1e-4, 3.0), (0.1, 0.0), (0.1, 0.3)] {
                 let right: Vec<f64> = (0..side * side).map(|j| (wave * (j * j) as f64).cos()).collect();
                 let mut near = right.clone();
@@ -174,7 +180,7 @@ mod tests {
                 open.forces(&near, &mut forces);
                 let held = diagonal * product(&near, &near) - product(&near, &forces);
                 let ratio = held / product(&near, &right);
-                assert!((0.7..1.4).contains(&ratio), "{side} {diagonal} {wave}: {ratio}");
+                assert!((0.7..1.4).contains(&ratio), "{side} {columns} {diagonal} {wave}: {ratio}");
             }
         }
     }

@@ -1,34 +1,34 @@
 //! A half-space with periodic edges.
 
-use super::from_first;
+use super::{Stiffness, from_first};
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
-/// A = scale √Δ on a torus.
+/// A on a torus.
 #[derive(Debug)]
 pub(super) struct Periodic {
-    scale: f64,
+    stiffness: Stiffness,
     modes: Modes,
     self_stiffness: f64,
 }
 
 impl Periodic {
-    pub(super) fn new(shape: Shape, scale: f64) -> Self {
+    pub(super) fn new(shape: Shape, stiffness: Stiffness) -> Self {
         let lines = super::sides(shape).map(Line::periodic);
-        let self_stiffness = scale * mean_root(&lines);
-        Self { scale, modes: Modes::new(super::sides(shape), lines), self_stiffness }
+        let self_stiffness = mean(stiffness, &lines);
+        Self { stiffness, modes: Modes::new(super::sides(shape), lines), self_stiffness }
     }
 
     pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
-        let scale = self.scale;
+        let stiffness = self.stiffness;
         from_first(displacements, forces);
-        self.modes.apply(forces, |λ| -scale * λ.sqrt());
+        self.modes.apply(forces, |down, along| -stiffness.against(down, along));
     }
 
     pub(super) fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        let scale = self.scale;
-        self.modes.apply(right, |λ| (diagonal + scale * λ.sqrt()).recip());
+        let stiffness = self.stiffness;
+        self.modes.apply(right, |down, along| (diagonal + stiffness.against(down, along)).recip());
     }
 
     pub(super) fn self_stiffness(&self) -> f64 {
@@ -36,9 +36,9 @@ impl Periodic {
     }
 }
 
-/// √λ, averaged over the modes of a lattice of such lines: what multiplies a cell by itself.
-fn mean_root(lines: &[Line; 2]) -> f64 {
+/// The mean over the modes of a lattice of such lines: what multiplies a cell by itself.
+fn mean(stiffness: Stiffness, lines: &[Line; 2]) -> f64 {
     let [down, along] = lines.each_ref().map(|line| (0..line.length()).map(|mode| line.eigenvalue(mode)));
-    let row = |other: f64| along.clone().map(|λ| (λ + other).sqrt()).sum::<f64>();
+    let row = |down: f64| along.clone().map(|along| stiffness.against(down, along)).sum::<f64>();
     down.map(row).sum::<f64>() / (lines[0].length() * lines[1].length()) as f64
 }
