@@ -62,6 +62,7 @@ fn ordinary(dimension: &str, table: &str, key: &str) -> [f64; 2] {
         ("pull" | "drive", "distance") => [0.0, 0.8],
         ("pull", "snapshots") | ("drive", "turning_points" | "maps") | ("compare", "position") => [-1.0, 0.0],
         ("half_space", "cell") => [-1.0, 1.0],
+        ("half_space", "poisson_ratio") => [-2.0, -0.35],
         ("neighbours", "stiffness") | ("interface", "connection") => [-2.0, 1.0],
         ("frozen_rank" | "logarithmic", "time") => [-2.0, 2.0],
         ("delay", "time") => [-2.0, 1.0],

@@ -89,7 +89,7 @@ pub enum Elasticity {
         cell: f64,
         /// ν, its Poisson's ratio, from −0.9 to 0.48; 0 where `modulus` is an effective one.
         #[serde(default)]
-        #[schemars(extend("minimum" = -0.9, "maximum" = 0.48))]
+        #[schemars(extend("minimum" = -0.9, "maximum" = 0.48, "x-dimension" = "1"))]
         poisson_ratio: f64,
         /// The direction of sliding, along which a solid with ν > 0 is stiffer.
         #[serde(default)]
