@@ -8,7 +8,7 @@ pub use self::solid::{SlidingDirection, Solid};
 
 use self::open::OpenEdges;
 use self::periodic::Periodic;
-use self::solid::Stiffness;
+use self::solid::WaveStiffness;
 use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;
 use crate::shape::{Edges, Shape};

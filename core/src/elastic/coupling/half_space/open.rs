@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::{Stiffness, from_first, sides};
+use super::{WaveStiffness, from_first, sides};
 use crate::numerics::fractional::{row_share_of_sqrt_laplacian, sqrt_laplacian};
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
@@ -13,7 +13,7 @@ use crate::shape::Shape;
 /// A_ji = −w_ji with weights w, A_jj = Σ_i w_ji: cells act on each other as in an infinite plane.
 #[derive(Debug)]
 pub(super) struct OpenEdges {
-    stiffness: Stiffness,
+    stiffness: WaveStiffness,
     pairs: Pairs,
     /// Modes of the lattice with free edges, in which the same function of its Laplacian is close to A.
     free: Modes,
@@ -30,7 +30,7 @@ struct Pairs {
 }
 
 impl OpenEdges {
-    pub(super) fn new(shape: Shape, stiffness: Stiffness) -> Self {
+    pub(super) fn new(shape: Shape, stiffness: WaveStiffness) -> Self {
         let sides = sides(shape);
         let mut weights = match shape {
             Shape::Chain(length) => (0..length).map(along_a_chain).collect(),
@@ -171,7 +171,7 @@ mod tests {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let solids = [(20, 1.0), (200, 1.0), (200, 1.9)];
         for (side, columns) in solids {
-            let mut open = OpenEdges::new(Shape::Square([side, side]), Stiffness { columns, rows: 1.0 });
+            let mut open = OpenEdges::new(Shape::Square([side, side]), WaveStiffness { columns, rows: 1.0 });
             for (diagonal, wave) in [(1e-4, 0.0), (1e-4, 0.02), (1e-4, 3.0), (0.1, 0.0), (0.1, 0.3)] {
                 let right: Vec<f64> = (0..side * side).map(|j| (wave * (j * j) as f64).cos()).collect();
                 let mut near = right.clone();

@@ -1,6 +1,6 @@
 //! A half-space with periodic edges.
 
-use super::{Stiffness, from_first};
+use super::{WaveStiffness, from_first};
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
@@ -8,13 +8,13 @@ use crate::shape::Shape;
 /// A on a torus.
 #[derive(Debug)]
 pub(super) struct Periodic {
-    stiffness: Stiffness,
+    stiffness: WaveStiffness,
     modes: Modes,
     self_stiffness: f64,
 }
 
 impl Periodic {
-    pub(super) fn new(shape: Shape, stiffness: Stiffness) -> Self {
+    pub(super) fn new(shape: Shape, stiffness: WaveStiffness) -> Self {
         let lines = super::sides(shape).map(Line::periodic);
         let self_stiffness = mean(stiffness, &lines);
         Self { stiffness, modes: Modes::new(super::sides(shape), lines), self_stiffness }
@@ -37,7 +37,7 @@ impl Periodic {
 }
 
 /// The mean over the modes of a lattice of such lines: what multiplies a cell by itself.
-fn mean(stiffness: Stiffness, lines: &[Line; 2]) -> f64 {
+fn mean(stiffness: WaveStiffness, lines: &[Line; 2]) -> f64 {
     let [down, along] = lines.each_ref().map(|line| (0..line.length()).map(|mode| line.eigenvalue(mode)));
     let row = |down: f64| along.clone().map(|along| stiffness.against(down, along)).sum::<f64>();
     down.map(row).sum::<f64>() / (lines[0].length() * lines[1].length()) as f64

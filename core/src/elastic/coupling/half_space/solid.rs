@@ -55,12 +55,12 @@ impl Solid {
     }
 
     /// The stiffness of cells of side `cell`.
-    pub(super) fn stiffness(self, cell: f64) -> Stiffness {
+    pub(super) fn stiffness(self, cell: f64) -> WaveStiffness {
         let across = self.modulus * cell;
         let along = across / (1.0 - self.poisson_ratio);
         match self.sliding {
-            SlidingDirection::Columns => Stiffness { columns: along, rows: across },
-            SlidingDirection::Rows => Stiffness { columns: across, rows: along },
+            SlidingDirection::Columns => WaveStiffness { columns: along, rows: across },
+            SlidingDirection::Rows => WaveStiffness { columns: across, rows: along },
         }
     }
 }
@@ -74,14 +74,14 @@ impl From<f64> for Solid {
 
 /// The stiffness A = (s_column Δ_column + s_row Δ_row)/√Δ of cells, in units of force per length.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stiffness {
+pub(super) struct WaveStiffness {
     /// Against waves down the columns.
     pub columns: f64,
     /// Against waves along the rows.
     pub rows: f64,
 }
 
-impl Stiffness {
+impl WaveStiffness {
     /// That against rows above that against columns, 0 in an isotropic solid.
     pub fn excess(self) -> f64 {
         self.rows - self.columns
