@@ -1712,8 +1712,8 @@ class Interface(Deformable):
         """The mass of a cell, or None."""
 
     @property
-    def poisson_ratio(self, /) -> float | None:
-        """Poisson's ratio ν of a half-space, or None."""
+    def poisson_ratio(self, /) -> float:
+        """Poisson's ratio ν of a half-space; 0 if it has none."""
 
     @property
     def quenched(self, /) -> bool:
@@ -1724,8 +1724,8 @@ class Interface(Deformable):
         """The number of contacts in each cell where they are followed one by one, or None."""
 
     @property
-    def sliding(self, /) -> Literal["columns", "rows"] | None:
-        """The direction of sliding on a half-space, "columns" or "rows", or None."""
+    def sliding(self, /) -> Literal["columns", "rows"]:
+        """The direction of sliding, "columns" or "rows", which counts on a half-space."""
 
     @property
     def slip(self, /) -> Literal["reset", "overdamped"] | None:

@@ -444,25 +444,21 @@ impl Interface {
         }
     }
 
-    /// Poisson's ratio ν of a half-space, or None.
+    /// Poisson's ratio ν of a half-space; 0 if it has none.
     #[getter]
-    fn poisson_ratio(slf: &Bound<'_, Self>) -> Option<f64> {
+    fn poisson_ratio(slf: &Bound<'_, Self>) -> f64 {
         match Deformable::plain(slf.as_super()).own.coupling {
-            Elasticity::HalfSpace { poisson_ratio, .. } => Some(poisson_ratio),
-            _ => None,
+            Elasticity::HalfSpace { poisson_ratio, .. } => poisson_ratio,
+            _ => 0.0,
         }
     }
 
-    /// The direction of sliding on a half-space, "columns" or "rows", or None.
+    /// The direction of sliding, "columns" or "rows", which counts on a half-space.
     #[getter]
-    fn sliding(slf: &Bound<'_, Self>) -> Option<typed::SlidingDirectionWord> {
-        match Deformable::plain(slf.as_super()).own.coupling {
-            Elasticity::HalfSpace { sliding: SlidingDirection::Columns, .. } => {
-                Some(typed::SlidingDirectionWord("columns"))
-            }
-            Elasticity::HalfSpace { .. } => Some(typed::SlidingDirectionWord("rows")),
-            _ => None,
-        }
+    fn sliding(slf: &Bound<'_, Self>) -> typed::SlidingDirectionWord {
+        let own = &Deformable::plain(slf.as_super()).own;
+        let rows = matches!(own.coupling, Elasticity::HalfSpace { sliding: SlidingDirection::Rows, .. });
+        typed::SlidingDirectionWord(if rows { "rows" } else { "columns" })
     }
 
     /// The loading, "uniform" or "edge".
