@@ -236,6 +236,7 @@ impl Elasticity {
                 positive("neighbours.stiffness", stiffness).map(drop)
             }
             (Self::HalfSpace { modulus, cell, poisson_ratio, sliding }, _) => {
+                positive("half_space.modulus", modulus)?;
                 let solid = Solid::new(modulus, poisson_ratio, sliding);
                 solid.check().map_err(|e| e.under("half_space"))?;
                 positive("half_space.cell", cell).map(drop)
