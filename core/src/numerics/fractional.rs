@@ -30,12 +30,12 @@ pub fn sqrt_laplacian(sides: [usize; 2]) -> Vec<f64> {
     products(sides, |_, g| g.to_vec())
 }
 
-/// The same of Δ_row/√Δ, Δ_row the part of Δ along rows, with eigenvalues 4 sin²(q_2/2): the share of √Δ that stretches rows. Constants
-/// may be negative. From 1/√λ = ∫₀^∞ e^{−λt} t^{−1/2} dt/√π and Δ_row e^{−Δ_row t} = −d/dt e^{−Δ_row t},
+/// The same of Δ_row/√Δ, Δ_row the part of Δ along rows, with eigenvalues 4 sin²(q_2/2): the part of √Δ that differences along rows
+/// make. Constants may be negative. From 1/√λ = ∫₀^∞ e^{−λt} t^{−1/2} dt/√π and Δ_row e^{−Δ_row t} = −d/dt e^{−Δ_row t},
 ///
 /// w(m, n) = (1/√π) ∫₀^∞ t^{−1/2} g_m(t) g_n′(t) dt,
 ///
-/// which is ½ of those of √Δ in the mean over both directions, and tends to (1/2π)(3n²/r⁵ − 1/r³).
+/// right to some r² roundings of √Δ, tends to (1/2π)(3n²/r⁵ − 1/r³); with that of Δ_column/√Δ it adds up to that of √Δ.
 pub fn row_share_of_sqrt_laplacian(sides: [usize; 2]) -> Vec<f64> {
     products(sides, |z, g| slope_of_scaled_bessel(z, g.len()))
 }

@@ -169,7 +169,7 @@ impl Staging {
     }
 
     /// Writes files, adds them to the listing, and writes the listing; then flushes all of them to the disk, which takes several
-    /// together. A file that is made while the disk is flushed waits for it, so all are written before.
+    /// together.
     fn store(&self, files: &[NewFile<'_>], listing: &mut Listing) -> Result<()> {
         let mut stored = together(files, |new| new.large, |new| self.write(new))?;
         for (new, file) in files.iter().zip(&stored) {

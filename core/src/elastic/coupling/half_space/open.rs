@@ -165,6 +165,32 @@ mod tests {
         assert_eq!([1, 2, 3, 7, 13, 512, 1000, 1021].map(padded), [1, 4, 6, 16, 30, 1024, 2000, 2048]);
     }
 
+    /// Weights √Δ + (c − 1) Δ_row/√Δ are positive for 0.517 < c < 1.9336, c = 1/(1 − ν). The third cell ahead and the third one beside
+    /// are the first that are pulled back.
+    #[test]
+    fn poisson_ratios_end_where_the_third_cell_is_pulled_back() {
+        const SIDE: usize = 100;
+        let [all, rows] = [sqrt_laplacian([SIDE; 2]), row_share_of_sqrt_laplacian([SIDE; 2])];
+        let ends = |sign: f64| {
+            let far = |place: &usize| sign * rows[*place] < 0.0;
+            let bound = |place: usize| (all[place] / rows[place].abs(), place);
+            (1..SIDE * SIDE)
+                .filter(far)
+                .map(bound)
+                .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a })
+        };
+        let ((above, beside), (below, ahead)) = (ends(1.0), ends(-1.0));
+        assert_eq!((beside, ahead), (3 * SIDE, 3));
+        let ratio = |excess: f64| 1.0 - 1.0 / (1.0 + excess);
+        // The digits that are told.
+        assert!(
+            (ratio(above) - 0.4828).abs() < 1e-4 && (ratio(-below) + 0.934).abs() < 1e-3,
+            "{above} {below}"
+        );
+        let accepted = super::super::Solid::POISSON_RATIOS;
+        assert!(*accepted.end() < ratio(above) && *accepted.start() > ratio(-below));
+    }
+
     /// The iteration takes some 15 steps to roundings where these ratios span a factor of two.
     #[test]
     fn modes_of_free_edges_come_near_at_any_size() {

@@ -32,8 +32,8 @@ pub enum SlidingDirection {
 }
 
 impl Solid {
-    /// Ratios ν for which a cell that advances pulls no other one back. Beyond about 0.4828 it would pull back the third and the
-    /// fourth one beside it, across the direction of sliding, and below about −0.934 those along it.
+    /// Ratios ν for which a cell that advances pulls no other one back. Beyond about 0.4828 it would pull back the third one
+    /// across the direction of sliding, and below about −0.934 the third one along it.
     pub const POISSON_RATIOS: RangeInclusive<f64> = -0.9..=0.48;
 
     /// A solid of shear modulus G whose surface moves along `sliding`.
