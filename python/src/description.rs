@@ -4,16 +4,18 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
 
-use asperity::scenario::{self, Areas, Contacts, Law, Slip, TaskStart};
+use asperity::scenario::{self, Areas, Contacts, Law, PerCell, Slip, TaskStart};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::interface::Surface;
 use crate::pickle::{Reduced, VERSION, check_version};
-use crate::{block, contacts, distributions, ensemble, equation, interface, rules, transport, typed};
+use crate::surface::{self, Surface};
+use crate::{
+    block, contacts, distributions, ensemble, equation, interface, lattice, rules, transport, typed,
+};
 
 /// The plain values of a description, as in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,7 +84,10 @@ impl Plain {
             Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
             Self::Slip(slip) => block::slip_class(*slip, py),
             Self::Block(_) => py.get_type::<block::Block>(),
-            Self::Surface(surface) => interface::class(surface, py),
+            Self::Surface(surface) => match surface.own.contacts {
+                PerCell::Many => py.get_type::<interface::Interface>(),
+                PerCell::One => py.get_type::<lattice::Lattice>(),
+            },
         }
     }
 
@@ -101,7 +106,7 @@ impl Plain {
             Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
             Self::Slip(slip) => block::slip_arguments(*slip, &arguments),
             Self::Block(slider) => block::arguments(slider, &arguments),
-            Self::Surface(surface) => interface::arguments(surface, &arguments),
+            Self::Surface(surface) => surface::arguments(surface, &arguments),
         }?;
         Ok(arguments)
     }

@@ -5,6 +5,7 @@ mod block;
 mod command;
 mod contacts;
 mod convert;
+mod deformable;
 mod description;
 mod distributions;
 mod ensemble;
@@ -19,6 +20,7 @@ mod fitted_model;
 mod found;
 mod history;
 mod interface;
+mod lattice;
 mod law;
 mod machine_step;
 mod measured;
@@ -28,6 +30,7 @@ mod posterior;
 mod pull;
 mod rate_state;
 mod record;
+mod restore;
 mod result;
 mod rules;
 mod scenario;
@@ -36,6 +39,7 @@ mod simulated_in_time;
 mod simulation;
 mod stick_slip;
 mod stretches;
+mod surface;
 mod sweep;
 mod threads;
 mod transport;
@@ -54,6 +58,8 @@ mod _core {
     use crate::command::command;
     #[pymodule_export]
     use crate::contacts::{Areas, Contacts};
+    #[pymodule_export]
+    use crate::deformable::Deformable;
     #[pymodule_export]
     use crate::description::{Description, restore};
     #[pymodule_export]
@@ -82,15 +88,15 @@ mod _core {
     #[pymodule_export]
     use crate::history::pieces;
     #[pymodule_export]
-    use crate::interface::{Deformable, Interface, Lattice};
+    use crate::interface::Interface;
+    #[pymodule_export]
+    use crate::lattice::Lattice;
     #[pymodule_export]
     use crate::law::{Law, critical_coupling};
     #[pymodule_export]
     use crate::machine_step::fit_velocity_step;
     #[pymodule_export]
     use crate::model::Model;
-    #[pymodule_export]
-    use crate::pickle::{restore_fit, restore_result};
     #[pymodule_export]
     use crate::posterior::Posterior;
     #[pymodule_export]
@@ -99,6 +105,8 @@ mod _core {
     use crate::rate_state::{Healing, VelocityStep, read_healing, read_velocity_step};
     #[pymodule_export]
     use crate::record::Record;
+    #[pymodule_export]
+    use crate::restore::{restore_fit, restore_result};
     #[pymodule_export]
     use crate::result::{Result, open_result, run};
     #[pymodule_export]

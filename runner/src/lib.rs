@@ -4,7 +4,6 @@
 #![cfg_attr(target_family = "wasm", allow(dead_code, unused_imports))]
 
 pub mod checkpoint;
-mod columns;
 pub mod duration;
 mod folder;
 pub mod input;
@@ -21,6 +20,6 @@ mod run;
 pub mod sweep;
 pub mod threads;
 
-pub use columns::StoredColumns;
+pub use output::StoredColumns;
 #[cfg(not(target_family = "wasm"))]
 pub use run::{run, run_with};

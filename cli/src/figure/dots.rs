@@ -1,19 +1,15 @@
 //! A picture as PNG, drawn and compressed a band of rows at a time: bands stay in the cache of the processor, and a large picture
 //! takes no more memory than a small one.
 
-use fdeflate::Compressor;
 use kuva::render::render::Scene;
-use png::{BitDepth, ColorType, Encoder, EncodingError, PixelDimensions, Unit, Writer};
+use png::{ColorType, EncodingError, PixelDimensions, Unit};
 use tiny_skia::PixmapMut;
 
+use super::png_file::{DRAWN, png_file};
 use super::shapes::{Shape, shapes};
 
 /// Bytes of a band.
 const BAND: usize = 1 << 20;
-/// Bytes of a dot as it is drawn: red, green, blue, opacity.
-const DRAWN: usize = 4;
-/// The filter of PNG by which rows are differences to the row above.
-const UP: u8 = 2;
 
 /// How many dots a picture has, and how they are coloured.
 pub struct Dots<'a> {
@@ -36,7 +32,7 @@ pub fn png(scene: &Scene, style: &Dots) -> Result<Vec<u8>, EncodingError> {
     let colour = if style.grey { ColorType::Grayscale } else { ColorType::Rgb };
     let per_metre = (style.dpi / 0.0254).round() as u32;
     let resolution = PixelDimensions { xppu: per_metre, yppu: per_metre, unit: Unit::Meter };
-    file([width, height], colour, Some(resolution), |rows| {
+    png_file([width, height], colour, Some(resolution), |rows| {
         let band = (BAND / (DRAWN * width as usize)).clamp(1, height as usize) as u32;
         let mut dots = vec![0; DRAWN * width as usize * band as usize];
         for first in (0..height).step_by(band as usize) {
@@ -54,84 +50,5 @@ fn draw(shapes: &[Shape], dots: &mut [u8], [width, count]: [u32; 2], first: u32)
     dots.fill(255);
     if let Some(mut band) = PixmapMut::from_bytes(dots, width, count) {
         shapes.iter().for_each(|shape| shape.draw(&mut band, first));
-    }
-}
-
-/// Red, green and blue of dots as a PNG file.
-///
-/// # Errors
-/// What cannot be written.
-pub fn compressed(dots: &[u8], size: [u32; 2]) -> Result<Vec<u8>, EncodingError> {
-    let drawn: Vec<u8> = dots.chunks_exact(3).flat_map(|dot| [dot[0], dot[1], dot[2], 255]).collect();
-    file(size, ColorType::Rgb, None, |rows| rows.write(&drawn))
-}
-
-/// A PNG file with these rows. Fast compression of differences to the row above takes a twentieth of the time of the usual
-/// compression, for half as many bytes more.
-fn file(
-    [width, height]: [u32; 2],
-    colour: ColorType,
-    resolution: Option<PixelDimensions>,
-    write: impl FnOnce(&mut Rows) -> std::io::Result<()>,
-) -> Result<Vec<u8>, EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, width, height);
-    encoder.set_color(colour);
-    encoder.set_depth(BitDepth::Eight);
-    encoder.set_pixel_dims(resolution);
-    let mut file: Writer<_> = encoder.write_header()?;
-    let mut rows = Rows::new(width as usize, colour.samples())?;
-    write(&mut rows)?;
-    file.write_chunk(png::chunk::IDAT, &rows.compressor.finish()?)?;
-    file.finish()?;
-    Ok(bytes)
-}
-
-/// Compresses rows as differences to the rows above them.
-struct Rows {
-    compressor: Compressor<Vec<u8>>,
-    /// Samples of a dot in the file: 1 or 3.
-    samples: usize,
-    /// The last row as it was drawn.
-    above: Vec<u8>,
-    /// A row of the file: its filter and its differences.
-    differences: Vec<u8>,
-}
-
-impl Rows {
-    fn new(width: usize, samples: usize) -> std::io::Result<Self> {
-        let compressor = Compressor::new(Vec::new())?;
-        let mut differences = vec![0; 1 + samples * width];
-        differences[0] = UP;
-        Ok(Self { compressor, samples, above: vec![0; DRAWN * width], differences })
-    }
-
-    /// Adds rows as they are drawn.
-    fn write(&mut self, dots: &[u8]) -> std::io::Result<()> {
-        for row in dots.chunks_exact(self.above.len()) {
-            self.differences[1..].fill(0);
-            // Most dots are those of the row above.
-            if row != self.above {
-                self.subtract(row);
-                self.above.copy_from_slice(row);
-            }
-            self.compressor.write_data(&self.differences)?;
-        }
-        Ok(())
-    }
-
-    fn subtract(&mut self, row: &[u8]) {
-        /// Dots that are compared at once.
-        const TOGETHER: usize = 8;
-        let blocks = row.chunks(DRAWN * TOGETHER).zip(self.above.chunks(DRAWN * TOGETHER));
-        let differences = self.differences[1..].chunks_mut(self.samples * TOGETHER);
-        for ((now, above), differences) in blocks.zip(differences).filter(|((now, above), _)| now != above) {
-            let dots = now.chunks_exact(DRAWN).zip(above.chunks_exact(DRAWN));
-            for ((now, above), difference) in dots.zip(differences.chunks_exact_mut(self.samples)) {
-                for ((difference, now), above) in difference.iter_mut().zip(now).zip(above) {
-                    *difference = now.wrapping_sub(*above);
-                }
-            }
-        }
     }
 }

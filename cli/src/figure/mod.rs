@@ -21,6 +21,7 @@ mod grey;
 mod hold_curve;
 mod letters;
 mod measured;
+mod png_file;
 mod potential;
 mod protocol;
 mod raster;

@@ -5,7 +5,7 @@ use base64::prelude::BASE64_STANDARD;
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene};
 
-use super::{dots, grey};
+use super::{grey, png_file};
 
 /// The picture with an image in the place of each field.
 pub fn fields_as_images(scene: &Scene, grey: bool) -> Scene {
@@ -18,7 +18,7 @@ pub fn fields_as_images(scene: &Scene, grey: bool) -> Scene {
     for element in &scene.elements {
         match element {
             Primitive::RectBatch { x, y, w, h, fills } if !x.is_empty() => {
-                let extra_attrs = Field::new([x, y, w, h], fills, grey).image();
+                let extra_attrs = CellImage::new([x, y, w, h], fills, grey).image();
                 images.elements.push(Primitive::GroupStart { transform: None, title: None, extra_attrs });
                 images.elements.push(Primitive::GroupEnd);
             }
@@ -29,7 +29,7 @@ pub fn fields_as_images(scene: &Scene, grey: bool) -> Scene {
 }
 
 /// Equal cells of a grid as dots.
-pub struct Field {
+pub struct CellImage {
     /// Left and upper end.
     pub start: [f64; 2],
     /// Width and height of a cell.
@@ -40,8 +40,8 @@ pub struct Field {
     pub dots: Vec<u8>,
 }
 
-impl Field {
-    /// The field of cells with these left and upper ends, widths, heights and colours.
+impl CellImage {
+    /// The cells with these left and upper ends, widths, heights and colours.
     pub fn new([x, y, w, h]: [&[f64]; 4], fills: &[Color], grey: bool) -> Self {
         let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
         let most = |of: &[f64]| of.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -60,7 +60,7 @@ impl Field {
     /// the tag of the group and begin the image.
     fn image(&self) -> Option<String> {
         let ([left, top], [width, height], [columns, rows]) = (self.start, self.cell, self.cells);
-        let png = dots::compressed(&self.dots, [columns as u32, rows as u32]).ok()?;
+        let png = png_file::compressed(&self.dots, [columns as u32, rows as u32]).ok()?;
         Some(format!(
             "><image x=\"{left:.2}\" y=\"{top:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" \
              style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/",

@@ -6,7 +6,7 @@ use tiny_skia::{Path, PathBuilder, PixmapMut, PixmapPaint, PixmapRef, Rect, Stro
 
 use super::clip::runs;
 use super::letters::{Letters, Text};
-use super::raster::Field;
+use super::raster::CellImage;
 use super::{curve::Point, grey};
 
 /// What is drawn at once.
@@ -87,7 +87,7 @@ impl Drawn<'_> {
                 cx.iter().zip(cy).for_each(|(x, y)| self.circle((*x, *y), *r, colours.0, colours.1));
             }
             Primitive::RectBatch { x, y, w, h, fills } if !x.is_empty() => {
-                self.image(&Field::new([x, y, w, h], fills, self.grey));
+                self.image(&CellImage::new([x, y, w, h], fills, self.grey));
             }
             Primitive::Text { x, y, content, size, anchor, rotate, bold, color } => {
                 let is_typeset = content != self.title;
@@ -162,12 +162,12 @@ impl Drawn<'_> {
         }
     }
 
-    fn image(&mut self, field: &Field) {
-        let cells = field.dots.chunks_exact(3).flat_map(|dot| [dot[0], dot[1], dot[2], 255]).collect();
-        let [x, y] = field.start.map(|start| start as f32);
-        let [width, height] = field.cell.map(|side| side as f32);
+    fn image(&mut self, image: &CellImage) {
+        let cells = image.dots.chunks_exact(3).flat_map(|dot| [dot[0], dot[1], dot[2], 255]).collect();
+        let [x, y] = image.start.map(|start| start as f32);
+        let [width, height] = image.cell.map(|side| side as f32);
         let place = Transform::from_row(width, 0.0, 0.0, height, x, y).post_concat(self.place());
-        self.shapes.push(Shape::Image(cells, field.cells.map(|count| count as u32), place));
+        self.shapes.push(Shape::Image(cells, image.cells.map(|count| count as u32), place));
     }
 
     /// From units of the canvas to dots.

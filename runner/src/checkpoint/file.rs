@@ -2,11 +2,9 @@
 //!
 //! The header is a line of JSON, the state is CBOR (RFC 8949), and the checksum is the CRC-32 of everything before it.
 
-use std::fmt;
 use std::path::Path;
 
-use serde::de::{Deserializer, Error as _, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::error::{Error, Result};
 use super::found::Extent;
@@ -70,44 +68,9 @@ fn decode(bytes: &[u8]) -> std::result::Result<Content, String> {
     Ok(Content { header, state: rest[end + 1..].to_vec() })
 }
 
-/// Numbers kept bit for bit, in eight bytes each.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Bits(pub Vec<f64>);
-
-impl Serialize for Bits {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        let bytes: Vec<u8> = self.0.iter().flat_map(|value| value.to_le_bytes()).collect();
-        serializer.serialize_bytes(&bytes)
-    }
-}
-
-impl<'de> Deserialize<'de> for Bits {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        struct Bytes;
-        impl Visitor<'_> for Bytes {
-            type Value = Bits;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("eight bytes for each number")
-            }
-
-            fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> std::result::Result<Bits, E> {
-                let (numbers, []) = bytes.as_chunks::<8>() else {
-                    return Err(E::invalid_length(bytes.len(), &self));
-                };
-                Ok(Bits(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()))
-            }
-
-            fn visit_byte_buf<E: serde::de::Error>(self, bytes: Vec<u8>) -> std::result::Result<Bits, E> {
-                self.visit_bytes(&bytes)
-            }
-        }
-        deserializer.deserialize_byte_buf(Bytes).map_err(D::Error::custom)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::bits::Bits;
     use super::*;
 
     fn header() -> Header {

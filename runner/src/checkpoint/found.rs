@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::bits::Bits;
 use super::error::{Error, Result};
-use super::file::Bits;
 
 /// The first line, with the version of the format.
 const FIRST: &[u8] = b"asperity results so far 1\n";

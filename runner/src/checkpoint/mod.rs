@@ -5,6 +5,7 @@
 //! columns are in `DIR.checkpoint.found`, to which new rows are appended before each checkpoint is written. The file
 //! `DIR.checkpoint.lock` excludes a second run.
 
+mod bits;
 mod difference;
 mod error;
 mod every;
@@ -22,9 +23,9 @@ use asperity::task;
 
 use crate::folder;
 use crate::input;
+pub use bits::Bits;
 pub use error::{Error, Result};
 pub use every::Every;
-pub use file::Bits;
 use file::{Content, Header};
 use found::FoundFile;
 pub use lock::Lock;

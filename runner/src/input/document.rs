@@ -6,7 +6,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::deserialise::Fault;
+use super::fault::Fault;
 use super::{Diagnostic, Mark, Source, short};
 
 /// A scenario file with its overrides merged in.

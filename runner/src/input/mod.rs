@@ -4,6 +4,7 @@ mod deserialise;
 mod diagnostic;
 mod document;
 mod editor_schema;
+mod fault;
 mod overrides;
 mod schema;
 mod sweep;
@@ -16,15 +17,16 @@ use asperity::scenario::{Figure, Scenario, Sweep, SweepAxes, SweepAxis};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-pub use deserialise::nearest;
 pub use diagnostic::{Diagnostic, Mark, Source};
 pub use editor_schema::editor_schema;
+pub use fault::nearest;
 pub use schema::schema;
 pub(crate) use sweep::{Cases, Choice};
 
 use crate::memory;
-use deserialise::{Fault, Reader};
+use deserialise::Reader;
 use document::{Document, Node};
+use fault::Fault;
 
 /// A valid scenario, and its source text.
 #[derive(Debug)]

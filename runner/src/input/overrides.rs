@@ -4,8 +4,8 @@
 use asperity::scenario::Law;
 use toml::de::{DeTable, DeValue};
 
-use super::deserialise::Fault;
 use super::document::{Document, Kind, Node, Place};
+use super::fault::Fault;
 use super::{Diagnostic, short};
 
 /// Merges one override into the document.

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use asperity::scenario::Scenario;
 
-use super::deserialise::Fault;
 use super::document::{Document, Kind, Node};
+use super::fault::Fault;
 use super::{Diagnostic, Input, overrides, read_document, short};
 
 /// A value of a key in a case.

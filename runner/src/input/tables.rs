@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use asperity::scenario::{FitCurve, FitSource, Protocol, Scenario, Step, Tabulated};
 use sha2::{Digest, Sha256};
 
-use super::deserialise::Fault;
+use super::fault::Fault;
 use super::{short, text};
 
 /// Replaces every `file` key by the content of the file, whose path is relative to `folder`; without a folder, no file is read.

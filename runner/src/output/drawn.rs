@@ -6,8 +6,8 @@ use std::io;
 
 use asperity::record::{Record, Variable};
 
+use super::columns::StoredColumns;
 use super::view::Variables;
-use crate::columns::StoredColumns;
 
 /// A variable, and how many values it has.
 pub(super) struct Described {

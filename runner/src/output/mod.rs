@@ -1,6 +1,7 @@
 //! Writing of results: one folder, written under a temporary name and then moved into place.
 
 mod attributes;
+mod columns;
 mod csv;
 mod directory;
 mod drawn;
@@ -19,10 +20,10 @@ use std::path::Path;
 use asperity::record::Record;
 use asperity::task::summary::Summary;
 
-use crate::columns::StoredColumns;
 use view::Variables;
 
 pub use attributes::{Attribute, FORMAT, attributes, common};
+pub use columns::StoredColumns;
 pub use csv::shortest;
 pub(crate) use directory::NewFile;
 pub use directory::{Renamed, check};

@@ -5,7 +5,7 @@ use std::io;
 
 use asperity::record::{Record, Variable};
 
-use crate::columns::{StoredColumn, StoredColumns};
+use super::columns::{StoredColumn, StoredColumns};
 
 /// The variables of a result.
 #[derive(Debug, Clone, Copy)]

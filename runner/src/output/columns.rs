@@ -9,7 +9,8 @@ use asperity::{Error, Result};
 
 use crate::folder::{self, Made};
 use crate::numbers::NumbersInFile;
-use crate::output;
+
+use super::error;
 
 /// Columns of results in files.
 #[derive(Debug)]
@@ -18,7 +19,7 @@ pub struct StoredColumns {
     directory: PathBuf,
     in_memory: u64,
     columns: Vec<StoredColumn>,
-    failure: Option<output::Error>,
+    failure: Option<error::Error>,
     /// Dropped last, after the files.
     folders: Option<Made>,
 }
@@ -49,13 +50,13 @@ impl StoredColumns {
     }
 
     /// The error that stopped the computation, if a column could not be stored or read.
-    pub fn failure(&mut self) -> Option<output::Error> {
+    pub fn failure(&mut self) -> Option<error::Error> {
         self.failure.take()
     }
 
     fn failed(&mut self, action: &'static str, source: io::Error) -> Error {
         let path = folder::above(&self.directory).to_owned();
-        self.failure = Some(output::Error::System { path, action, source });
+        self.failure = Some(error::Error::System { path, action, source });
         Error::Stopped
     }
 

@@ -1,0 +1,99 @@
+//! Contacts coupled one by one.
+
+use asperity::scenario::{self, CellLoading, Disorder, Elasticity, PerCell};
+use pyo3::prelude::*;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Real, Seed};
+use crate::deformable::Deformable;
+use crate::law::AnyLaw;
+use crate::model::interface;
+use crate::surface::Surface;
+use crate::typed;
+
+/// Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
+/// Christensen, for any distribution of thresholds.
+///
+/// Parameters
+/// ----------
+/// contacts
+///     The distributions of the contacts; their count is the total number that all cells represent.
+/// cells
+///     The length of a chain, or rows and columns.
+/// initial, start
+///     As for Ensemble.
+/// neighbours
+///     The stiffness of the spring between two neighbours.
+/// connection
+///     The stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z neighbours +
+///     connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
+/// edges
+///     "open" or "periodic".
+/// seed, disorder
+///     As for Ensemble.
+///
+/// Raises
+/// ------
+/// ValueError
+///     For invalid values.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> lattice = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.1)), [16, 16], neighbours=0.2, connection=0.2)
+/// >>> len(lattice.drive(distance=3.0).events) > 0
+/// True
+#[pyclass(frozen, extends = Deformable, module = "asperity")]
+pub struct Lattice;
+
+#[pymethods]
+impl Lattice {
+    #[new]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
+    #[pyo3(
+        signature = (
+            contacts, cells, initial = None, *, neighbours, connection, edges: "Literal['open', 'periodic']" = "open", seed = Seed(1),
+            disorder: "Literal['annealed', 'quenched']" = "annealed", start: "Literal['conditional', 'relaxed']" = "conditional"
+        ),
+        text_signature = "(contacts, cells, initial=None, *, neighbours, connection, edges='open', seed=1, disorder='annealed', start='conditional')"
+    )]
+    fn new(
+        contacts: &Bound<'_, Contacts>,
+        cells: Vec<usize>,
+        initial: Option<AnyLaw>,
+        neighbours: f64,
+        connection: Real,
+        edges: &str,
+        seed: Seed,
+        disorder: &str,
+        start: &str,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let connection = connection.get("connection")?;
+        let own = scenario::Interface {
+            cells,
+            contacts: PerCell::One,
+            connection,
+            coupling: Elasticity::Neighbours { stiffness: neighbours },
+            edges: convert::word("edges", edges)?,
+            loading: CellLoading::Uniform,
+            slip: None,
+            viscosity: None,
+            mass: None,
+            disorder: None,
+            drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
+            catalogue_from: 0.0,
+            slip_rates: None,
+        };
+        let disorder = convert::word("disorder", disorder)?;
+        let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });
+        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
+        Ok(Deformable::made(surface)?.add_subclass(Self))
+    }
+
+    /// The kind of disorder, "annealed" or "quenched".
+    #[getter]
+    fn disorder(slf: &Bound<'_, Self>) -> typed::DisorderWord {
+        let ensemble = Deformable::plain(slf.as_super()).ensemble.as_ref();
+        typed::DisorderWord(convert::disorder(ensemble.map_or(Disorder::Annealed, |own| own.disorder)))
+    }
+}
