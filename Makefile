@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python notebook lint advisories notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test built compiled rust results python notebook lint advisories notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
 .PHONY: workflows metadata release-check packages packages-compile publish semver release release-notes binary compiles minimal-versions mutants fuzz-bytes cost
 
 export PYTHON ?= python3
@@ -16,7 +16,17 @@ page := target/explorer/asperity-explorer.html
 wasm_library := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown/lib/libstd-*.rlib)
 
 # Everything that must hold.
-test: setup rust results explorer python notebook lint advisories docs release-check
+test: setup built rust results explorer python notebook lint advisories docs release-check
+
+# All that the parts of `make test` compile and install, two at a time: linking and installing keep one core busy only.
+built:
+	$(MAKE) --jobs 2 --output-sync=target compiled $(if $(wasm_library),$(page)) $(stubs) $(venv)-release/ready \
+	  $(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-notebook)
+
+tested := --release --locked --package asperity --package asperity-runner --package asperity-engine --package asperity-cli
+
+compiled:
+	cargo test $(tested) --no-run
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -42,7 +52,7 @@ export ASPERITY_LAB_DATA ?= $(abspath $(wildcard ../shared/data))
 # The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
 	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
-	cargo test --release --locked --package asperity --package asperity-runner --package asperity-engine --package asperity-cli
+	cargo test $(tested)
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready
@@ -59,8 +69,8 @@ stubs := $(package)/stubs/asperity/_core.pyi
 
 # The Python package as users get it, where NumPy is the newest and where it is the oldest.
 python: $(venv)/installed $(venv)-oldest/installed $(stubs)
-	$(venv)/bin/python -P -m pytest
-	$(venv)-oldest/bin/python -P -m pytest -k "not command"
+	$(venv)/bin/python -P -m pytest --numprocesses 2
+	$(venv)-oldest/bin/python -P -m pytest --numprocesses 2 -k "not command"
 	$(venv)/bin/python -P python/tests/stubs.py --check $(stubs)
 	$(venv)/bin/mypy python
 	$(venv)/bin/python -P -m mypy.stubtest asperity
