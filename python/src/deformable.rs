@@ -1,7 +1,6 @@
 //! What deformable interfaces have in common: a drive of their load point.
 
-use asperity::scenario::{Drive, Edges, Renormalisation, Scenario};
-use pyo3::IntoPyObjectExt as _;
+use asperity::scenario::{Drive, Edges, Elasticity, Renormalisation, Scenario};
 use pyo3::prelude::*;
 
 use crate::contacts::Contacts;

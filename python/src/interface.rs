@@ -3,6 +3,7 @@
 use asperity::scenario::{
     self, CellLoading, CellSlip, Disorder, Elasticity, PerCell, Scales, SlidingDirection,
 };
+use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 
 use crate::contacts::Contacts;
