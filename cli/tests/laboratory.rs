@@ -65,6 +65,55 @@ fn stick_slip_has_the_size_of_measured_events() {
     }
 }
 
+/// Intercept and slope of a line by least squares, each with its standard error.
+fn line(x: &[f64], y: &[f64]) -> [(f64, f64); 2] {
+    let n = x.len() as f64;
+    let (x_mean, y_mean) = (mean_and_std(x).0, mean_and_std(y).0);
+    let squares: f64 = x.iter().map(|x| (x - x_mean).powi(2)).sum();
+    let slope = x.iter().zip(y).map(|(x, y)| (x - x_mean) * y).sum::<f64>() / squares;
+    let intercept = y_mean - slope * x_mean;
+    let left: f64 = x.iter().zip(y).map(|(x, y)| (y - intercept - slope * x).powi(2)).sum();
+    let variance = left / (n - 2.0);
+    let errors = [variance * (1.0 / n + x_mean * x_mean / squares), variance / squares].map(f64::sqrt);
+    [(intercept, errors[0]), (slope, errors[1])]
+}
+
+/// The numbers of `docs/undetermined.md`: a catalogue knows the ends of each loading only, and the last one is where the block
+/// fails. A loading at a constant rate would make the rise of the stress proportional to the waiting time; it hardly depends on it.
+#[test]
+fn a_catalogue_of_events_does_not_tell_the_stiffness_of_loading() {
+    let Some(data) = std::env::var_os("ASPERITY_LAB_DATA").filter(|name| !name.is_empty()).map(PathBuf::from)
+    else {
+        println!("skipped: ASPERITY_LAB_DATA is not set");
+        return;
+    };
+    let file = data.join("stick-slip-events-okubo-2025/Macroscopic_stats_FB03_087.csv");
+    let catalogue = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let names = [
+        "event_starttime[s]",
+        "macroshearstress_beforeevent[MPa]",
+        "macroshearstress_afterevent[MPa]",
+        "macroshearstress_drop[MPa]",
+        "slip_mean[mm]",
+    ];
+    let [time, before, after, drop, slip] = columns(&catalogue, names);
+    let waits: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let rises: Vec<f64> = before[1..].iter().zip(&after).map(|(before, after)| before - after).collect();
+    let rates: Vec<f64> = rises.iter().zip(&waits).map(|(rise, wait)| rise / wait).collect();
+    let [at_once, rate] = line(&waits, &rises);
+    println!("rises {at_once:?} MPa and {rate:?} MPa/s, rates {:?}", mean_and_std(&rates));
+    // Numbers of the page, to half of their last digits.
+    let told = |found: f64, page: f64, digit: f64| (found - page).abs() < 0.5 * digit;
+    assert!(told(at_once.0, 0.0170, 1e-4) && told(at_once.1, 0.0006, 1e-4), "{at_once:?}");
+    assert!(told(rate.0, 0.00074, 1e-5) && told(rate.1, 0.00014, 1e-5), "{rate:?}");
+    assert!(told(mean_and_std(&rates).0, 0.0057, 1e-4), "{rates:?}");
+    let [_, stiffness] = line(&slip, &drop);
+    let [offset, of_most] = line(&slip[1..], &drop[1..]);
+    println!("drop over slip {stiffness:?}, without the first event {of_most:?} beside {offset:?}");
+    assert!(told(stiffness.0, 0.588, 1e-3) && told(stiffness.1, 0.014, 1e-3), "{stiffness:?}");
+    assert!(told(of_most.0, 0.675, 1e-3) && told(of_most.1, 0.035, 1e-3), "{of_most:?}");
+}
+
 /// Columns of a tab-separated file, in order.
 fn tabs<const N: usize>(text: &str) -> [Vec<f64>; N] {
     let mut columns = [const { Vec::new() }; N];

@@ -167,6 +167,84 @@ fn a_compliance_is_found_from_the_drive() {
     assert!(apart < 1e-6, "{apart}");
 }
 
+/// Two loadings of 2000 contacts behind a machine, up to shortly before it slips, with reading errors of 2.
+fn loadings(compliance: f64) -> [Measurement; 2] {
+    let slider = positions(100, 0.86);
+    let normal = Gaussian::new(40.0, 1.0).unwrap();
+    [21, 22].map(|seed| {
+        let forces = simulated(&slider, seed);
+        let drive: Vec<f64> = slider.iter().zip(&forces).map(|(x, force)| x + compliance * force).collect();
+        let mut stream = Stream::new(seed, Purpose::Sample, 0);
+        let mut error = || 2.0 * (normal.quantile(stream.uniform()) - 40.0);
+        let readings: Vec<f64> = forces.iter().map(|force| force + error()).collect();
+        // Where several contacts break, the drive of equilibrium may go back: what is measured is what comes next.
+        let highest = |i: usize| drive[..i].iter().fold(0.0, |most: f64, y| most.max(*y));
+        let kept: Vec<usize> = (0..drive.len()).filter(|&i| drive[i] > highest(i)).collect();
+        let of = |values: &[f64]| kept.iter().map(|&i| values[i]).collect();
+        Measurement::new(of(&drive), of(&readings))
+    })
+}
+
+/// A fit to [`loadings`] behind a machine of this compliance; without the noise of contacts their stiffness is fixed.
+fn behind(compliance: f64, loadings: &[Measurement; 2], is_free: bool, errors: ErrorModel) -> Estimates {
+    let machine = Machine { compliance, ..Machine::default() };
+    let [first, second] = loadings.clone().map(|loading| Measurement { machine, ..loading });
+    let guess = MasterEquation::new(contacts(1800.0, [0.9, 0.2], spread()), &Initial::default()).unwrap();
+    let free = TRUE.iter().take(if errors.contacts { 4 } else { 3 }).map(|number| number.0);
+    let free = free.chain(is_free.then_some("compliance"));
+    Fit::new(guess, first).curve(second).free(free).errors(errors).run().unwrap()
+}
+
+/// Before a slip, a stiffer machine and contacts of larger thresholds make nearly the same curve, but not the same one.
+#[test]
+fn a_compliance_is_found_from_loadings_before_a_slip() {
+    let truth = 2e-4;
+    let loadings = loadings(truth);
+    let of = |found: &Estimates| {
+        assert!(found.converged);
+        found.estimate("compliance").unwrap().clone()
+    };
+    let starts = [4e-4, 2e-5, 1e-4];
+    let all = starts.map(|start| of(&behind(start, &loadings, true, ErrorModel::default())));
+    for (found, start) in all.iter().zip(starts) {
+        // Searches end within a thousandth of an error of the same place, for the noise at slightly other values.
+        assert!((found.value - all[0].value).abs() < 0.02 * found.error, "from {start}: {found:?}");
+        assert!((found.value - truth).abs() < 3.0 * found.error, "from {start}: {found:?}");
+    }
+    // With errors of one known size −2 ln L is a sum of squares. It rises by 1 over one error of a number, all others estimated.
+    let known = ErrorModel { contacts: false, reading: Some(3.0), drift: None };
+    let free = behind(4e-4, &loadings, true, known);
+    let compliance = of(&free);
+    let deviance = |found: &Estimates| found.misfit.unwrap().deviance;
+    let rises = [-1.0, 1.0].map(|side| {
+        let fixed = behind(compliance.value + side * compliance.error, &loadings, false, known);
+        deviance(&fixed) - deviance(&free)
+    });
+    // Third derivatives cancel in the mean of both sides; the observed information differs from the expected one by the residuals,
+    // which are those of 200 readings.
+    let mean = 0.5 * (rises[0] + rises[1]);
+    assert!((mean - 1.0).abs() < 0.15, "{rises:?}");
+}
+
+#[test]
+fn of_a_machine_that_is_stiff_only_a_limit_of_the_compliance_is_known() {
+    // A drive that lags behind the slider: no compliance describes this, and 0 describes it best.
+    let loadings = loadings(-2e-4);
+    let known = ErrorModel { contacts: false, reading: Some(3.0), drift: None };
+    for errors in [known, ErrorModel::default()] {
+        let found = behind(1e-4, &loadings, true, errors);
+        let compliance = found.estimate("compliance").unwrap();
+        let limit = compliance.limit.expect("only a limit");
+        assert!(found.converged && compliance.interval == [0.0, limit]);
+        // 1.645² in −2 ln L, by fits with this compliance and with none. The end is sought to 0.005 of the limit; the noise of
+        // contacts, where it counts, is that of slightly other contacts.
+        let deviance = |compliance| behind(compliance, &loadings, false, errors).misfit.unwrap().deviance;
+        let rise = deviance(limit) - deviance(1e-10);
+        let close = if errors.contacts { 0.4 } else { 0.05 };
+        assert!((rise - 2.706).abs() < close, "{rise}");
+    }
+}
+
 #[test]
 fn what_a_curve_does_not_determine_is_refused_with_the_direction() {
     let positions = positions(100, 4.0);

@@ -1154,7 +1154,7 @@ class Estimates:
             A name of `params`.
         values
             A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
-            logarithm for numbers above 0.
+            logarithm for numbers above 0 but a compliance.
         progress
             As for MasterEquation.pull.
 
@@ -1194,7 +1194,8 @@ class Estimates:
     ) -> Posterior:
         """Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
 
-        The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0.
+        The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0
+        that is no compliance.
         The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
         before, which are left out.
 
@@ -4260,7 +4261,7 @@ def fit(
         The reading of the position at X = 0.
     prior
         For some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
-        logarithm for numbers above 0.
+        logarithm for numbers above 0 but a compliance.
     average
         The number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most 4000
         may remain.

@@ -335,7 +335,8 @@ impl Estimates {
 
     /// Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
     ///
-    /// The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0.
+    /// The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0
+    /// that is no compliance.
     /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
     /// before, which are left out.
     ///

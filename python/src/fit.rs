@@ -61,7 +61,7 @@ use crate::watch::watched;
 ///     The reading of the position at X = 0.
 /// prior
 ///     For some of the free numbers what is known beforehand, {name: (value, error)}: a normal distribution, of the
-///     logarithm for numbers above 0.
+///     logarithm for numbers above 0 but a compliance.
 /// average
 ///     The number of neighbouring readings to replace by their mean; with noise "contacts" or a drift at most 4000
 ///     may remain.

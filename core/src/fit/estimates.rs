@@ -35,7 +35,7 @@ pub struct Estimate {
     /// Its standard error.
     pub error: f64,
     /// The interval that holds the true value with 95 %: 1.96 standard errors to both sides of the value, or of its logarithm
-    /// for numbers above 0.
+    /// for numbers above 0, but not beyond the end of its range.
     pub interval: [f64; 2],
     /// Where only a limit is known: the value below which it is with 95 %, by the profile of the likelihood.
     pub limit: Option<f64>,
@@ -171,9 +171,12 @@ impl Estimates {
         let (parameter, u) = (&likelihood.free[number], optimum.coordinates[number]);
         let error = self.parameters[number].error / parameter.slope(u);
         let known = error > 0.0 && (error <= VAGUE || !parameter.logarithmic);
-        let width = WIDTH * if known { error } else { VAGUE };
+        let width = match self.parameters[number].limit {
+            Some(limit) if !parameter.logarithmic => limit,
+            _ => WIDTH * if known { error } else { VAGUE },
+        };
         let place = |i: usize| 2.0 * i as f64 / count.saturating_sub(1).max(1) as f64 - 1.0;
-        Ok((0..count).map(|i| parameter.value(u + width * place(i))).collect())
+        Ok((0..count).map(|i| parameter.value((u + width * place(i)).max(parameter.bounds[0]))).collect())
     }
 
     /// ln L at values of the free numbers, in their order, and its gradient, priors included; −∞ and NaN where the likelihood is
@@ -352,7 +355,7 @@ pub(super) fn estimate<O: Objective>(
     let parameter = &likelihood.free()[k];
     let u = optimum.coordinates[k];
     let value = parameter.value(u);
-    let low = parameter.logarithmic && optimum.at_bound[k] && u <= parameter.bounds[0];
+    let low = optimum.at_bound[k] && u <= parameter.bounds[0];
     let vague = parameter.is_of_errors() && parameter.logarithmic && (error.is_nan() || error > VAGUE);
     let limited = (low || vague) && parameter.role != Role::DriftLength;
     let limit = if limited && with_limit {
@@ -360,7 +363,7 @@ pub(super) fn estimate<O: Objective>(
     } else {
         None
     };
-    let end = |side: f64| parameter.value(u + side * TWO_SIDED * error);
+    let end = |side: f64| parameter.value((u + side * TWO_SIDED * error).max(parameter.bounds[0]));
     let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
     Ok(Estimate { name: parameter.name.clone(), value, error: error * parameter.slope(u), interval, limit })
 }

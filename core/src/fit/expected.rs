@@ -55,7 +55,7 @@ impl FittedContacts {
     }
 }
 
-/// The readings of all curves at `values` of `free`; `None` where a machine of this compliance slips.
+/// The readings of all curves at `values` of `free`; `None` where a machine of this compliance slips, or none has it.
 ///
 /// # Errors
 /// A value outside of its range; errors of the solver; stopped by the monitor.
@@ -69,6 +69,9 @@ pub(super) fn expected_readings(
         .enumerate()
         .map(|(c, measured)| machine((c, measured.machine), (free, values)))
         .collect();
+    if machines.iter().any(|machine| machine.compliance < 0.0) {
+        return Ok(None);
+    }
     let distance = |c: usize| {
         let last = curves[c].positions[curves[c].positions.len() - 1] - machines[c].origin;
         last.max(f64::MIN_POSITIVE)

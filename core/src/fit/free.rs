@@ -18,7 +18,7 @@ pub(crate) const BACKGROUND: &str = "background";
 /// Correlation length at which the drift begins, in multiples of the longest.
 const DRIFT_LENGTH: f64 = 0.3;
 
-/// What is known of a number beforehand: a normal distribution, of its logarithm if the number is above 0.
+/// What is known of a number beforehand: a normal distribution, of its logarithm if the number is above 0 and no compliance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Prior {
@@ -29,6 +29,9 @@ pub struct Prior {
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "any"))]
     pub error: f64,
 }
+
+/// Smallest compliance, in multiples of its first value.
+const STIFFEST: f64 = 1e-6;
 
 /// What a free number belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +69,7 @@ pub(super) struct FreeParameter {
     /// The curve that it belongs to; `None` for all of them.
     pub curve: Option<usize>,
     pub role: Role,
-    /// Whether it is varied by its logarithm, since it is above 0.
+    /// Whether it is varied by its logarithm, as what is above 0 is, except for a compliance.
     pub logarithmic: bool,
     /// Its first value.
     pub start: f64,
@@ -210,10 +213,10 @@ impl Fit {
         };
         let logarithmic = match role {
             Role::Contacts => self.equation.is_positive(quantity),
-            role => Ok(matches!(role, Role::Compliance | Role::Background)),
+            role => Ok(role == Role::Background),
         };
         Some(logarithmic.and_then(|logarithmic| {
-            if logarithmic && start <= 0.0 {
+            if (logarithmic || role == Role::Compliance) && start <= 0.0 {
                 return Err(Error::invalid(
                     name,
                     "a first value above 0 of a free number that is positive",
@@ -221,6 +224,10 @@ impl Fit {
                 ));
             }
             let mut parameter = FreeParameter::new(name, role, logarithmic, start);
+            if role == Role::Compliance {
+                // Varied as it is: contacts of larger thresholds behind a stiffer machine make nearly the same curve along a line.
+                parameter.bounds[0] = STIFFEST * start;
+            }
             if ["mean", "min", "max"].iter().any(|of| !logarithmic && quantity.ends_with(&format!(".{of}"))) {
                 parameter.longest = LONGEST_SHIFT * self.equation.contacts().thresholds.mean();
             }

@@ -1,5 +1,7 @@
 //! Intervals of estimates: from the information, and by the profile of the likelihood.
 
+use super::likelihood::Score;
+use super::matrix;
 use super::search::{Objective, Optimum, SHORT, search_from};
 use crate::Result;
 use crate::monitor::Monitor;
@@ -55,10 +57,27 @@ pub(super) fn upper_limit<O: Objective>(
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
     let (likelihood, optimum) = ended;
-    let start = optimum.coordinates[number];
-    let step = step_of_squares(optimum.score.slope[(number, 0)]);
-    let end = end_of_rise(ended, (number, start, step), (ONE_SIDED, LIMIT), monitor)?;
-    Ok(likelihood.free()[number].value(end))
+    let (start, parameter) = (optimum.coordinates[number], &likelihood.free()[number]);
+    let (step, accuracy) = if parameter.logarithmic {
+        (step_of_squares(optimum.score.slope[(number, 0)]), LIMIT)
+    } else {
+        let step = step_to_rise(optimum, number);
+        (step, LIMIT * step)
+    };
+    let end = end_of_rise(ended, (number, start, step), (ONE_SIDED, accuracy), monitor)?;
+    Ok(parameter.value(end))
+}
+
+/// The step from the end of the range of a number to its limit, for a deviance that is quadratic in all numbers: with half its slope
+/// g and the information I of this number, all others estimated, 2gδ + Iδ² is the rise.
+fn step_to_rise<P>(optimum: &Optimum<P>, number: usize) -> f64 {
+    let Score { slope, information } = &optimum.score;
+    let slope = slope[(number, 0)];
+    let moving: Vec<usize> =
+        (0..optimum.at_bound.len()).filter(|&k| k == number || !optimum.at_bound[k]).collect();
+    let variance = matrix::covariance(information, &moving).map(|covariance| covariance[(number, number)]);
+    let information = variance.map_or(information[(number, number)], f64::recip);
+    ((slope * slope + information * ONE_SIDED).sqrt() - slope) / information
 }
 
 /// About the step of the logarithm of an error at the end of its range, where half the deviance has this slope, to its limit:

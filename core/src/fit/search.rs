@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::free::FreeParameter;
+use super::free::{FreeParameter, Role};
 use super::likelihood::{Likelihood, LikelihoodPoint, Score};
 use super::matrix;
 use crate::monitor::{Aside, Monitor};
@@ -31,12 +31,12 @@ pub(super) trait Objective {
     /// What is computed at a point.
     type Point;
 
-    /// How often a step without damping is halved before steps are damped. Damping is relative to the information of each
-    /// number: where this is nearly singular, it holds back what is hardly determined even where it is small.
-    const HALVINGS: i32 = 0;
-
     /// The free numbers.
     fn free(&self) -> &[FreeParameter];
+
+    /// How often a step without damping is halved before steps are damped. Damping is relative to the information of each
+    /// number: where this is nearly singular, it holds back what is hardly determined even where it is small.
+    fn halvings(&self) -> i32;
 
     /// The likelihood at coordinates; `None` where it is 0 or not defined, such as beyond the range of a number.
     ///
@@ -59,6 +59,11 @@ impl Objective for Likelihood {
 
     fn free(&self) -> &[FreeParameter] {
         &self.free
+    }
+
+    /// Before the machine slips, its compliance and the lengths of the thresholds change a curve almost alike.
+    fn halvings(&self) -> i32 {
+        if self.free.iter().any(|parameter| parameter.role == Role::Compliance) { 4 } else { 0 }
     }
 
     fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<LikelihoodPoint>> {
@@ -193,7 +198,7 @@ pub(super) fn search_from_score<O: Objective>(
                     (coordinates, trial, moved) = (next, found, true);
                     break;
                 }
-                None if damping == 0.0 && halvings < O::HALVINGS => halvings += 1,
+                None if damping == 0.0 && halvings < likelihood.halvings() => halvings += 1,
                 None => damping = more(damping),
             }
         }

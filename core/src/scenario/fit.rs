@@ -83,7 +83,7 @@ pub struct Fit {
     #[schemars(extend("minimum" = 1))]
     pub average: usize,
     /// What is known of free keys beforehand: for each key its most probable `value` and its standard deviation `error`; a
-    /// normal distribution, of the logarithm where the number is above 0.
+    /// normal distribution, of the logarithm where the number is above 0 and no compliance.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(extend("x-dimension" = "any"))]
     pub prior: BTreeMap<String, Prior>,
@@ -315,8 +315,9 @@ impl Fit {
         let Model { contacts, initial, .. } = model;
         for (key, law) in [("contacts.reforming", &contacts.reforming), ("initial", &initial.law)] {
             if law.name() == "truncated" {
-                let expected = "stretches at which contacts hold: the share that is left out changes with the thresholds";
-                return Err(Error::invalid(key, expected, "stretches beyond the thresholds"));
+                let expected = "stretches below the thresholds: a smaller mean or std, or a distribution with an end, \
+                                such as rectangular, since what is left out changes with the thresholds";
+                return Err(Error::invalid(key, expected, "stretches at which hardly any contact holds"));
             }
         }
         match self.velocity {

@@ -174,11 +174,13 @@ impl SteadyLikelihood {
 impl Objective for SteadyLikelihood {
     type Point = SteadyPoint;
 
-    // The mean of a record is known far better than what its noise tells.
-    const HALVINGS: i32 = 6;
-
     fn free(&self) -> &[FreeParameter] {
         &self.free
+    }
+
+    /// The mean of a record is known far better than what its noise tells.
+    fn halvings(&self) -> i32 {
+        6
     }
 
     fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<SteadyPoint>> {
