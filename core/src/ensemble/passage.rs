@@ -6,7 +6,7 @@ use super::attached::{AttachedContact, Segment, segments};
 use super::contact::TOGETHER;
 use super::diffusion::ThresholdDiffusion;
 use crate::Result;
-use crate::contacts::{Ageing, Stiffness, Temperature, ThresholdEvolution};
+use crate::contacts::{Ageing, Label, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge};
 use crate::history::History;
 use crate::monitor::Monitor;
 use crate::numerics::accumulation::integral_reaches;
@@ -117,7 +117,14 @@ impl KnownThreshold {
     /// When the stretch reaches the threshold, if the segment is long enough; if not, infinite, or for a
     /// constant threshold a time after its end.
     fn time_of_passage(&self, held: &AttachedContact, segment: &Segment) -> f64 {
-        let gap = |time| held.origin + self.threshold(held, time) - segment.position(time);
+        // The rank, of which a contact has one for life, is found once.
+        let rank = self.evolution.rank(held.newborn);
+        let label = Label { newborn: held.newborn, rank: rank.as_ref() };
+        let aged = |time: f64| self.evolution.at(time - held.birth);
+        let gap_of = |aged: &ThresholdsAtAge<'_>, time| {
+            held.origin + aged.threshold_of(label) - segment.position(time)
+        };
+        let gap = |time| gap_of(&aged(time), time);
         let mut from = segment.start;
         if gap(from) <= 0.0 {
             return from;
@@ -131,21 +138,24 @@ impl KnownThreshold {
         // Between two extrema of the threshold the rate at which the gap closes changes sign at
         // most once. Each interval then holds at most one minimum of the gap, and no passage is
         // missed.
-        let closing = |time: f64| self.evolution.at(time - held.birth).drift(held.newborn) - segment.velocity;
+        let closing = |time: f64| aged(time).drift_of(label) - segment.velocity;
+        let mut closing_from = closing(from);
         let extrema = self.extrema.iter().map(|age| held.birth + age);
         let extrema = extrema.filter(|turn| (segment.start..segment.end).contains(turn));
         for until in extrema.chain([segment.end]) {
             // If the gap shrinks and grows again it may close in between.
-            let lowest = if closing(from) < 0.0 && closing(until) > 0.0 {
+            let then = aged(until);
+            let closing_until = then.drift_of(label) - segment.velocity;
+            let lowest = if closing_from < 0.0 && closing_until > 0.0 {
                 brent_root(closing, from, until, 0.0).filter(|&lowest| gap(lowest) <= 0.0)
             } else {
                 None
             };
             let until = lowest.unwrap_or(until);
-            if gap(until) <= 0.0 {
+            if lowest.is_some() || gap_of(&then, until) <= 0.0 {
                 return brent_root(gap, from, until, 0.0).unwrap_or(until);
             }
-            from = until;
+            (from, closing_from) = (until, closing_until);
         }
         f64::INFINITY
     }
@@ -162,10 +172,13 @@ impl KnownThreshold {
         remaining_hazard: &mut f64,
     ) -> Option<f64> {
         let temperature = self.temperature?;
+        let rank = self.evolution.rank(held.newborn);
+        let label = Label { newborn: held.newborn, rank: rank.as_ref() };
         let constant = self.evolution.is_constant().then_some(held.newborn);
         let stretch = segment.position - held.origin;
         let rate = |elapsed: f64| {
-            let threshold = constant.unwrap_or_else(|| self.threshold(held, segment.start + elapsed));
+            let aged = || self.evolution.at(segment.start + elapsed - held.birth);
+            let threshold = constant.unwrap_or_else(|| aged().threshold_of(label));
             let own = self.stiffness.of(threshold);
             temperature.rate(stretch + segment.velocity * elapsed, threshold, own)
         };

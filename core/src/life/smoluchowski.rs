@@ -208,7 +208,7 @@ impl FokkerPlanckLife {
             diffusion: self.at_least(layers * LEAST),
             loss: lost.as_ref().map(|lost| lost as Loss<'_>),
         };
-        let velocity = self.velocity;
+        let (velocity, stops) = (self.velocity, || watch.stops());
         let mut evolution = Evolution {
             density,
             field,
@@ -219,6 +219,7 @@ impl FokkerPlanckLife {
             time,
             next,
             first: true,
+            stops: &stops,
         };
         let mut segments = Vec::new();
         if time > 0.0 {

@@ -6,8 +6,8 @@ use std::cell::Cell;
 use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::{Breakpoint, Law, SharedLaw};
-use crate::monitor::{Monitor, report};
-use crate::numerics::diffusion::{Elements, Evolution, Field};
+use crate::monitor::{Monitor, Watch, report};
+use crate::numerics::diffusion::{Elements, Evolution, Field, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::{POINTS, Stencil};
@@ -358,8 +358,12 @@ impl RanksAtAge<'_> {
 
     /// ∂h/∂t.
     pub(super) fn drift(&self, newborn: f64) -> f64 {
-        let ranks = stencil(self.ranks.psi(newborn).clamp(-FAR, FAR));
-        self.pace * self.ages.slope(|age| ranks.value(|rank| self.ranks.rows[age][rank]))
+        self.drift_of(&self.ranks.rank(newborn))
+    }
+
+    /// ∂h/∂t of a contact of this rank.
+    pub(super) fn drift_of(&self, rank: &Rank) -> f64 {
+        self.pace * self.ages.slope(|age| rank.ranks.value(|rank| self.ranks.rows[age][rank]))
     }
 }
 
@@ -446,6 +450,7 @@ fn evolve_quantiles(
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let finest = FINEST * maturing.width();
     let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
+    let watch = Watch::new(monitor);
     let mut evolution = Evolution {
         density: maturing.fresh_density(maturing.support.0, 0.1 * LEFT_OUT, finest),
         field,
@@ -456,13 +461,22 @@ fn evolve_quantiles(
         time: 0.0,
         next: finest * finest / maturing.diffusion,
         first: true,
+        stops: &|| watch.stops(),
     };
+    let Some((&earliest, &oldest)) = ages.first().zip(ages.last()) else { return Ok(Vec::new()) };
+    let mut step: Option<TimeStep> = None;
     let mut at = |(row, age): (usize, &f64)| {
+        watch.check()?;
+        // A step passes many ages. Its polynomials in time are as accurate between its ends as there, but for the first step,
+        // of which they are not controlled.
         while evolution.time < *age {
-            report(monitor, SHARE * row as f64 / ages.len() as f64)?;
-            evolution.advance(*age);
+            watch.done(SHARE * row as f64 / ages.len() as f64);
+            let limit = if evolution.first { earliest } else { oldest };
+            step = Some(evolution.advance(limit));
+            watch.check()?;
         }
-        Ok(quantiles_of(&evolution.density))
+        let density = step.as_ref().map(|step| step.at(*age));
+        Ok(quantiles_of(density.as_ref().unwrap_or(&evolution.density)))
     };
     ages.iter().enumerate().map(&mut at).collect()
 }

@@ -343,6 +343,15 @@ impl ThresholdsAtAge<'_> {
         }
     }
 
+    /// ∂h/∂t of a contact with a label.
+    #[inline]
+    pub(crate) fn drift_of(&self, label: Label<'_>) -> f64 {
+        match (&self.0, label.rank) {
+            (At::Ranked(aged), Some(rank)) => aged.drift_of(rank),
+            _ => self.drift(label.newborn),
+        }
+    }
+
     /// h of contacts with sixteen labels.
     #[inline(always)]
     pub(crate) fn thresholds_of(&self, labels: &NodalLabels) -> Nodal {

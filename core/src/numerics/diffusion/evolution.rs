@@ -12,7 +12,6 @@ use crate::numerics::legendre::{Nodal, series};
 /// step follows from the truncation error of its polynomials in time. Above an absorbing floor the lowest
 /// elements move with it, up to the first that is wide enough to be squeezed, so that the boundary layer of
 /// width D/v is at rest in them; all other elements are at rest.
-#[derive(Debug)]
 pub struct Evolution<'a> {
     /// p.
     pub density: Elements,
@@ -33,6 +32,14 @@ pub struct Evolution<'a> {
     /// Whether the next step is the first, in which edges of the density become smooth on a scale that does
     /// not matter later: the truncation error of its polynomials in time is not controlled.
     pub first: bool,
+    /// Whether to stop, asked in every sweep of a step: what is then returned is not the solution.
+    pub stops: &'a dyn Fn() -> bool,
+}
+
+impl std::fmt::Debug for Evolution<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Evolution").field("time", &self.time).finish_non_exhaustive()
+    }
 }
 
 /// A finished step: the density at its start and at the Radau points.
@@ -100,11 +107,11 @@ impl Evolution<'_> {
                 self.field.loss.map_or(0.0, |loss| loss(self.time + done * motion.duration, place))
             };
             let field = Field { loss: self.field.loss.map(|_| &lost as Loss<'_>), ..self.field };
-            let slab = slab(&start, &motion, &field, 0.02 * self.tolerance);
+            let slab = slab(&start, &motion, &field, 0.02 * self.tolerance, self.stops);
             // A step is repeated with finer elements, or a shorter duration, until both errors are below the
             // tolerance.
             let missed = truncation_in_time(&start, &slab.stages, &RADAU);
-            let last = tries >= MOST_TRIES;
+            let last = tries >= MOST_TRIES || (self.stops)();
             let roughness: Vec<f64> = (0..start.count()).map(|i| self.roughness(i, &slab.stages)).collect();
             if !last && start.count() < MOST_ELEMENTS && roughness.iter().any(|roughness| *roughness > 1.0) {
                 start = start.on(&refined(&start.edges, &roughness, self.absorbing));

@@ -175,8 +175,14 @@ fn operator((edges, speeds): ([f64; 2], [f64; 2]), field: &Field<'_>, done: f64)
     })
 }
 
-/// Advances a density by a step, with sweeps until they change it by no more than `tolerance`.
-pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, tolerance: f64) -> Slab {
+/// Advances a density by a step, with sweeps until they change it by no more than `tolerance`, or until it `stops`.
+pub(super) fn slab(
+    density: &Elements,
+    motion: &EdgeMotion,
+    field: &Field<'_>,
+    tolerance: f64,
+    stops: &dyn Fn() -> bool,
+) -> Slab {
     let mesh = SlabMesh::new(density, motion, field);
     let start: Vec<Nodal> =
         (0..density.count()).map(|i| Basis::moments(&density.series[i], density.element(i).1)).collect();
@@ -207,6 +213,7 @@ pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, t
         // Changes at the level of rounding do not decrease further.
         if iteration_error < tolerance.max(rounding)
             || (sweep > 12 && iteration_error > 0.5 * before && iteration_error < 10.0 * tolerance)
+            || stops()
         {
             break;
         }
