@@ -6,7 +6,7 @@ use std::cell::Cell;
 use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::{Breakpoint, Law, SharedLaw};
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Monitor, Part, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
 use crate::numerics::roots::brent_root;
@@ -135,12 +135,16 @@ impl RankTable {
         // must resolve it; edges change faster than any width.
         let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
         let soon = if edged { AT_ONCE } else { own };
-        let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;
-        if ranks.error <= ENOUGH || soon <= AT_ONCE {
+        if soon <= AT_ONCE {
+            return Self::starting(newborn, maturing, time, soon, monitor);
+        }
+        let ranks = Self::starting(newborn, maturing, time, soon, &mut Part::new(monitor, 0.0, 0.5))?;
+        if ranks.error <= ENOUGH {
             return Ok(ranks);
         }
+        let again = &mut Part::new(monitor, 0.5 * SHARE, 0.5);
         // A mature distribution that is steep far from its bulk moves the ends of the fresh one at once.
-        let sooner = Self::starting(newborn, maturing, time, AT_ONCE, monitor)?;
+        let sooner = Self::starting(newborn, maturing, time, AT_ONCE, again)?;
         Ok(if sooner.error < ranks.error { sooner } else { ranks })
     }
 
@@ -457,10 +461,13 @@ fn evolve_quantiles(
         next: finest * finest / maturing.diffusion,
         first: true,
     };
+    let mut steps = 0;
     let mut at = |(row, age): (usize, &f64)| {
         while evolution.time < *age {
-            report(monitor, SHARE * row as f64 / ages.len() as f64)?;
+            // A row takes one step or more, and the first one, in which a jump of the density becomes smooth, many.
+            report(monitor, SHARE * f64::from(steps) / (f64::from(steps) + (ages.len() - row) as f64))?;
             evolution.advance(*age);
+            steps += 1;
         }
         Ok(quantiles_of(&evolution.density))
     };
