@@ -1,8 +1,8 @@
 //! Interruption of a run: Ctrl-C, SIGTERM, SIGHUP, and the limit of `--max-time`.
 //!
-//! A run without checkpoints ends at once. A run with checkpoints is stopped by its monitor and writes one first. A run that
-//! writes its results completes them. A second signal ends any run at once: results and checkpoints are
-//! moved into place as a whole, so that none is lost or incomplete.
+//! A run without checkpoints ends at once. A run with checkpoints is stopped by its monitor and writes one first; a signal that
+//! comes while one is written leaves the one before. A run that writes its results completes them. A second signal ends any run
+//! at once: results and checkpoints are moved into place as a whole, so that none is lost or incomplete.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
@@ -87,6 +87,11 @@ impl Interrupts {
     /// The reason of the interruption, if there is one.
     pub fn reason(&self) -> Option<Reason> {
         self.0.reason()
+    }
+
+    /// Whether a signal has come; set where signals are received.
+    pub fn signalled(&self) -> Arc<AtomicBool> {
+        self.0.signalled.clone()
     }
 
     /// Runs a function that must not be interrupted.

@@ -14,8 +14,8 @@ use super::interrupt::Interrupts;
 pub struct Progress<'a> {
     interrupts: &'a Interrupts,
     began: Instant,
-    /// Time and fraction of the first report. A resumed run does not begin at 0.
-    first: Option<(Duration, f64)>,
+    /// None before the first report.
+    marks: Option<Marks>,
     view: View,
     /// Number of events, if they are counted.
     counted: String,
@@ -46,13 +46,15 @@ impl<'a> Progress<'a> {
             (false, true) => View::Bar(None),
             (false, false) => View::Log(LINE),
         };
-        Self { interrupts, began: Instant::now(), first: None, view, counted: String::new(), memory }
+        Self { interrupts, began: Instant::now(), marks: None, view, counted: String::new(), memory }
     }
 
     fn show(&mut self, fraction: f64) {
         let elapsed = self.began.elapsed();
-        let first = *self.first.get_or_insert((elapsed, fraction));
-        let left = || left(first, elapsed, fraction);
+        let marks = self.marks.get_or_insert_with(|| Marks::new((elapsed, fraction)));
+        marks.pass((elapsed, fraction));
+        let marks = *marks;
+        let left = || marks.left((elapsed, fraction));
         match &mut self.view {
             View::Bar(bar) if elapsed >= Duration::from_secs(1) => {
                 let bar = bar.get_or_insert_with(|| new_bar(elapsed));
@@ -86,9 +88,41 @@ fn line(elapsed: Duration, fraction: f64, left: &str, counted: &str) -> String {
     format!("{:.1} % after {}{left}{counted}\n", 100.0 * fraction, duration::words(elapsed))
 }
 
-/// The remaining time, as text, at the mean speed since `first`, a time and a fraction. Empty if too little of the work is
-/// done for an estimate.
-fn left(first: (Duration, f64), elapsed: Duration, fraction: f64) -> String {
+/// A time and the fraction done then.
+type Mark = (Duration, f64);
+
+/// Marks from which the speed is measured: parts of a run differ in it.
+#[derive(Clone, Copy)]
+struct Marks {
+    /// The first report. A resumed run does not begin at 0.
+    first: Mark,
+    /// A mark within the first half of the time.
+    earlier: Mark,
+    /// The next such mark.
+    later: Mark,
+}
+
+impl Marks {
+    fn new(first: Mark) -> Self {
+        Self { first, earlier: first, later: first }
+    }
+
+    /// Each mark is at twice the time of the one before.
+    fn pass(&mut self, now: Mark) {
+        if now.0 - self.first.0 >= 2 * (self.later.0 - self.first.0) {
+            (self.earlier, self.later) = (self.later, now);
+        }
+    }
+
+    /// The remaining time, as text, at the speed of the last half of the time or more; of all of it if that is too little.
+    fn left(&self, now: Mark) -> String {
+        let recent = left(self.earlier, now);
+        if recent.is_empty() { left(self.first, now) } else { recent }
+    }
+}
+
+/// The remaining time, as text, at the mean speed since `first`. Empty if too little of the work is done for an estimate.
+fn left(first: Mark, (elapsed, fraction): Mark) -> String {
     /// Smallest fraction of the run for an estimate.
     const LEAST: f64 = 1e-3;
     let (time, done) = ((elapsed - first.0).as_secs_f64(), fraction - first.1);
@@ -143,7 +177,7 @@ mod tests {
     #[test]
     fn the_time_left_counts_what_was_done_since_the_run_was_taken_up() {
         let seconds = Duration::from_secs;
-        let shown = |first, elapsed, fraction| line(elapsed, fraction, &left(first, elapsed, fraction), "");
+        let shown = |first, elapsed, fraction| line(elapsed, fraction, &left(first, (elapsed, fraction)), "");
         // Half of the way in a minute leaves a minute; from 0.4 on, a tenth in a minute leaves five.
         assert_eq!(shown((seconds(0), 0.0), seconds(60), 0.5), "50.0 % after 1 min, about 1 min left\n");
         assert_eq!(shown((seconds(0), 0.4), seconds(60), 0.5), "50.0 % after 1 min, about 5 min left\n");
@@ -154,5 +188,16 @@ mod tests {
             shown((seconds(0), 0.0), seconds(60), 0.002),
             "0.2 % after 1 min, about 8 h 19 min left\n"
         );
+    }
+
+    #[test]
+    fn the_time_left_follows_the_speed_of_the_last_half() {
+        let seconds = Duration::from_secs;
+        // A table that counts half takes a minute, and the rest 39 minutes, of which three are over.
+        let done = |second: u64| (second.min(60) as f64 / 120.0) + second.saturating_sub(60) as f64 / 4680.0;
+        let mut marks = Marks::new((seconds(0), 0.0));
+        (1..=240).for_each(|second| marks.pass((seconds(second), done(second))));
+        // The speed is that since the mark at 64 s, after the table; that of the whole run would leave three and a half.
+        assert_eq!(marks.left((seconds(240), done(240))), ", about 36 min left");
     }
 }

@@ -152,9 +152,11 @@ fn checkpoints(
     scenario.keeps_checkpoints(option).map_err(|error| Failure::Input(format!("error: {error}\n")))?;
     let directory = arguments.directory();
     if !resume {
-        return Ok(Some(Checkpoints::begin(&directory, scenario, every)?));
+        let checkpoints = Checkpoints::begin(&directory, scenario, every)?;
+        return Ok(Some(checkpoints.interrupted_by(interrupts.signalled())));
     }
-    let checkpoints = Checkpoints::resume(&directory, scenario, every)?;
+    let checkpoints =
+        Checkpoints::resume(&directory, scenario, every)?.interrupted_by(interrupts.signalled());
     if !quiet {
         checkpoints.damaged().iter().for_each(|damaged| say(&format!("warning: {damaged}")));
         say(&match checkpoints.resumed() {

@@ -136,6 +136,53 @@ impl Monitor for Aside<'_> {
     }
 }
 
+/// Forwards the progress of a preparation, such as a table, as a first part of the work once it takes long: of one that takes no
+/// time nothing counts as done.
+pub(crate) struct Preparation<'a> {
+    monitor: &'a mut dyn Monitor,
+    began: Duration,
+    done: f64,
+}
+
+impl<'a> Preparation<'a> {
+    /// The part of the work that a long preparation counts as.
+    const SHARE: f64 = 0.5;
+    /// The time from which on it is long.
+    const LONG: Duration = Duration::from_secs(1);
+
+    /// A preparation that begins now.
+    pub(crate) fn new(monitor: &'a mut dyn Monitor) -> Self {
+        let began = monitor.clock();
+        Self { monitor, began, done: 0.0 }
+    }
+
+    /// The part of the work that is left.
+    pub(crate) fn rest(self) -> Part<'a> {
+        Part::new(self.monitor, self.done, 1.0 - self.done)
+    }
+}
+
+impl Monitor for Preparation<'_> {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        if self.monitor.clock().saturating_sub(self.began) >= Self::LONG {
+            self.done = self.done.max(Self::SHARE * fraction);
+        }
+        self.monitor.progress(self.done)
+    }
+
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        self.monitor.cost(cost, pieces);
+    }
+
+    fn memory(&self) -> u64 {
+        self.monitor.memory()
+    }
+
+    fn clock(&self) -> Duration {
+        self.monitor.clock()
+    }
+}
+
 /// Forwards progress that may go back, because work is repeated, as its running maximum.
 pub(crate) struct Rising<'a> {
     most: f64,

@@ -22,13 +22,17 @@ const STOPPED: &str = "--max-time=30s";
 const TELLS: f64 = 20.0;
 
 /// Combinations that are known to fail, with the reason: they are named, and not run.
-const KNOWN: [(u64, &str); 3] = [
+const KNOWN: [(u64, &str); 2] = [
     (
         391,
-        "an interface with thresholds of c.v. 1e-4 that diffuse: nothing is told of the time left after 46 s of the processor",
+        "an interface with thresholds of c.v. 1e-4 that diffuse: nothing is told of the time left, which is years at the speed \
+         of the first minute (a part in 1e9 of the drive)",
     ),
-    (2185, "an interface with frozen_rank from a table of c.v. 1e-3: 0.0 % after 22 s of the processor"),
-    (2211, "a protocol with frozen_rank from a table of c.v. 1e-3: 0.0 % after 17 s of the processor"),
+    (
+        770,
+        "mean_field of lognormal thresholds of c.v. 1: their tail makes the equal cells of the closure too wide for the density \
+         near 0, which becomes negative; the refusal names no key",
+    ),
 ];
 
 const DISTRIBUTIONS: &[&str] = Law::NAMES;
@@ -106,7 +110,8 @@ pub struct Combination {
     pub number: u64,
     /// What it is of.
     pub name: String,
-    text: String,
+    /// Its scenario.
+    pub text: String,
 }
 
 impl Combination {

@@ -180,7 +180,10 @@ fn combinations_end_within_their_limits() {
 #[ignore = "for `make grid`, takes hours"]
 fn all_combinations() {
     let numbers: Vec<u64> = match given("ASPERITY_CASE") {
-        Some(number) => vec![number],
+        Some(number) => {
+            println!("{}", grid::Combination::of(number).text);
+            vec![number]
+        }
         None => part(spread()),
     };
     let failures = grid::judge(&numbers);

@@ -59,7 +59,7 @@ use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Compare, Contacts, Model, Scenario, Task};
 use crate::{Error, Result};
 
-pub use checkpoint::Checkpoints;
+pub use checkpoint::{Checkpoints, WriteState, write_cbor};
 pub use coordinates::{COORDINATES, is_coordinate};
 pub use drive::first_loading_distance;
 pub use fit::KeyedEstimates;

@@ -2,12 +2,15 @@
 //!
 //! The header is a line of JSON, the state is CBOR (RFC 8949), and the checksum is the CRC-32 of everything before it.
 
+use std::io::{self, Write as _};
 use std::path::Path;
 
+use asperity::task::WriteState;
 use serde::{Deserialize, Serialize};
 
 use super::error::{Error, Result};
 use super::found::Extent;
+use super::pieces::Pieces;
 
 /// The first line, with the version of the format.
 const FIRST: &[u8] = b"asperity checkpoint 2\n";
@@ -35,22 +38,25 @@ pub struct Content {
     pub state: Vec<u8>,
 }
 
-/// The bytes of a checkpoint.
-pub fn encode(header: &Header, state: &[u8]) -> Vec<u8> {
-    let mut bytes = FIRST.to_vec();
-    serde_json::to_writer(&mut bytes, header).expect("a header is plain data");
-    bytes.push(b'\n');
-    bytes.extend(state);
-    let checksum = crc32fast::hash(&bytes);
-    bytes.extend(checksum.to_le_bytes());
-    bytes
+/// Writes a checkpoint.
+///
+/// # Errors
+/// The system refuses; [`Pieces`] are stopped.
+pub fn write(header: &Header, state: &WriteState<'_>, pieces: Pieces<'_>) -> io::Result<()> {
+    let mut buffer = pieces.buffered();
+    buffer.write_all(FIRST)?;
+    serde_json::to_writer(&mut buffer, header)?;
+    buffer.write_all(b"\n")?;
+    state(&mut buffer)?;
+    let (checksum, out) = Pieces::end(buffer)?;
+    out.write_all(&checksum.finalize().to_le_bytes())
 }
 
 /// Reads the checkpoint at `path`, if there is one.
 pub fn read(path: &Path) -> Result<Option<Content>> {
     match std::fs::read(path) {
         Ok(bytes) => decode(&bytes).map(Some).map_err(|what| Error::Damaged { path: path.to_owned(), what }),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(Error::system(path, "read")(error)),
     }
 }
@@ -76,6 +82,13 @@ mod tests {
     fn header() -> Header {
         let (version, scenario) = ("1.2.3".into(), "title = 'α'\n".into());
         Header { version, number: 3, events: 7, found: Extent::default(), scenario }
+    }
+
+    fn encode(header: &Header, state: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let pieces = Pieces::new(&mut bytes, crc32fast::Hasher::new(), &|| false);
+        write(header, &|out| out.write_all(state), pieces).unwrap();
+        bytes
     }
 
     #[test]

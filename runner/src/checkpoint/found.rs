@@ -8,10 +8,12 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
+use asperity::task::write_cbor;
 use serde::{Deserialize, Serialize};
 
 use super::bits::Bits;
 use super::error::{Error, Result};
+use super::pieces::Pieces;
 
 /// The first line, with the version of the format.
 const FIRST: &[u8] = b"asperity results so far 1\n";
@@ -82,20 +84,25 @@ impl FoundFile {
         *self = Self { extent, ..Self::new(std::mem::take(&mut self.path)) };
     }
 
-    /// Appends rows to the columns and flushes them to the disk. After an error, [`FoundFile::go_back`] must be called.
+    /// Appends rows to the columns and flushes them to the disk, unless it `stops`. After an error, [`FoundFile::go_back`] must
+    /// be called.
     ///
     /// # Errors
-    /// The system refuses.
-    pub fn add(&mut self, rows: &[Bits]) -> Result<()> {
-        let mut bytes = if self.extent.bytes == 0 { FIRST.to_vec() } else { Vec::new() };
-        ciborium::into_writer(rows, &mut bytes)
-            .expect("columns are plain data, and memory does not refuse it");
+    /// The system refuses, or the writing is given up.
+    pub fn add(&mut self, rows: &[Bits], stops: &dyn Fn() -> bool) -> Result<()> {
+        let Extent { bytes, checksum } = self.extent;
+        let first = if bytes == 0 { FIRST } else { &[] };
         let file = self.open()?;
-        let written = file.write_all(&bytes).and_then(|()| file.sync_data());
-        written.map_err(Error::system(&self.path, "write"))?;
-        let mut checksum = crc32fast::Hasher::new_with_initial(self.extent.checksum);
-        checksum.update(&bytes);
-        self.extent = Extent { bytes: self.extent.bytes + bytes.len() as u64, checksum: checksum.finalize() };
+        let mut append = || {
+            let checksum = crc32fast::Hasher::new_with_initial(checksum);
+            let mut buffer = Pieces::new(file, checksum, stops).buffered();
+            buffer.write_all(first)?;
+            write_cbor(rows, &mut buffer)?;
+            let (checksum, _) = Pieces::end(buffer)?;
+            file.sync_data()?;
+            Ok(Extent { bytes: file.stream_position()?, checksum: checksum.finalize() })
+        };
+        self.extent = append().map_err(Error::system(&self.path, "write"))?;
         Ok(())
     }
 
@@ -174,7 +181,7 @@ mod tests {
         let mut file = FoundFile::new(path.clone());
         let rows = |values: &[&[f64]]| values.iter().map(|column| Bits(column.to_vec())).collect::<Vec<_>>();
         let add = |file: &mut FoundFile, values: &[&[f64]]| {
-            file.add(&rows(values)).unwrap();
+            file.add(&rows(values), &|| false).unwrap();
             file.extent()
         };
         let first = add(&mut file, &[&[1.0, -0.0], &[]]);
@@ -197,7 +204,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("found");
         let mut file = FoundFile::new(path.clone());
-        file.add(&[Bits(vec![1.0, 2.0])]).unwrap();
+        file.add(&[Bits(vec![1.0, 2.0])], &|| false).unwrap();
         let extent = file.extent();
         let bytes = std::fs::read(&path).unwrap();
         for place in 0..bytes.len() {

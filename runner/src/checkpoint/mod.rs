@@ -12,14 +12,17 @@ mod every;
 mod file;
 mod found;
 mod lock;
+mod pieces;
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use asperity::scenario::{Figure, Scenario};
-use asperity::task;
+use asperity::task::{self, WriteState};
 
 use crate::folder;
 use crate::input;
@@ -29,6 +32,7 @@ pub use every::Every;
 use file::{Content, Header};
 use found::FoundFile;
 pub use lock::Lock;
+use pieces::Pieces;
 
 /// Number of checkpoint files, written in turn.
 const SLOTS: usize = 2;
@@ -51,6 +55,10 @@ pub struct Checkpoints {
     resumed: Option<Resumed>,
     damaged: Vec<Error>,
     failure: Option<Error>,
+    /// Set from outside when the run is to end.
+    interrupted: Arc<AtomicBool>,
+    /// Whether a checkpoint was given up, so that the run ends with the one before.
+    gave_up: bool,
     lock: Lock,
 }
 
@@ -126,8 +134,16 @@ impl Checkpoints {
             resumed: None,
             damaged: Vec::new(),
             failure: None,
+            interrupted: Arc::default(),
+            gave_up: false,
             lock: Lock::take(&beside(directory, "lock"), directory)?,
         })
+    }
+
+    /// The same, which give up a checkpoint that is being written when `interrupted` is set, if there is one before it: to
+    /// write some gigabytes takes seconds. One that is begun after it was set is completed.
+    pub fn interrupted_by(self, interrupted: Arc<AtomicBool>) -> Self {
+        Self { interrupted, ..self }
     }
 
     /// The file from which the run is resumed, and the number of events there.
@@ -173,26 +189,36 @@ impl Checkpoints {
         asperity::Error::Stopped
     }
 
-    fn write(&mut self, events: u64, state: &[u8], rows: &[Bits]) -> Result<()> {
+    fn write(
+        &mut self,
+        events: u64,
+        (state, rows): (&WriteState<'_>, &[Bits]),
+        stops: &dyn Fn() -> bool,
+    ) -> Result<()> {
         let before = self.found.extent();
-        let written = self.found.add(rows).and_then(|()| {
+        let written = self.found.add(rows, stops).and_then(|()| {
             let (version, scenario) = (env!("CARGO_PKG_VERSION").to_owned(), self.scenario.clone());
             let (number, found) = (self.number + 1, self.found.extent());
-            self.put(&file::encode(&Header { version, number, events, found, scenario }, state))
+            self.put(&Header { version, number, events, found, scenario }, state, stops)
         });
         // Otherwise rows without a checkpoint would be there twice after the next one.
         written.inspect_err(|_| self.found.go_back(before))
     }
 
     /// Moves a checkpoint into its place.
-    fn put(&self, bytes: &[u8]) -> Result<()> {
+    fn put(&self, header: &Header, state: &WriteState<'_>, stops: &dyn Fn() -> bool) -> Result<()> {
         let path = self.path(self.slot);
         // Without locks, other runs may write there, too.
         let partial = beside(&self.directory, &format!("{}.partial", std::process::id()));
         let folder = folder::above(&path);
         let mut file = File::create(&partial).map_err(Error::system(&partial, "create"))?;
+        let pieces = Pieces::new(&mut file, crc32fast::Hasher::new(), stops);
         // If it were renamed before it is flushed, the file might be empty after a power failure.
-        file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&partial, "write"))?;
+        let written = file::write(header, state, pieces).and_then(|()| file.sync_all());
+        if let Err(error) = written {
+            let _ = fs::remove_file(&partial);
+            return Err(Error::system(&partial, "write")(error));
+        }
         fs::rename(&partial, &path).map_err(Error::system(&path, "put in place"))?;
         // Some systems cannot flush a folder.
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
@@ -243,9 +269,18 @@ impl task::Checkpoints for Checkpoints {
         Ok(Some(state))
     }
 
-    fn keep(&mut self, events: u64, state: Vec<u8>, rows: Vec<Vec<f64>>) -> asperity::Result<()> {
+    fn keep(&mut self, events: u64, state: &WriteState<'_>, rows: Vec<Vec<f64>>) -> asperity::Result<()> {
+        if self.gave_up {
+            return Ok(());
+        }
         let rows: Vec<Bits> = rows.into_iter().map(Bits).collect();
-        self.write(events, &state, &rows).map_err(|error| self.stop(error))?;
+        let interrupted = self.interrupted.clone();
+        let may_stop = self.last().is_some() && !interrupted.load(Ordering::Relaxed);
+        let stops = || may_stop && interrupted.load(Ordering::Relaxed);
+        if let Err(error) = self.write(events, (state, &rows), &stops) {
+            self.gave_up = stops();
+            return Err(if self.gave_up { asperity::Error::Stopped } else { self.stop(error) });
+        }
         self.number += 1;
         self.slot = (self.slot + 1) % SLOTS;
         self.written = Instant::now();
@@ -264,4 +299,58 @@ fn beside(directory: &Path, what: &str) -> PathBuf {
     let mut name = directory.file_name().unwrap_or_default().to_owned();
     name.push(format!(".checkpoint.{what}"));
     directory.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use asperity::task::Checkpoints as _;
+
+    use super::*;
+
+    const SCENARIO: &str = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\npull = {}\n";
+
+    /// A state of some pieces, in the middle of which the run is interrupted.
+    fn interrupting(interrupted: &AtomicBool) -> impl Fn(&mut dyn io::Write) -> io::Result<()> {
+        |out| {
+            out.write_all(&[1; 3 << 20])?;
+            interrupted.store(true, Ordering::Relaxed);
+            out.write_all(&[2; 3 << 20])
+        }
+    }
+
+    #[test]
+    fn an_interrupted_checkpoint_leaves_the_one_before_and_the_first_is_completed() {
+        let folder = tempfile::tempdir().unwrap();
+        let directory = folder.path().join("run");
+        let scenario = input::parse(SCENARIO, "scenario", folder.path(), &[]).unwrap().scenario;
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let kept = || {
+            let paths = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+            let mut kept: Vec<_> = paths.map(|path| (path.clone(), fs::read(path).unwrap())).collect();
+            kept.sort();
+            kept
+        };
+        let mut checkpoints =
+            Checkpoints::begin(&directory, &scenario, None).unwrap().interrupted_by(interrupted.clone());
+        checkpoints.keep(7, &interrupting(&interrupted), vec![vec![0.5]]).unwrap();
+        let first = kept();
+        interrupted.store(false, Ordering::Relaxed);
+        let second = checkpoints.keep(8, &interrupting(&interrupted), vec![vec![0.25]]);
+        assert!(matches!(second, Err(asperity::Error::Stopped)), "{second:?}");
+        // What the run writes when it ends.
+        checkpoints.keep(8, &|out| out.write_all(&[3]), vec![vec![0.25]]).unwrap();
+        assert!(checkpoints.failure().is_none());
+        let names = |kept: &[(PathBuf, Vec<u8>)]| kept.iter().map(|file| file.0.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&kept()), names(&first));
+        assert_eq!(checkpoints.last(), Some(checkpoints.path(0)));
+        drop(checkpoints);
+        let mut resumed = Checkpoints::resume(&directory, &scenario, None).unwrap();
+        assert_eq!(resumed.resumed().unwrap().1, 7);
+        let mut rows = Vec::new();
+        let state = resumed.take(&mut |columns| Ok(rows.extend(columns))).unwrap().unwrap();
+        assert_eq!(state.len(), 6 << 20);
+        assert_eq!(rows, [[0.5]]);
+    }
 }

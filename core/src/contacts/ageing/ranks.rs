@@ -6,7 +6,7 @@ use std::cell::Cell;
 use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::{Breakpoint, Law, SharedLaw};
-use crate::monitor::{Monitor, Watch, report};
+use crate::monitor::{Monitor, Part, Watch, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
 use crate::numerics::roots::brent_root;
@@ -135,12 +135,16 @@ impl RankTable {
         // must resolve it; edges change faster than any width.
         let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
         let soon = if edged { AT_ONCE } else { own };
-        let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;
-        if ranks.error <= ENOUGH || soon <= AT_ONCE {
+        if soon <= AT_ONCE {
+            return Self::starting(newborn, maturing, time, soon, monitor);
+        }
+        let ranks = Self::starting(newborn, maturing, time, soon, &mut Part::new(monitor, 0.0, 0.5))?;
+        if ranks.error <= ENOUGH {
             return Ok(ranks);
         }
+        let again = &mut Part::new(monitor, 0.5 * SHARE, 0.5);
         // A mature distribution that is steep far from its bulk moves the ends of the fresh one at once.
-        let sooner = Self::starting(newborn, maturing, time, AT_ONCE, monitor)?;
+        let sooner = Self::starting(newborn, maturing, time, AT_ONCE, again)?;
         Ok(if sooner.error < ranks.error { sooner } else { ranks })
     }
 
@@ -465,15 +469,19 @@ fn evolve_quantiles(
     };
     let Some((&earliest, &oldest)) = ages.first().zip(ages.last()) else { return Ok(Vec::new()) };
     let mut step: Option<TimeStep> = None;
+    let mut steps = 0.0;
     let mut at = |(row, age): (usize, &f64)| {
         watch.check()?;
         // A step passes many ages. Its polynomials in time are as accurate between its ends as there, but for the first step,
         // of which they are not controlled.
         while evolution.time < *age {
-            watch.done(SHARE * row as f64 / ages.len() as f64);
+            // A step passes many ages, but the first ones, in which a jump of the density becomes smooth, pass none.
+            let left = (ages.len() - row) as f64;
+            watch.done(SHARE * (row as f64 / ages.len() as f64).max(steps / (steps + left)));
             let limit = if evolution.first { earliest } else { oldest };
             step = Some(evolution.advance(limit));
             watch.check()?;
+            steps += 1.0;
         }
         let density = step.as_ref().map(|step| step.at(*age));
         Ok(quantiles_of(density.as_ref().unwrap_or(&evolution.density)))

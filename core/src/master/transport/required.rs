@@ -3,7 +3,7 @@
 use super::{Trace, Transport};
 use crate::Result;
 use crate::history::History;
-use crate::monitor::{Monitor, Part};
+use crate::monitor::{Monitor, Part, Preparation};
 
 /// Smallest tolerance.
 const FINEST: f64 = 1e-12;
@@ -22,8 +22,9 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Trace> {
         let mut follow = |tolerance: f64, part: &mut Part<'_>| {
-            let mut transport = build(tolerance, &mut Part::new(part, 0.0, 0.0))?;
-            let trace = transport.follow_with(history, times, part)?;
+            let mut preparation = Preparation::new(part);
+            let mut transport = build(tolerance, &mut preparation)?;
+            let trace = transport.follow_with(history, times, &mut preparation.rest())?;
             Ok((trace, transport.unit()))
         };
         let first = if required.is_some() { 0.5 } else { 1.0 };

@@ -6,12 +6,15 @@ use crate::contacts::Contacts;
 use crate::elastic::coupling::Solid;
 use crate::ensemble::lattice::Lattice;
 use crate::monitor::fits;
+use crate::shape::Edges;
 use crate::{Error, Result};
 
 /// Bytes that a contact coupled one by one takes at most.
 const BYTES_PER_CONTACT: f64 = 72.0;
 /// Bytes that a cell takes at most, with what it takes to couple it: on a half-space with open edges, some cells sliding.
 const BYTES_PER_CELL: f64 = 192.0;
+/// The same on a half-space with periodic edges, whose transforms are not padded.
+const BYTES_PER_PERIODIC_CELL: f64 = 144.0;
 /// The same of a chain on a half-space, for its one long transform.
 const BYTES_PER_CELL_OF_A_CHAIN: f64 = 336.0;
 /// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
@@ -107,6 +110,7 @@ impl Interface {
             (PerCell::One, ..) => BYTES_PER_CONTACT,
             (PerCell::Many, false, None) => match (self.coupling, &self.cells[..]) {
                 (Elasticity::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
+                (Elasticity::HalfSpace { .. }, _) if self.edges == Edges::Periodic => BYTES_PER_PERIODIC_CELL,
                 _ => BYTES_PER_CELL,
             },
             (PerCell::Many, true, None) if !contacts.rules.are_time_dependent() => BYTES_PER_INERTIAL_CELL,

@@ -15,7 +15,7 @@ use super::fits;
 use super::summary::{Catalogue, InterfaceNumbers};
 use super::{Output, Storage};
 use crate::elastic::{Event, SlipRates};
-use crate::monitor::{Monitor, Part};
+use crate::monitor::{Monitor, Preparation};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
@@ -107,11 +107,11 @@ pub(super) fn run_protocol(
 ) -> Result<Output<InterfaceNumbers>> {
     let motion = task.build()?;
     fit_into_memory(model, interface, monitor)?;
-    let part = &mut Part::new(monitor, 0.0, 0.0);
-    let driven =
-        DrivenRateDependentCells::of(model, interface, LoadPointMotion::History(motion.clone()), part)?;
+    let mut preparation = Preparation::new(monitor);
+    let history = LoadPointMotion::History(motion.clone());
+    let driven = DrivenRateDependentCells::of(model, interface, history, &mut preparation)?;
     let points = points_in_time(task, &motion, interface, driven.origin());
-    drive(model, &points, (interface, units), driven, storage, monitor)
+    drive(model, &points, (interface, units), driven, storage, &mut preparation.rest())
 }
 
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
@@ -136,10 +136,11 @@ pub(super) fn run(
             drive(model, &points, (interface, units), driven, storage, monitor)
         }
         PerCell::Many if interface.moves_in_time(contacts) => {
-            let (motion, part) = (LoadPointMotion::of(task)?, &mut Part::new(monitor, 0.0, 0.0));
-            let driven = DrivenRateDependentCells::of(model, interface, motion, part)?;
+            let mut preparation = Preparation::new(monitor);
+            let motion = LoadPointMotion::of(task)?;
+            let driven = DrivenRateDependentCells::of(model, interface, motion, &mut preparation)?;
             let points = output_points(task, interface, driven.origin());
-            drive(model, &points, (interface, units), driven, storage, monitor)
+            drive(model, &points, (interface, units), driven, storage, &mut preparation.rest())
         }
         PerCell::Many => {
             let tolerance = model.master_equation.tolerance();

@@ -11,7 +11,7 @@ use super::found::{CellColumns, Found};
 use super::model::DrivenInterface;
 use super::output_points::OutputPoint;
 use crate::monitor::{Part, report};
-use crate::task::{Checkpoints, Storage};
+use crate::task::{Checkpoints, Storage, write_cbor};
 
 /// Largest number of events between two calls of the monitor.
 const SLICE: u64 = 256;
@@ -201,10 +201,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         let added = self.found.columns().zip(&self.kept);
         let rows = added.map(|(column, &kept)| column[kept..].to_vec()).collect();
         let kept = RunState { state: self.model.state(), count: self.count, passed: self.passed };
-        let mut state = Vec::new();
-        ciborium::into_writer(&kept, &mut state)
-            .expect("a state is plain data, and writing to memory does not fail");
-        checkpoints.keep(self.count, state, rows)?;
+        checkpoints.keep(self.count, &|out| write_cbor(&kept, out), rows)?;
         self.last = self.count;
         self.kept = self.found.columns().map(|column| column.len()).collect();
         Ok(())
