@@ -111,15 +111,15 @@ fn lattices() {
             let coupling = LatticeCoupling::with_alpha(Shape::Square([256; 2]), edges, 0.24);
             let size = coupling.shape.size() as f64;
             let contacts = Contacts { count: size, ..contacts(&law, &point(0.0)) };
-            let make = |memory: u64| {
+            let make = |monitor: &mut dyn Monitor| {
                 let start = initial(&point(0.0));
-                Lattice::within(memory, contacts.clone(), start, &coupling, 1, Disorder::Annealed)
+                Lattice::new_with(contacts.clone(), start, &coupling, 1, Disorder::Annealed, monitor)
             };
             let taken = most(|| {
-                let mut lattice = make(u64::MAX).unwrap();
+                let mut lattice = make(&mut ()).unwrap();
                 lattice.run(Until::Drive(2.5), &mut |_| ()).unwrap();
             });
-            holds("a lattice", taken, needed(make(0)));
+            holds("a lattice", taken, needed(make(&mut Full)));
         }
     }
 }

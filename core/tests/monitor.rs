@@ -7,11 +7,13 @@ use std::ops::ControlFlow;
 use asperity::Error;
 use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::ensemble::lattice::{Lattice, LatticeCoupling};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
 use asperity::master::{Limits, MasterEquation, Slider, StepResponse, Transport};
 use asperity::monitor::Monitor;
+use asperity::shape::{Edges, Shape};
 use common::patience::{alone, patient};
 use common::sliders::Impatient;
 use common::{contacts, exponential, gamma, gaussian, initial, point, rectangular, weibull};
@@ -153,6 +155,18 @@ fn single_contacts_in_time_ask_often_and_stop_at_once() {
             ensemble.pull_at_with(0.1, &[2.0], &Snapshots::default(), monitor).map(drop)
         });
         patient("in time", |monitor| ensemble.in_time_with(monitor).map(drop));
+    });
+}
+
+#[test]
+fn many_coupled_contacts_ask_while_they_are_made() {
+    alone(|| {
+        let coupling = LatticeCoupling::with_alpha(Shape::Square([2048; 2]), Edges::Periodic, 0.2);
+        let contacts = contacts(&gaussian(1.0, 0.1), &point(0.0));
+        patient("lattice", |monitor| {
+            let start = initial(&point(0.0));
+            Lattice::new_with(contacts, start, &coupling, 1, Disorder::Annealed, monitor).map(drop)
+        });
     });
 }
 

@@ -66,7 +66,7 @@ fn lattice(monitor: &mut dyn Monitor) -> Made {
     let size = coupling.shape.size() as f64;
     let contacts = Contacts { count: size, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let start = initial(&point(0.0));
-    let mut lattice = Lattice::within(monitor.memory(), contacts, start, &coupling, 1, Disorder::Annealed)?;
+    let mut lattice = Lattice::new_with(contacts, start, &coupling, 1, Disorder::Annealed, monitor)?;
     lattice.run_with(Until::Drive(0.9), monitor, &mut |_| ())
 }
 

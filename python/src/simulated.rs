@@ -249,7 +249,7 @@ pub fn unrelaxed_interface(
     scenario.master_equation.tolerance = tolerance;
     let model = scenario.build()?;
     if surface.own.contacts == PerCell::One {
-        return coupled_contacts(surface, model, monitor.memory());
+        return coupled_contacts(surface, model, monitor);
     }
     match velocity.filter(|_| surface.own.moves_in_time(&model.contacts)) {
         Some(velocity) => rate_dependent_cells(surface, &model, velocity, monitor),
@@ -257,12 +257,16 @@ pub fn unrelaxed_interface(
     }
 }
 
-fn coupled_contacts(surface: &Surface, model: scenario::Model, memory: u64) -> Result<Box<dyn Simulated>> {
+fn coupled_contacts(
+    surface: &Surface,
+    model: scenario::Model,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Simulated>> {
     let (own, scenario::Model { contacts, initial, .. }) = (&surface.own, model);
     let unit = contacts.stiffness.of(contacts.thresholds.mean());
     // Stiffness by which a contact adds to the force.
     let stiffness = unit * contacts.count / own.size() as f64;
-    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref(), memory)?;
+    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref(), monitor)?;
     Ok(Box::new(SimulatedInterface {
         model: DrivenContacts { lattice, chain: false },
         cells: 1,

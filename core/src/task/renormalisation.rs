@@ -6,7 +6,7 @@ use super::{Output, interface};
 use crate::Result;
 use crate::first_breaks::FirstBreaks;
 use crate::law::{Law, Renormalised, critical_coupling};
-use crate::monitor::{Monitor, Part};
+use crate::monitor::{Aside, Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Ensemble, Interface, Model, PerCell, Renormalisation};
 
@@ -109,7 +109,8 @@ fn of_contacts(
     let first = model.ensemble.clone().unwrap_or_default();
     let ensemble = Ensemble { seed: first.seed + run as u64, ..first };
     let (contacts, initial) = (model.contacts.clone(), model.initial.clone());
-    let mut lattice = interface.lattice(contacts, initial, Some(&ensemble), monitor.memory())?;
+    let mut lattice =
+        interface.lattice(contacts, initial, Some(&ensemble), &mut Aside { fraction: 0.0, monitor })?;
     Ok(FirstBreaks::of_contacts(&lattice.first_breaks(monitor)?))
 }
 

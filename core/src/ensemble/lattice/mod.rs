@@ -18,14 +18,12 @@ pub use crate::shape::{Edges, Shape};
 
 use std::mem;
 
-use rayon::prelude::*;
-
 use self::births::{BirthRecord, LatticeBirths};
 use self::grid::ContactGrid;
 use self::minima::Minima;
 use super::{Disorder, Ensemble};
 use crate::contacts::{Contacts, Initial, Stiffness};
-use crate::monitor::{MEMORY, Monitor, fits, report};
+use crate::monitor::{Monitor, Watch, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
 
@@ -135,31 +133,31 @@ impl Lattice {
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
-        Self::within(MEMORY, contacts, initial, coupling, seed, disorder)
+        Self::new_with(contacts, initial, coupling, seed, disorder, &mut ())
     }
 
-    /// The same in so many bytes.
+    /// The same with a monitor, which says how much memory there is.
     ///
     /// # Errors
-    /// As [`Lattice::new`].
-    pub fn within(
-        memory: u64,
+    /// As [`Lattice::new`]; stopped by the monitor.
+    pub fn new_with(
         contacts: Contacts,
         initial: Initial,
         coupling: &LatticeCoupling,
         seed: u64,
         disorder: Disorder,
+        monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         Self::check(&contacts, coupling)?;
         let what = format!("a lattice of {} contacts", coupling.shape.size());
-        fits("cells", what, Self::bytes(coupling.shape), memory)?;
+        fits("cells", what, Self::bytes(coupling.shape), monitor.memory())?;
         let unit = stiffness(&contacts)?;
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
         let mean = ensemble.contacts.thresholds.mean();
         let grid = ContactGrid::new(coupling);
         let births = LatticeBirths::new(&ensemble);
-        let (ends, born) = newborn(&births, &grid);
+        let (ends, born) = newborn(&births, &grid, &Watch::new(monitor))?;
         let mut lattice = Self {
             alpha: coupling.alpha(),
             dissipated: coupling.dissipated(),
@@ -328,19 +326,28 @@ fn stiffness(contacts: &Contacts) -> Result<f64> {
 }
 
 /// Contacts as they are at X = 0: where they break, and what they were born with.
-fn newborn(births: &LatticeBirths, grid: &ContactGrid) -> (Vec<f64>, Vec<BirthRecord>) {
-    let contacts: Vec<(f64, BirthRecord)> = (0..grid.size())
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .map_init(|| births.clone(), |births, number| births.first(number))
-        .collect();
+fn newborn(
+    births: &LatticeBirths,
+    grid: &ContactGrid,
+    watch: &Watch<'_>,
+) -> Result<(Vec<f64>, Vec<BirthRecord>)> {
+    let size = grid.size();
+    let chunk = |births: &mut LatticeBirths, chunk: usize| -> Vec<_> {
+        let numbers = chunk * CHUNK..size.min((chunk + 1) * CHUNK);
+        numbers.map(|number| births.first(number)).collect()
+    };
+    let contacts = watch.share(size.div_ceil(CHUNK), || births.clone(), chunk)?;
     let mut ends = vec![f64::INFINITY; grid.places()];
-    for (number, (stretch, born)) in contacts.iter().enumerate() {
+    for (number, (stretch, born)) in contacts.iter().flatten().enumerate() {
         // A contact is stored by the drive at which it breaks, not by its force: uniform loading
         // then changes no contact, and the next avalanche is at the minimum (P. Grassberger, Phys.
         // Rev. E 49, 2436 (1994)).
         ends[grid.place(number)] = born.threshold - stretch;
     }
-    let born = if births.identical() { Vec::new() } else { contacts.into_iter().map(|c| c.1).collect() };
-    (ends, born)
+    let mut born = Vec::new();
+    if !births.identical() {
+        born.reserve_exact(size);
+        born.extend(contacts.into_iter().flatten().map(|contact| contact.1));
+    }
+    Ok((ends, born))
 }

@@ -29,19 +29,19 @@ pub enum CellStart<'a> {
 }
 
 impl Interface {
-    /// Contacts coupled one by one, in so many bytes of memory.
+    /// Contacts coupled one by one.
     ///
     /// # Errors
-    /// What [`Lattice::within`] refuses.
+    /// What [`Lattice::new_with`] refuses; stopped by the monitor.
     pub fn lattice(
         &self,
         contacts: Contacts,
         initial: Initial,
         ensemble: Option<&Ensemble>,
-        memory: u64,
+        monitor: &mut dyn Monitor,
     ) -> Result<Lattice> {
         let Ensemble { seed, disorder, .. } = ensemble.cloned().unwrap_or_default();
-        Lattice::within(memory, contacts, initial, &self.springs()?, seed, disorder)
+        Lattice::new_with(contacts, initial, &self.springs()?, seed, disorder, monitor)
     }
 
     /// Cells whose contacts move together. They follow the master equation, or are those of an `ensemble`: `size` contacts in

@@ -129,8 +129,7 @@ pub(super) fn run(
     fit_into_memory(model, interface, monitor)?;
     match interface.contacts {
         PerCell::One => {
-            let memory = monitor.memory();
-            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref(), memory)?;
+            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref(), monitor)?;
             let driven = DrivenContacts { lattice, chain: chain(interface) };
             let points = output_points(task, interface, driven.origin());
             drive(model, &points, (interface, units), driven, storage, monitor)
