@@ -251,7 +251,7 @@ impl Estimates {
     ///     A name of `params`.
     /// values
     ///     A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
-    ///     logarithm for numbers above 0.
+    ///     logarithm for numbers above 0 but a compliance.
     /// progress
     ///     As for MasterEquation.pull.
     ///

@@ -52,7 +52,9 @@ def same(one: asp.Record, other: asp.Record) -> None:
 
 @pytest.mark.parametrize("made", RECORDS.values(), ids=RECORDS)
 @pytest.mark.parametrize(
-    "copied", [lambda one: pickle.loads(pickle.dumps(one)), copy.copy, copy.deepcopy], ids=str
+    "copied",
+    [lambda one: pickle.loads(pickle.dumps(one)), copy.copy, copy.deepcopy],
+    ids=["pickle", "copy", "deepcopy"],
 )
 def test_records_are_copied_bit_for_bit(made: Callable[[], asp.Record], copied: Callable[[Any], Any]) -> None:
     record = made()
