@@ -349,7 +349,11 @@ mod tests {
         let mut resumed = Checkpoints::resume(&directory, &scenario, None).unwrap();
         assert_eq!(resumed.resumed().unwrap().1, 7);
         let mut rows = Vec::new();
-        let state = resumed.take(&mut |columns| Ok(rows.extend(columns))).unwrap().unwrap();
+        let mut add = |columns: Vec<_>| {
+            rows.extend(columns);
+            Ok(())
+        };
+        let state = resumed.take(&mut add).unwrap().unwrap();
         assert_eq!(state.len(), 6 << 20);
         assert_eq!(rows, [[0.5]]);
     }
