@@ -4,10 +4,8 @@ mod common;
 
 use std::sync::Arc;
 
-use asperity::numerics::diffusion::{
-    Coefficients, Diffusion, MovingBoundary, MovingGrid, Potential, Workspace,
-};
-use common::finite_volumes::{DiffusionStep, NO_FLOOR, Work};
+use asperity::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Workspace};
+use common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
 
 /// The normal distribution function.
 fn phi(z: f64) -> f64 {

@@ -11,7 +11,7 @@ use asperity::law::{Exponential, Gamma, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
 use asperity::monitor::Monitor;
-use common::finite_volumes::{DiffusionStep, NO_FLOOR, Work};
+use common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
 use common::gaussian;
 
 /// F_k, and the error that the life tells.
@@ -55,7 +55,7 @@ fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_newborn_one() {
 /// F_k where S(x) = 1 − max G(x'; x'/v), G by finite volumes on so many cells, of which the stretch passes one at each step.
 fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cells: usize) -> f64 {
     let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
-    let operator = Arc::new(maturing.operator(cells));
+    let operator = Arc::new(Diffusion::of(&maturing, cells));
     let width = operator.width();
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
@@ -115,7 +115,7 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     let (velocity, cells, to) = (0.5, 200_000, 0.03);
     let (newborn, mature): (SharedLaw, _) = (Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.5, 0.1));
     let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
-    let operator = Arc::new(maturing.operator(cells));
+    let operator = Arc::new(Diffusion::of(&maturing, cells));
     let width = operator.width();
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));

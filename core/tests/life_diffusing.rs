@@ -7,7 +7,7 @@ use std::sync::Arc;
 use asperity::contacts::{Ageing, Barrier, Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use asperity::law::{Exponential, Gamma, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
-use common::finite_volumes::{DiffusionStep, NO_FLOOR, Work};
+use common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
 use common::gaussian;
 
 /// Contacts re-formed at 0.
@@ -35,7 +35,7 @@ fn kinetic_friction(life: &Life) -> f64 {
 fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f64, f64)> {
     let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
     let maturing = ThresholdFokkerPlanck::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
-    let operator = Arc::new(maturing.operator(cells));
+    let operator = Arc::new(Diffusion::of(&maturing, cells));
     let mut masses = maturing.newborn(&operator.middles(), 0.0, &mut ()).unwrap();
     let mut work = Work::default();
     let before = DiffusionStep::new(&operator, operator.edge(0) / velocity / cells as f64);

@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Closure, Contacts, ThresholdFokkerPlanck};
-use asperity::law::{Gamma, Point, Rectangular, SharedLaw};
+use asperity::law::{Gamma, Lognormal, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use common::gaussian;
 
@@ -39,7 +39,34 @@ fn between_gaussians_friction_is_that_of_the_closed_moments() {
         // Nothing is cut off: what is left is the solver's.
         let far = closed((0.9, 0.1), (1.0, 0.08), velocity);
         let found = kinetic_friction(gaussian(0.9, 0.1), gaussian(1.0, 0.08), 0.0064, velocity);
-        assert!((found - far).abs() < 1e-8, "{velocity} {found} {far}");
+        assert!((found - far).abs() < 1e-12, "{velocity} {found} {far}");
+    }
+}
+
+#[test]
+fn moments_of_broad_thresholds_fulfil_the_equations_of_the_moments() {
+    // dC/dt = −D⟨U'⟩ + Dp(0) and d⟨h²⟩/dt = −2D⟨hU'⟩ + 2D with U' = (h − 1.5)/σ², for ages of mean C/v.
+    let (mean, variance, diffusion) = (1.5, 0.2_f64.powi(2), 0.01);
+    for variation in [0.3, 0.5, 1.0, 3.0] {
+        let newborn: SharedLaw = Arc::new(Lognormal::new(1.0, variation).unwrap());
+        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), gaussian(mean, 0.2), diffusion);
+        for velocity in [0.01, 0.1, 1.0] {
+            let law = Closure { maturing: &maturing, velocity }.law(&mut ()).unwrap();
+            let (first, second) = (law.mean(), law.upper_moment(2, -1.0));
+            let (age, rate) = (first / velocity, diffusion / variance);
+            let first_expected = 1.0 + age * (diffusion * law.density(0.0) - rate * (first - mean));
+            let second_expected =
+                1.0 + variation.powi(2) + 2.0 * age * (diffusion - rate * (second - mean * first));
+            // What elements leave out, times the age in units of the relaxation time, 25 at most.
+            assert!(
+                (first / first_expected - 1.0).abs() < 3e-11,
+                "{variation} {velocity} {first} {first_expected}"
+            );
+            assert!(
+                (second / second_expected - 1.0).abs() < 3e-11 * (1.0 + 2.0 * age * rate),
+                "{variation} {velocity} {second} {second_expected}"
+            );
+        }
     }
 }
 

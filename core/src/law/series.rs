@@ -113,15 +113,14 @@ impl Series {
     }
 
     /// The distribution of a density that is the solution of an equation, of any total mass, with known
-    /// `breakpoints`, that varies on the length `resolution` elsewhere. Its accuracy is limited, so
-    /// breakpoints are given rather than detected.
+    /// `breakpoints`. Its accuracy is limited, so breakpoints are given rather than detected.
     ///
     /// # Errors
     /// A density below 0, or no mass at all.
-    pub(crate) fn solved(density: Piecewise, breakpoints: Vec<Breakpoint>, resolution: f64) -> Result<Self> {
-        let law = Self::scaled(density, 0.0)?;
-        let zone = Zone { low: law.start(), high: law.density.end(), resolution };
-        Ok(Self { breakpoints, zones: vec![zone], ..law })
+    pub(crate) fn solved(density: Piecewise, breakpoints: Vec<Breakpoint>) -> Result<Self> {
+        let mut law = Self { breakpoints, ..Self::scaled(density, 0.0)? };
+        law.zones = law.find_zones();
+        Ok(law)
     }
 
     /// The boundaries of the cells.

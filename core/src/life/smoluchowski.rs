@@ -151,7 +151,7 @@ impl FokkerPlanckLife {
         let time = 0.5 * spread * spread / diffusion;
         // The equation is linear: densities and point masses evolve separately, each on elements that suit
         // it.
-        let smooth = self.maturing.fresh_density(start, 0.1 * solved.tolerance, 0.1 * spread);
+        let smooth = self.maturing.fresh_density(start, |_| 0.1 * solved.tolerance, 0.1 * spread);
         let mut segments = if smooth.mass() > NOTHING * whole {
             self.follow(smooth, (start, 0.0), time, solved, watch)
         } else {

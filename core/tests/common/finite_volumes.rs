@@ -1,5 +1,5 @@
 //! A time step of a Fokker–Planck equation by finite volumes above an absorbing boundary that may rise: a reference
-//! that shares only the rates between cells with the solvers.
+//! that shares only the Bernoulli function with the solvers.
 //!
 //! Two stages, u₁ = A₁m and A₂[(1 + √2)u₁ − √2m] with A = (1 − γtL)⁻¹, γ = 1 − 1/√2, for the boundary
 //! after γt and after t: L-stable and of second order (R. Alexander, SIAM J. Numer. Anal. 14, 1006 (1977)). Where this
@@ -8,7 +8,8 @@
 
 use std::sync::Arc;
 
-use asperity::numerics::diffusion::{Diffusion, bernoulli};
+use asperity::contacts::ThresholdFokkerPlanck;
+use asperity::numerics::diffusion::bernoulli;
 
 const SQRT_2: f64 = std::f64::consts::SQRT_2;
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -18,6 +19,99 @@ pub const NO_FLOOR: (f64, f64) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
 
 /// Less than this fraction of a cell above the boundary counts as none.
 const SLIVER: f64 = 1e-9;
+
+/// The operator L = D∂_h[U' + ∂_h] on equal cells, with reflecting ends.
+#[derive(Debug, Clone)]
+pub struct Diffusion {
+    low: f64,
+    width: f64,
+    /// D.
+    pub diffusion: f64,
+    /// U_{i+1} − U_i, for each cell but the last.
+    rises: Vec<f64>,
+    /// Rate at which mass goes from a cell to the next one up; 0 for the last.
+    pub up: Vec<f64>,
+    /// Rate at which mass goes from a cell to the next one down; 0 for the first.
+    pub down: Vec<f64>,
+}
+
+impl Diffusion {
+    /// The operator on cells of one `width` from `low` on, one for each value of the `potential`: −ln of the
+    /// stationary mass of the cell, up to a constant. All values must be finite, and D > 0.
+    pub fn new(low: f64, width: f64, potential: &[f64], diffusion: f64) -> Self {
+        let rises: Vec<f64> = potential.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let rate = diffusion / (width * width);
+        let up = rises.iter().map(|&rise| rate * bernoulli(rise)).chain([0.0]).collect();
+        let down = [0.0].into_iter().chain(rises.iter().map(|&rise| rate * bernoulli(-rise))).collect();
+        Self { low, width, diffusion, rises, up, down }
+    }
+
+    /// The operator of thresholds on `cells` equal cells.
+    pub fn of(maturing: &ThresholdFokkerPlanck, cells: usize) -> Self {
+        let ((low, high), potential) = (maturing.support, maturing.potential());
+        let width = (high - low) / cells as f64;
+        let values: Vec<f64> = (0..cells).map(|i| potential.at(low + (i as f64 + 0.5) * width)).collect();
+        Self::new(low, width, &values, maturing.diffusion)
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.up.len()
+    }
+
+    /// Width of a cell.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// The lower edge of a cell; `edge(cells())` is the upper end.
+    pub fn edge(&self, cell: usize) -> f64 {
+        self.low + cell as f64 * self.width
+    }
+
+    /// The middle of a cell.
+    pub fn centre(&self, cell: usize) -> f64 {
+        self.low + (cell as f64 + 0.5) * self.width
+    }
+
+    /// Replaces the masses m by (1 − aL)⁻¹ m: the masses after an exponentially distributed time of mean a, or after one
+    /// backward Euler step of length a.
+    pub fn resolve(&self, a: f64, masses: &mut [f64]) {
+        // The Thomas algorithm from the top down, with 1 − a l_i/d_i instead of differences: all terms are positive, so
+        // nothing cancels and mass is conserved to rounding. The lowest two cells are left as a system of their own.
+        let mut inverses = vec![1.0; masses.len()];
+        let (mut kept, mut carried, mut rest) = (0.0, 0.0, 1.0);
+        for i in (1..masses.len()).rev() {
+            let down = a * self.down[i];
+            rest = 1.0 + a * (self.up[i] * kept);
+            inverses[i] = 1.0 / (rest + down);
+            kept = rest * inverses[i];
+            masses[i] += carried;
+            carried = down * inverses[i] * masses[i];
+        }
+        let [first, second, above @ ..] = masses else { return };
+        let (up, down) = (self.up[0], a * self.down[1]);
+        let next = rest + down;
+        *first = (*first + down / next * *second) / (1.0 + a * (up * rest / next));
+        *second = (*second + a * up * *first) / next;
+        let mut lower = *second;
+        for (i, mass) in (2..).zip(above) {
+            lower = inverses[i] * *mass + a * self.up[i - 1] * inverses[i] * lower;
+            *mass = lower;
+        }
+    }
+
+    /// The middles of all cells.
+    pub fn middles(&self) -> Vec<f64> {
+        (0..self.cells()).map(|cell| self.centre(cell)).collect()
+    }
+
+    /// Slope U' of the potential at a cell.
+    pub fn slope(&self, cell: usize) -> f64 {
+        let rise = self.rises.get(cell).or(self.rises.last());
+        rise.map_or(0.0, |rise| rise / self.width)
+    }
+}
 
 /// A step of one duration.
 pub struct DiffusionStep {

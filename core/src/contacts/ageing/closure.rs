@@ -1,18 +1,19 @@
 //! The mean-field closure: the distribution of thresholds in steady sliding.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::{Breakpoint, Series, SharedLaw};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::Diffusion;
-use crate::numerics::piecewise::{Piecewise, Resolution};
+use crate::numerics::diffusion::{Elements, Field, Resolvent};
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
-use crate::numerics::stencil::{POINTS, Stencil};
 
-/// Cells at the coarsest of three levels of refinement; densities are given on these.
-const COARSEST: usize = 512;
+/// Truncation error × half width of an element, and that × h² over the second moment, which friction is in proportion to.
+const TOLERANCE: f64 = 1e-14;
+const OF_MOMENT: f64 = 1e-12;
 
 /// If the mean square displacement of thresholds before they break is below this fraction of the squared
 /// width of the distributions, P_c = P_ci.
@@ -21,8 +22,7 @@ const NOTHING: f64 = 1e-13;
 /// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ with C the mean of P_c: exponentially distributed ages.
 ///
 /// Equivalently (1 − (C/v)L)P_c = P_ci with L the operator of [`ThresholdFokkerPlanck`]: one backward Euler
-/// step. It is solved on 512, 1024 and 2048 cells and extrapolated (Richardson); for a smooth P_ci the error
-/// is 1e-9 of the mean.
+/// step, on adaptive spectral elements ([`Resolvent`]). The error is a few times 1e-13 of the mean.
 #[derive(Debug, Clone, Copy)]
 pub struct Closure<'a> {
     /// Diffusion of thresholds.
@@ -37,88 +37,80 @@ impl Closure<'_> {
     /// # Errors
     /// A density that could not be represented; stopped by the monitor.
     pub fn law(&self, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
+        /// The narrowest element of P_ci, in units of the widths of the distributions and of the root mean square
+        /// displacement. Narrower ones need not be resolved, and conserve less of the mass, by rounding.
+        const FINEST: f64 = 1e-2;
         let newborn = self.maturing.newborn_law();
         let spread = newborn.mean() * self.maturing.diffusion / self.velocity;
         if spread < NOTHING * self.maturing.resolution().powi(2) {
             return Ok(newborn.clone());
         }
-        let watch = Watch::new(monitor);
-        let levels = [1, 2, 4].map(|fine| watch.value(|| self.solved(COARSEST * fine, &watch)));
-        watch.check()?;
-        let masses: Vec<f64> =
-            (0..COARSEST).map(|i| extrapolated(levels.each_ref().map(|l| l.1[i]))).collect();
-        let mean = extrapolated(levels.each_ref().map(|level| level.0));
-        Ok(Arc::new(self.series(&masses, mean)?))
-    }
-
-    /// Returns C and the masses on [`COARSEST`] cells, from a solution on `cells` cells. C is the root of ⟨h⟩
-    /// = C.
-    fn solved(&self, cells: usize, mut watch: &Watch<'_>) -> (f64, Vec<f64>) {
-        let operator = self.maturing.operator(cells);
-        let middles = operator.middles();
-        let newborn = self.maturing.newborn(&middles, -1.0, &mut watch).unwrap_or_default();
-        let solve = |mean: f64| resolved(&operator, mean / self.velocity, &newborn);
-        // The mean C is implicit: the time constant of the equation contains the mean of its solution.
-        let excess = |mean: f64| {
-            let masses = solve(mean);
-            middles.iter().zip(&masses).map(|(h, mass)| h * mass).sum::<f64>() - mean
+        let (watch, slope) = (Watch::new(monitor), self.maturing.slope());
+        let finest = FINEST * self.maturing.resolution().min(spread.sqrt());
+        let atoms = newborn.atoms();
+        let square = newborn.upper_moment(2, -1.0);
+        let tolerance = |h: f64| TOLERANCE.min(OF_MOMENT * square / (h * h));
+        let resolvent = Resolvent {
+            density: &self.maturing.fresh_density(self.maturing.support.0, |h| 0.1 * tolerance(h), finest),
+            point_masses: &atoms.iter().map(|atom| (atom.position, atom.weight)).collect::<Vec<_>>(),
+            field: Field { slope: &|h| slope.at(h), diffusion: self.maturing.diffusion, loss: None },
+            tolerance: &tolerance,
         };
-        let (low, high) = self.maturing.support;
-        // Thresholds lie inside the support, hence their mean too: the root is bracketed.
+        let (density, mean) = self.solved(&resolvent, &watch);
+        watch.check()?;
+        Ok(Arc::new(self.series(density, mean)?))
+    }
+
+    /// The density, and its mean C, which the time constant of the equation contains: the root of ⟨h⟩ = C.
+    fn solved(&self, resolvent: &Resolvent<'_>, watch: &Watch<'_>) -> (Elements, f64) {
+        let edges = RefCell::new(resolvent.edges());
+        let solve = |mean: f64| {
+            // A solution begins with the elements of the one before.
+            let solved = resolvent.after(mean / self.velocity, edges.take());
+            edges.replace(solved.edges.clone());
+            solved
+        };
+        let excess = |mean: f64| {
+            if watch.stops() {
+                return 0.0;
+            }
+            let [mass, first] = solve(mean).sums(|h| [1.0, h]);
+            first / mass - mean
+        };
+        // Means of thresholds of all ages lie between, or near, those of the two distributions.
+        let ends = [self.maturing.newborn_law().mean(), self.maturing.mature_law().mean()];
+        let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        while excess(low) < 0.0 && low > 0.0 {
+            low *= 0.5;
+        }
+        while excess(high) > 0.0 && high < self.maturing.support.1 {
+            high *= 2.0;
+        }
         let mean = brent_root(excess, low, high, 0.0).unwrap_or(low);
-        (mean, solve(mean).chunks(cells / COARSEST).map(|cells| cells.iter().sum()).collect())
+        (solve(mean), mean)
     }
 
-    /// The distribution with these masses and the mean C.
-    fn series(&self, masses: &[f64], mean: f64) -> Result<Series> {
-        let (low, high) = self.maturing.support;
-        let width = (high - low) / masses.len() as f64;
-        let most = masses.iter().fold(0.0_f64, |most, &mass| most.max(mass));
-        // Masses below this do not show in any result; the support ends at the outermost cells above it.
-        let shown = |mass: &f64| *mass > 1e-15 * most;
-        let (first, last) = (masses.iter().position(shown), masses.iter().rposition(shown));
-        let bound = |cell: usize| low + cell as f64 * width;
-        let (start, end) = (first.map_or(low, bound), last.map_or(high, |cell| bound(cell + 1)));
+    /// The distribution with this density and the mean C.
+    fn series(&self, density: Elements, mean: f64) -> Result<Series> {
+        /// Elements with less of the mass, and of the second moment, do not show in any result; the support ends at the
+        /// outermost ones with more.
+        const SHOWN: f64 = 1e-15;
+        let [square] = density.sums(|h| [h * h]);
+        let shown = |i: &usize| {
+            let mass = density.width(*i) * density.series[*i][0];
+            mass * (density.edges[*i + 1].powi(2) / square).max(1.0) > SHOWN
+        };
+        let first = (0..density.count()).find(shown).unwrap_or(0);
+        let last = (0..density.count()).rfind(shown).unwrap_or(density.count() - 1);
+        let density = Piecewise {
+            boundaries: density.edges[first..=last + 1].to_vec(),
+            coefficients: density.series[first..=last].to_vec(),
+        };
         let spread = mean * self.maturing.diffusion / self.velocity;
-        let breakpoints = self.maturing.breakpoints(spread);
-        let density = |h: f64| if h < start { 0.0 } else { density(masses, (h - low) / width) / width };
-        let ends = [(start, density(start)), (end, -density(end))].into_iter();
+        let (start, end) = (density.boundaries[0], density.end());
+        let ends = [(start, density.value(start)), (end, -density.value_in(last - first, end))];
         let jumps = ends.map(|(position, amplitude)| Breakpoint { position, exponent: 0.0, amplitude });
-        let breakpoints: Vec<Breakpoint> = breakpoints.into_iter().chain(jumps).collect();
-        let edges: Vec<f64> = breakpoints.iter().map(|b| b.position).collect();
-        let resolution = Resolution::Relative { fraction: 1e-9, negligible: 1e-9 * most / width };
-        let density = Piecewise::resolve(density, &edges, end, resolution).part(start, end);
-        // Nothing narrower than a cell is resolved.
-        let resolution = self.maturing.resolution().min(spread.sqrt().max(width));
-        Series::solved(density, breakpoints, resolution)
+        let breakpoints = self.maturing.breakpoints(spread).into_iter().chain(jumps).collect();
+        Series::solved(density, breakpoints)
     }
-}
-
-/// (1 − aL)⁻¹ m.
-fn resolved(operator: &Diffusion, a: f64, masses: &[f64]) -> Vec<f64> {
-    let mut out = masses.to_vec();
-    operator.resolve(a, &mut out);
-    out
-}
-
-/// Richardson extrapolation of three levels, each twice as fine as the one before: removes errors of second
-/// and fourth order.
-fn extrapolated([coarse, fine, finest]: [f64; 3]) -> f64 {
-    let (better, best) = (fine + (fine - coarse) / 3.0, finest + (finest - fine) / 3.0);
-    best + (best - better) / 15.0
-}
-
-/// The density per cell at a position in units of cells, from masses of equal cells: the slope of the
-/// interpolated cumulative sum.
-fn density(masses: &[f64], position: f64) -> f64 {
-    let stencil = Stencil::at(position, masses.len() + 1);
-    // Summed from the first edge of the stencil, so that tails keep their relative accuracy.
-    let edges =
-        masses[stencil.first..].iter().scan(0.0, |sum, mass| Some(std::mem::replace(sum, *sum + mass)));
-    let mut sums = [0.0; POINTS];
-    sums.iter_mut().zip(edges).for_each(|(sum, edge)| *sum = edge);
-    if stencil.first + POINTS > masses.len() {
-        sums[POINTS - 1] = masses[stencil.first..].iter().sum();
-    }
-    stencil.slope(|edge| sums[edge - stencil.first])
 }

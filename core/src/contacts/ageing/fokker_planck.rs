@@ -4,11 +4,12 @@ use super::{Ageing, Contacts};
 use crate::Result;
 use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, cloud_in_cell, potential_values};
+use crate::numerics::diffusion::{Elements, Potential, Slope, cloud_in_cell};
 use crate::numerics::legendre::{NODES, RULE};
 
-/// Fraction of thresholds neglected above the upper end of the cells.
+/// Fraction of thresholds neglected above the upper end, and of their second moment, which friction grows with.
 const NEGLIGIBLE: f64 = 1e-15;
+const NEGLIGIBLE_MOMENT: f64 = 1e-12;
 
 /// ∂_t p = D∂_h[U' + ∂_h]p with U = −ln P_cf, from p = P_ci, with reflecting ends of the support of P_cf.
 #[derive(Debug, Clone)]
@@ -39,7 +40,11 @@ impl ThresholdFokkerPlanck {
     /// [`super::Contacts::check`].
     pub fn new(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
         let (low, end) = (mature.quantile(0.0), mature.upper_quantile(0.0));
-        let far = |law: &SharedLaw| law.upper_quantile(NEGLIGIBLE);
+        let far = |law: &SharedLaw| {
+            let least = NEGLIGIBLE_MOMENT * law.upper_moment(2, -1.0);
+            let widened = std::iter::successors(Some(law.upper_quantile(NEGLIGIBLE)), |end| Some(1.25 * end));
+            widened.take(100).find(|&end| law.upper_moment(2, end) <= least).unwrap_or(f64::MAX)
+        };
         let high = if end.is_finite() { end } else { far(&mature).max(far(&newborn)) };
         Self { newborn, mature, diffusion, support: (low, high) }
     }
@@ -49,18 +54,9 @@ impl ThresholdFokkerPlanck {
         &self.newborn
     }
 
-    /// The operator on `cells` equal cells. P_cf is stationary to rounding.
-    pub fn operator(&self, cells: usize) -> Diffusion {
-        let (low, high) = self.support;
-        let width = (high - low) / cells as f64;
-        let edges: Vec<f64> = (0..=cells).map(|i| low + i as f64 * width).collect();
-        // The potential is defined by the masses of P_cf in the cells, so that exactly these are
-        // stationary on the grid.
-        let mass = |pair: &[f64]| -> f64 {
-            points(self.mature.as_ref(), &[], (pair[0], pair[1])).map(|point| point.1).sum()
-        };
-        let masses = edges.windows(2).map(mass).collect();
-        Diffusion::new(low, width, &potential_values(masses), self.diffusion)
+    /// P_cf.
+    pub fn mature_law(&self) -> &SharedLaw {
+        &self.mature
     }
 
     /// U.
@@ -94,9 +90,9 @@ impl ThresholdFokkerPlanck {
     }
 
     /// The density of fresh thresholds above `stretch`, without point masses, on elements up to the end of
-    /// the support. The truncation error of an element is at most `tolerance`; elements narrow down to
-    /// `finest` towards jumps of the density.
-    pub fn fresh_density(&self, stretch: f64, left_out: f64, finest: f64) -> Elements {
+    /// the support. The truncation error × half width of an element is at most `left_out` at its upper end;
+    /// elements narrow down to `finest` towards jumps of the density.
+    pub fn fresh_density(&self, stretch: f64, left_out: impl Fn(f64) -> f64, finest: f64) -> Elements {
         /// Initial width of elements in standard deviations of a Gaussian.
         const WIDTH: f64 = 4.0;
         let (low, high) = (self.support.0.max(stretch), self.support.1);
@@ -188,7 +184,7 @@ impl ThresholdFokkerPlanck {
             atom.weight * (-0.5 * z * z).exp() / (spread * (2.0 * std::f64::consts::PI).sqrt())
         };
         let density = |h: f64| atoms.iter().map(|atom| point_mass_width(h, atom)).sum();
-        let mut density = Elements::of(density, &edges, left_out, 0.1 * spread);
+        let mut density = Elements::of(density, &edges, |_| left_out, 0.1 * spread);
         // Restores the mass cut off at an end of the support or at the stretch.
         let whole: f64 = atoms.iter().map(|atom| atom.weight).sum();
         let factor = whole / density.mass();

@@ -456,7 +456,7 @@ fn evolve_quantiles(
     let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
     let watch = Watch::new(monitor);
     let mut evolution = Evolution {
-        density: maturing.fresh_density(maturing.support.0, 0.1 * LEFT_OUT, finest),
+        density: maturing.fresh_density(maturing.support.0, |_| 0.1 * LEFT_OUT, finest),
         field,
         velocity: 0.0,
         absorbing: false,

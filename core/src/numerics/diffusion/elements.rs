@@ -7,6 +7,12 @@ use std::sync::LazyLock;
 use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments, series};
 use crate::numerics::piecewise::tail;
 
+/// The narrowest element, relative to the whole length.
+pub(super) const NARROWEST: f64 = 1e-13;
+
+/// Truncation errors below this fraction of the largest coefficient may be rounding.
+pub(super) const ROUNDING: f64 = 1e-12;
+
 /// A number for each pair of basis functions of an element.
 pub(super) type Matrix = [Nodal; NODES];
 
@@ -101,11 +107,16 @@ impl Basis {
 
 impl Elements {
     /// A density between the first and last of the `edges`, on elements that are halved until each has a
-    /// truncation error × half width below `tolerance`, or a half width below `finest`.
-    pub fn of(density: impl Fn(f64) -> f64, edges: &[f64], tolerance: f64, finest: f64) -> Self {
+    /// truncation error × half width below the `tolerance` at its upper end, or a half width below `finest`.
+    pub fn of(
+        density: impl Fn(f64) -> f64,
+        edges: &[f64],
+        tolerance: impl Fn(f64) -> f64,
+        finest: f64,
+    ) -> Self {
         let mut out = Self { edges: vec![edges[0]], series: Vec::new() };
         for pair in edges.windows(2) {
-            out.resolve(&density, (pair[0], pair[1]), tolerance, finest);
+            out.resolve(&density, (pair[0], pair[1]), &tolerance, finest);
         }
         out
     }
@@ -114,12 +125,13 @@ impl Elements {
         &mut self,
         density: &impl Fn(f64) -> f64,
         (low, high): (f64, f64),
-        tolerance: f64,
+        tolerance: &impl Fn(f64) -> f64,
         finest: f64,
     ) {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let series = RULE.coefficients(&RULE.nodes.map(|t| density(middle + half * t)));
-        if tail(&series) * half > tolerance && half > finest {
+        let rounding = ROUNDING * series.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+        if tail(&series) > rounding.max(tolerance(high) / half) && half > finest {
             self.resolve(density, (low, middle), tolerance, finest);
             return self.resolve(density, (middle, high), tolerance, finest);
         }
@@ -258,6 +270,31 @@ impl Elements {
     }
 }
 
+/// The edges with the roughest elements divided. Rough elements disturb their neighbours: those with a far
+/// smaller error wait.
+pub(super) fn refined(edges: &[f64], roughness: &[f64], absorbing: bool) -> Vec<f64> {
+    /// Elements with at least this fraction of the largest error do not wait.
+    const FRACTION: f64 = 0.01;
+    let least = (FRACTION * roughness.iter().fold(0.0, |a: f64, &b| a.max(b))).max(1.0);
+    let mut out = vec![edges[0]];
+    for (i, pair) in edges.windows(2).enumerate() {
+        let width = pair[1] - pair[0];
+        if roughness[i] >= least {
+            // The layer above an absorbing floor is at the lower end of the first element, which is
+            // divided unevenly.
+            if i == 0 && absorbing {
+                out.extend([pair[0] + width / 16.0, pair[0] + width / 4.0]);
+            } else {
+                // The error of an element falls as the 16th power of its width.
+                let parts = (1.3 * roughness[i].powf(1.0 / 16.0)).ceil().clamp(2.0, 4.0);
+                out.extend((1..parts as u32).map(|k| pair[0] + width * f64::from(k) / parts));
+            }
+        }
+        out.push(pair[1]);
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,7 +305,7 @@ mod tests {
 
     #[test]
     fn elements_keep_moments_when_they_are_cut_and_joined() {
-        let fine = Elements::of(bell, &[0.0, 0.3, 1.0], 1e-15, 1e-6);
+        let fine = Elements::of(bell, &[0.0, 0.3, 1.0], |_| 1e-15, 1e-6);
         let moments = |p: &Elements| p.sums(|h| [1.0, h, h * h]);
         let cut = fine.on(&[0.0, 0.11, 0.2, 0.3, 0.5, 0.6, 0.9, 1.0]);
         let joined = cut.clone().coarsened(|_, half| 1e-13 / half, &[]);

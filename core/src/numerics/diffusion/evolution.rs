@@ -1,9 +1,10 @@
 //! Time integration of a Fokker–Planck equation above a rising floor, on adaptive spectral elements in
 //! adaptive time steps.
 
-use super::elements::Elements;
+use super::elements::{Elements, NARROWEST, refined};
+use super::galerkin::{Field, Loss};
 use super::radau::{RADAU, STAGES};
-use super::slab::{EdgeMotion, Field, Loss, slab, truncation_in_time};
+use super::slab::{EdgeMotion, slab, truncation_in_time};
 use crate::numerics::legendre::{Nodal, series};
 
 /// ∂_t p = D∂_h[U' + ∂_h]p − wp on [x, H], with a reflecting end at H.
@@ -53,9 +54,6 @@ pub struct TimeStep {
     /// Its truncation error.
     pub error: f64,
 }
-
-/// The narrowest element, relative to the whole length.
-const NARROWEST: f64 = 1e-13;
 
 /// Largest number of elements; if it is not enough, the estimated error of the step is larger.
 const MOST_ELEMENTS: usize = 400;
@@ -183,31 +181,6 @@ impl Evolution<'_> {
         let fast = self.absorbing && self.field.diffusion < near * self.velocity;
         if fast && low - floor < near { half.max(near) } else { half }
     }
-}
-
-/// The edges with the roughest elements divided. Rough elements disturb their neighbours: those with a far
-/// smaller error wait.
-fn refined(edges: &[f64], roughness: &[f64], absorbing: bool) -> Vec<f64> {
-    /// Elements with at least this fraction of the largest error do not wait.
-    const FRACTION: f64 = 0.01;
-    let least = (FRACTION * roughness.iter().fold(0.0, |a: f64, &b| a.max(b))).max(1.0);
-    let mut out = vec![edges[0]];
-    for (i, pair) in edges.windows(2).enumerate() {
-        let width = pair[1] - pair[0];
-        if roughness[i] >= least {
-            // The layer above an absorbing floor is at the lower end of the first element, which is
-            // divided unevenly.
-            if i == 0 && absorbing {
-                out.extend([pair[0] + width / 16.0, pair[0] + width / 4.0]);
-            } else {
-                // The error of an element falls as the 16th power of its width.
-                let parts = (1.3 * roughness[i].powf(1.0 / 16.0)).ceil().clamp(2.0, 4.0);
-                out.extend((1..parts as u32).map(|k| pair[0] + width * f64::from(k) / parts));
-            }
-        }
-        out.push(pair[1]);
-    }
-    out
 }
 
 impl TimeStep {

@@ -103,7 +103,7 @@ fn cubic(values: &[f64]) -> [f64; 4] {
 
 /// −ln of densities (or masses) on equally spaced points, extrapolated as a parabola where they are too
 /// small.
-pub fn potential_values(densities: Vec<f64>) -> Vec<f64> {
+fn potential_values(densities: Vec<f64>) -> Vec<f64> {
     let inside = |&density: &f64| density > FAINTEST;
     let (first, last) = (densities.iter().position(inside), densities.iter().rposition(inside));
     let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
