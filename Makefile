@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test built compiled rust results python notebook lint advisories notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test built compiled rust results python notebook lint dependencies notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
 .PHONY: workflows metadata release-check packages packages-compile publish semver release release-notes binary compiles minimal-versions mutants fuzz-bytes cost
 
 export PYTHON ?= python3
@@ -16,11 +16,11 @@ page := target/explorer/asperity-explorer.html
 wasm_library := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown/lib/libstd-*.rlib)
 
 # Everything that must hold.
-test: setup built rust results explorer python notebook lint advisories docs release-check
+test: setup built rust results explorer python notebook lint dependencies docs release-check
 
 # All that the parts of `make test` compile and install, two at a time: linking and installing keep one core busy only.
 built:
-	$(MAKE) --jobs 2 --output-sync=target compiled $(if $(wasm_library),$(page)) $(stubs) $(venv)-release/ready \
+	$(MAKE) --jobs 2 --output-sync=target compiled $(deny) $(if $(wasm_library),$(page)) $(stubs) $(venv)-release/ready \
 	  $(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-notebook)
 
 tested := --release --locked --package asperity --package asperity-runner --package asperity-engine --package asperity-cli
@@ -127,15 +127,20 @@ workflows: $(venv)-release/ready
 $(venv)-release/ready: python/requirements-release.txt
 	$(environment)
 
-# Security advisories about what it is made of, where cargo-deny is installed and their database can be reached.
-advisories:
-	@if ! cargo deny --version > /dev/null 2>&1; then \
-	  echo "advisories: not checked, cargo-deny is not installed"; \
-	elif ! cargo deny fetch db > /dev/null 2>&1; then \
-	  echo "advisories: not checked, their database cannot be reached"; \
-	else \
-	  cargo deny --locked check; \
-	fi
+deny_version := 0.20.2
+deny := $(target)/tools/bin/cargo-deny
+
+# In debug mode: it runs for a second.
+$(deny): Makefile
+	cargo install cargo-deny --version $(deny_version) --locked --debug --quiet --root $(target)/tools --target-dir $(target)/tools/build
+	touch $@
+
+# The crates that asperity is made of, by cargo-deny and deny.toml: licences, bans and sources, and security advisories where
+# their database can be reached.
+dependencies: $(deny)
+	$(deny) --locked --offline check licenses bans sources
+	@if $(deny) fetch db > /dev/null 2>&1; then $(deny) --locked check advisories; else \
+	  echo "advisories: not checked, their database cannot be reached"; fi
 
 # The notices of what it is made of, anew. `make lint` compares them.
 notices:

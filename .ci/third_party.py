@@ -1,15 +1,12 @@
-"""The crates that asperity is made of: licences and sources by the rules of deny.toml, and their notices.
+"""The notices of the crates that asperity is made of.
 
 `third_party.py check` is what `make test` runs, `third_party.py write` writes THIRD-PARTY.txt anew.
-The rules are those of cargo-deny (https://embarkstudios.github.io/cargo-deny), which needs minutes to be
-compiled and does more: where it is installed, `make advisories` lets it check everything.
 """
 
 import json
 import re
 import subprocess
 import sys
-import tomllib
 from collections import defaultdict
 from pathlib import Path
 
@@ -80,26 +77,6 @@ def choices(expression: str) -> list:
     return either()
 
 
-def faults(found: dict, rules: dict) -> list:
-    """What breaks the rules."""
-    allowed, registries = set(rules["licenses"]["allow"]), rules["sources"]["allow-registry"]
-    banned = {ban["crate"] for ban in rules["bans"]["deny"]}
-    for package in packages(found, (None, "build", "dev")):
-        name = f"{package['name']} {package['version']}"
-        licence = package["license"] or ""
-        if not licence or not any(way <= allowed for way in choices(licence)):
-            yield f"{name}: licence {licence or 'not stated'}, none that deny.toml allows"
-        if (package["source"] or "").removeprefix("registry+") not in registries:
-            yield f"{name}: source {package['source'] or 'a path'}, none that deny.toml allows"
-        if package["name"] in banned:
-            yield f"{name}: banned in deny.toml"
-    for package in found["packages"]:
-        if package["id"] in found["workspace_members"]:
-            for needed in package["dependencies"]:
-                if needed["req"] == "*":
-                    yield f"{package['name']}: {needed['name']} of any version"
-
-
 def texts(package: dict) -> list:
     """The texts of the licence that is taken, as the crate comes with them."""
     folder = Path(package["manifest_path"]).parent
@@ -147,11 +124,10 @@ def main() -> int:
     if sys.argv[1:] == ["write"]:
         NOTICES.write_text(notices(found), encoding="utf-8")
         return 0
-    wrong = list(faults(found, tomllib.loads((ROOT / "deny.toml").read_text(encoding="utf-8"))))
-    if not NOTICES.is_file() or NOTICES.read_text(encoding="utf-8") != notices(found):
-        wrong.append("THIRD-PARTY.txt is not that of these crates: make notices")
-    print("\n".join(wrong), end="\n" if wrong else "")
-    return bool(wrong)
+    if NOTICES.is_file() and NOTICES.read_text(encoding="utf-8") == notices(found):
+        return 0
+    print("THIRD-PARTY.txt is not that of these crates: make notices")
+    return 1
 
 
 if __name__ == "__main__":
