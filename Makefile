@@ -138,7 +138,7 @@ $(deny): Makefile
 # The crates that asperity is made of, by cargo-deny and deny.toml: licences, bans and sources, and security advisories where
 # their database can be reached.
 dependencies: $(deny)
-	$(deny) --locked --offline check licenses bans sources
+	$(deny) --locked check licenses bans sources
 	@if $(deny) fetch db > /dev/null 2>&1; then $(deny) --locked check advisories; else \
 	  echo "advisories: not checked, their database cannot be reached"; fi
 
