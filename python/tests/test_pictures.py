@@ -8,6 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity._smooth import along_logarithm
+from shipped import SMALLER
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -35,18 +36,6 @@ SCENARIOS = [
     for path in sorted(ROOT.glob("scenarios/*.toml"))
     if path.stem not in SLOW and not path.stem.startswith("sweep")
 ]
-SMALLER: dict[str, dict[str, Any]] = {
-    "creep": {"creep.forces": [0.65, 0.7], "creep.points": 21},
-    "healing": {"hold_curve.points": 5, "ensemble.size": 100},
-    "laboratory": {"ensemble.size": 100},
-    "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},
-    "stability": {
-        "stability.velocities": [1e-3, 1e-2],
-        "stability.stiffnesses": [0.05, 1.0],
-        "stability.resolution": 1.0,
-    },
-    "velocity-curve-thermal": {"velocity_curve.points": 3, "ensemble.size": 100},
-}
 WARM = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(growth=0.1, time=1.0))
 THEORY = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
 

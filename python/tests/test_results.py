@@ -12,13 +12,17 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
+from shipped import SMALLER
 
 ROOT = Path(__file__).parents[2]
 COMMAND = shlex.split(os.environ.get("ASPERITY", "cargo run --release --locked --quiet --"))
 # Sweeps have tests of their own.
 SCENARIOS = [path for path in sorted(ROOT.glob("scenarios/*.toml")) if not path.stem.startswith("sweep")]
-# Instead of a quarter of a million cells, which take minutes; `make results` runs them.
-SMALLER: dict[str, dict[str, Any]] = {"half-space-512": {"interface.cells": [64, 64]}}
+# The slowest ones made smaller, a quarter of a million cells among them; `make results` runs them in full.
+CHANGES: dict[str, dict[str, Any]] = {
+    **{name: SMALLER[name] for name in ("creep", "stability")},
+    "half-space-512": {"interface.cells": [64, 64]},
+}
 DRIVES = [
     path
     for path in SCENARIOS
@@ -53,7 +57,7 @@ def identical(one: asp.Result, other: asp.Result) -> None:
 def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """A scenario, and the folder that the command has written for it."""
     folder = tmp_path_factory.mktemp("results") / request.param.stem
-    changes = SMALLER.get(request.param.stem, {})
+    changes = CHANGES.get(request.param.stem, {})
     options = [part for key, value in changes.items() for part in ("--set", f"{key}={value}")]
     arguments = ["run", str(request.param), "--quiet", "-o", str(folder), *options]
     subprocess.run([*COMMAND, *arguments], check=True, cwd=ROOT)
@@ -62,7 +66,7 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 
 def test_python_computes_what_the_command_does(written: tuple[Path, Path], tmp_path: Path) -> None:
     scenario, folder = written
-    computed = asp.run(scenario, SMALLER.get(scenario.stem, {}))
+    computed = asp.run(scenario, CHANGES.get(scenario.stem, {}))
     identical(computed, asp.open_result(folder))
     computed.save(tmp_path / "saved")
     pictures = (".svg", ".png")
