@@ -13,6 +13,7 @@ use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
+use asperity::master::Transport;
 use asperity::monitor::Monitor;
 use asperity::scenario;
 use asperity::shape::{Edges, Shape};
@@ -36,6 +37,19 @@ impl Monitor for Full {
 
     fn memory(&self) -> u64 {
         0
+    }
+}
+
+/// A machine with little memory.
+struct Small(u64);
+
+impl Monitor for Small {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn memory(&self) -> u64 {
+        self.0
     }
 }
 
@@ -186,6 +200,17 @@ fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: u
 }
 
 /// One after the other: memory is that of all threads.
+/// Cohorts of steady sliding, whose number is not known before, are refused when they have taken what is allowed.
+fn cohorts() {
+    const ALLOWED: u64 = 100_000_000;
+    let mut narrow = contacts(&gaussian(1.0, 1e-3), &point(0.0));
+    narrow.rules.ageing = Some(Ageing::Smoluchowski { mature: gaussian(1.5, 0.2), diffusion: 0.01 });
+    let mut refused = None;
+    let taken = most(|| refused = Transport::steady_with(&narrow, 0.1, 1e-6, &mut Small(ALLOWED)).err());
+    assert!(matches!(refused, Some(Error::TooLarge { allowed: ALLOWED, .. })), "{refused:?}");
+    holds("cohorts of steady sliding", taken, ALLOWED as f64);
+}
+
 #[test]
 fn nothing_takes_more_than_it_is_refused_for() {
     pulls();
@@ -193,4 +218,5 @@ fn nothing_takes_more_than_it_is_refused_for() {
     blocks_in_time();
     lattices();
     interfaces();
+    cohorts();
 }

@@ -52,16 +52,21 @@ impl Case {
         table.is_some_and(|table| table.remove(key).is_some())
     }
 
-    /// How often the contacts move at another velocity, or from another start.
+    /// How often the contacts move at another velocity, or from another start: at each velocity and temperature of a curve,
+    /// of each hold, and of each velocity and stiffness of a map.
     pub fn solutions(&self) -> usize {
-        let points = |task: &str| {
-            let table = self.scenario.get(task).and_then(Value::as_table);
-            let points =
-                table.and_then(|table| table.get("points")).and_then(Value::as_integer).unwrap_or(41);
-            table.map_or(1, |_| points.clamp(1, 41) as usize)
+        let key = |table: &str, key: &str| self.scenario.get(table).and_then(|table| table.get(key));
+        let listed = |table: &str, name: &str| {
+            key(table, name).and_then(Value::as_array).map(|list| list.len().max(1))
         };
-        let temperatures = if self.given("velocity_curve.temperatures") { 3 } else { 1 };
-        points("velocity_curve") * temperatures * points("hold_curve")
+        let points = |table: &str| {
+            let points = key(table, "points").and_then(Value::as_integer).unwrap_or(41);
+            self.scenario.get(table).map_or(1, |_| points.clamp(1, 41) as usize)
+        };
+        let velocities = listed("velocity_curve", "velocities").unwrap_or_else(|| points("velocity_curve"));
+        let temperatures = listed("velocity_curve", "temperatures").unwrap_or(1);
+        let map = ["velocities", "stiffnesses"].map(|name| listed("stability", name).unwrap_or(1));
+        velocities * temperatures * points("hold_curve") * map[0] * map[1]
     }
 }
 

@@ -243,18 +243,23 @@ impl FokkerPlanckLife {
             }
             evolution.absorbing = absorbing;
             evolution.begin();
-            let mut steps = Vec::new();
+            // A step holds its elements at nine times: of each, only the integrals are kept.
+            let (mut times, mut series) = (vec![evolution.time], Vec::new());
             while evolution.time < end * (1.0 - 1e-14)
                 && evolution.density.mass() > NOTHING * begun
                 && !watch.stops()
             {
-                steps.push(evolution.advance(end));
+                let step = evolution.advance(end);
                 if gives_up && evolution.is_at_capacity() {
                     return None;
                 }
+                times.push(step.to);
+                series.push(
+                    step.all(|time, density| watch.value(|| self.sums(start + velocity * time, density))),
+                );
             }
-            if !steps.is_empty() {
-                segments.push(self.segment(start, &steps, watch));
+            if !series.is_empty() {
+                segments.push(self.segment(&times, &series));
             }
         }
         Some(segments)
@@ -286,36 +291,25 @@ impl FokkerPlanckLife {
         end: f64,
         watch: &Watch<'_>,
     ) -> LifeSegment {
-        let (from, begun) = (evolution.time, evolution.density.mass());
+        let begun = evolution.density.mass();
         let stretch = |time: f64| start + self.velocity * time;
-        let mut steps: Vec<TimeStep> = Vec::new();
+        let (mut times, mut series) = (vec![evolution.time], Vec::new());
         while evolution.time < end * (1.0 - 1e-14)
             && evolution.density.sums_above(stretch(evolution.time), |_| [1.0])[0] > NOTHING * begun
             && !watch.stops()
         {
-            steps.push(evolution.advance(end));
-        }
-        let mut boundaries = vec![0.0];
-        let mut curves: [Vec<Nodal>; SUMS] = std::array::from_fn(|_| Vec::new());
-        for step in &steps {
+            let step = evolution.advance(end);
             // Densities may jump from element to element. Where the stretch passes an edge the
             // polynomial in time ends.
             let met = step.at(step.from).edges.into_iter().map(|edge| (edge - start) / self.velocity);
-            let mut cuts: Vec<f64> = met.filter(|&time| time > step.from && time < step.to).collect();
-            cuts.push(step.to);
-            let mut low = step.from;
-            for high in cuts {
-                let series = watch.value(|| self.layered(start, layer, step, (low, high)));
-                curves.iter_mut().zip(series).for_each(|(curve, series)| curve.push(series));
-                boundaries.push(self.velocity * (high - from));
-                low = high;
+            let cuts = met.filter(|&time| time > step.from && time < step.to).chain([step.to]);
+            for high in cuts.collect::<Vec<_>>() {
+                let low = times[series.len()];
+                series.push(watch.value(|| self.layered(start, layer, &step, (low, high))));
+                times.push(high);
             }
         }
-        let to = from + boundaries[boundaries.len() - 1] / self.velocity;
-        let curves = curves.map(|coefficients| Piecewise { boundaries: boundaries.clone(), coefficients });
-        let breaking = curves[0].derivative().scaled(-1.0);
-        let [from, to] = [from, to].map(|time| self.velocity * time);
-        LifeSegment { from, to, curves, breaking }
+        self.segment(&times, &series)
     }
 
     /// The integrals as polynomials of the time from `low` to `high`, in which the stretch passes no element
@@ -361,22 +355,16 @@ impl FokkerPlanckLife {
         LifeSegment { from: 0.0, to, curves, breaking: constant(0.0) }
     }
 
-    /// The curves of some time steps.
-    fn segment(&self, start: f64, steps: &[TimeStep], watch: &Watch<'_>) -> LifeSegment {
-        let begun = steps[0].from;
-        let advance = |time: f64| self.velocity * (time - begun);
-        let boundaries: Vec<f64> =
-            std::iter::once(0.0).chain(steps.iter().map(|step| advance(step.to))).collect();
-        let sums =
-            |time: f64, density: &Elements| watch.value(|| self.sums(start + self.velocity * time, density));
-        let all: Vec<[Nodal; SUMS]> = steps.iter().map(|step| step.all(sums)).collect();
+    /// The curves of time steps between these times, from the integrals in each.
+    fn segment(&self, times: &[f64], series: &[[Nodal; SUMS]]) -> LifeSegment {
+        let boundaries: Vec<f64> = times.iter().map(|time| self.velocity * (time - times[0])).collect();
         let curve = |k: usize| Piecewise {
             boundaries: boundaries.clone(),
-            coefficients: all.iter().map(|series| series[k]).collect(),
+            coefficients: series.iter().map(|series| series[k]).collect(),
         };
         let curves: [Piecewise; SUMS] = std::array::from_fn(curve);
         let breaking = curves[0].derivative().scaled(-1.0);
-        let [from, to] = [begun, steps[steps.len() - 1].to].map(|time| self.velocity * time);
+        let [from, to] = [times[0], times[series.len()]].map(|time| self.velocity * time);
         LifeSegment { from, to, curves, breaking }
     }
 

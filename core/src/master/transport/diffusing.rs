@@ -140,6 +140,11 @@ impl Diffusing {
         Ok(Some(diffusing))
     }
 
+    /// Bytes of the masses of a cohort.
+    pub(super) fn bytes(&self) -> u64 {
+        self.levels.iter().map(|cells| (cells.cells() * size_of::<f64>()) as u64).sum()
+    }
+
     /// Amount of work of a step of a cohort: cells in both its halves.
     pub(super) fn cells(&self) -> usize {
         let numbers = |(level, cells): (usize, &MovingGrid)| (cells.cells() << level) * 2;

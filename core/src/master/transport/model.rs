@@ -25,6 +25,11 @@ pub(super) enum CohortThresholds {
 }
 
 impl CohortModel {
+    /// Bytes that the thresholds of a cohort take beside it.
+    pub(super) fn bytes(&self) -> u64 {
+        if let Self::Diffusing(diffusing) = self { diffusing.bytes() } else { 0 }
+    }
+
     /// The thresholds of contacts that form at a seed.
     pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
         match self {

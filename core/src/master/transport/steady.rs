@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::contacts::{Contacts, Initial, Start, ThresholdEvolution};
 use crate::law::Point;
-use crate::monitor::{Monitor, Watch};
+use crate::monitor::{Monitor, Watch, fits};
 
 /// Fraction of contacts that breaks in a panel of ages, in units of the fourth root of the tolerance.
 const DEATHS: f64 = 3.0;
@@ -31,7 +31,7 @@ impl Transport {
     /// The same with a tolerance as in [`Transport::new_with`], watched by a monitor.
     ///
     /// # Errors
-    /// As [`Self::steady`]; a tolerance outside [1e-12, 1e-2]; stopped by the monitor.
+    /// As [`Self::steady`]; a tolerance outside [1e-12, 1e-2]; more memory than the monitor allows; stopped by it.
     pub fn steady_with(
         contacts: &Contacts,
         velocity: f64,
@@ -58,6 +58,7 @@ impl Transport {
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
         let mut ageing_cohorts = transport.formed(&transport.seeds, monitor)?;
+        let (allowed, each) = (monitor.memory(), size_of::<Cohort>() as u64 + transport.model.bytes());
         let watch = Watch::new(monitor);
         let mut context = StepContext::new(&watch);
         let mut duration = transport.pace.longest(velocity);
@@ -91,6 +92,13 @@ impl Transport {
                 }
             }
             watch.check()?;
+            let number = cohorts.len() + 2 * after.len();
+            fits(
+                "tolerance",
+                format!("{number} cohorts of steady sliding, and more"),
+                number as u64 * each,
+                allowed,
+            )?;
             ageing_cohorts = after;
             if lost < 0.5 * most {
                 duration = (2.0 * duration).min(transport.pace.longest(velocity));
