@@ -1,6 +1,8 @@
 //! The pictures of shipped scenarios as SVG: panels share their edges, maps have square cells and colour bars as tall as they are,
-//! nothing is outside of the picture or its frames, and labels are the words of the field.
+//! nothing is outside of the picture or its frames, vertical axes show their values in full, and labels are the words of the field.
 
+#[path = "picture/ranges.rs"]
+mod ranges;
 mod support;
 
 use std::sync::Arc;
@@ -82,9 +84,17 @@ const ROUNDING: f64 = 0.03;
 fn pictures_of_shipped_scenarios_are_in_order() {
     let folder = others();
     let paths = [tomls(&scenarios()), tomls(folder.path())].concat();
-    let mut seen: Vec<String> = paths.par_iter().flat_map(|path| checked(path)).collect();
+    let (mut seen, mut axes): (Vec<String>, Vec<usize>) = (Vec::new(), Vec::new());
+    let found: Vec<_> = paths.par_iter().map(|path| checked(path)).collect();
+    found.into_iter().for_each(|(pictures, shown)| {
+        seen.extend(pictures);
+        axes.extend(shown);
+    });
     seen.sort();
     seen.dedup();
+    axes.sort_unstable();
+    axes.dedup();
+    assert_eq!(axes.len(), ranges::SHOWN.len(), "{axes:?}");
     let known: Vec<&str> = PICTURES.iter().map(|picture| picture.0).collect();
     assert_eq!(seen, known);
 }
@@ -104,8 +114,8 @@ fn others() -> Folder {
     folder
 }
 
-/// The names of the pictures of a scenario, which are in order.
-fn checked(path: &std::path::Path) -> Vec<String> {
+/// The names of the pictures of a scenario, which are in order, and the numbers of the vertical axes in them.
+fn checked(path: &std::path::Path) -> (Vec<String>, Vec<usize>) {
     let scenario = path.file_stem().unwrap().to_str().unwrap();
     let folder = Folder::new();
     let mut arguments =
@@ -114,13 +124,16 @@ fn checked(path: &std::path::Path) -> Vec<String> {
     arguments.extend(shorter.iter().flat_map(|set| ["--set", *set]));
     folder.succeed(&arguments);
     let out = folder.path().join("out");
+    let record = asperity_runner::output::read(&out).map(|outcome| outcome.record).unwrap_or_default();
     let drawn = names(&out).into_iter().filter_map(|name| Some(name.strip_suffix(".svg")?.to_owned()));
-    drawn
-        .inspect(|name| {
-            let svg = std::fs::read_to_string(out.join(format!("{name}.svg"))).unwrap();
-            check(&format!("{scenario}: {name}"), name, &svg);
-        })
-        .collect()
+    let mut axes = Vec::new();
+    let drawn = drawn.inspect(|name| {
+        let svg = std::fs::read_to_string(out.join(format!("{name}.svg"))).unwrap();
+        let place = format!("{scenario}: {name}");
+        check(&place, name, &svg);
+        axes.extend(ranges::check(&place, name, &svg, &record));
+    });
+    (drawn.collect(), axes)
 }
 
 fn check(place: &str, name: &str, svg: &str) {
@@ -221,18 +234,33 @@ fn words(svg: &str) -> Vec<String> {
 
 /// The frames of the panels on the canvas: left, top, width, height.
 fn frames(svg: &str) -> Vec<[f64; 4]> {
+    let frame = |tag: Tag| -> Option<[f64; 4]> {
+        let frame = numbers(tag.text, "data-frame=\"", '"')?;
+        Some([tag.at[0] + frame[0], tag.at[1] + frame[1], frame[2], frame[3]])
+    };
+    tags(svg).into_iter().filter_map(frame).collect()
+}
+
+/// A tag of a picture.
+struct Tag<'a> {
+    text: &'a str,
+    /// What stands between this tag and the next.
+    content: &'a str,
+    /// By how much the groups around it and its own are moved.
+    at: [f64; 2],
+}
+
+fn tags(svg: &str) -> Vec<Tag<'_>> {
     let (mut moved, mut found): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
-    for tag in svg.split('<').filter_map(|part| part.split('>').next()) {
-        if tag.starts_with("/g") {
+    for (text, content) in svg.split('<').filter_map(|part| part.split_once('>')) {
+        if text.starts_with("/g") {
             moved.pop();
-        } else if tag.starts_with("g ") || tag == "g" {
-            let by = numbers(tag, "translate(", ')').and_then(|by| by.try_into().ok()).unwrap_or([0.0; 2]);
+        } else if text.starts_with("g ") || text == "g" {
+            let by = numbers(text, "translate(", ')').and_then(|by| by.try_into().ok()).unwrap_or([0.0; 2]);
             moved.push(by);
-            if let Some(frame) = numbers(tag, "data-frame=\"", '"') {
-                let at = |axis: usize| moved.iter().map(|by| by[axis]).sum::<f64>();
-                found.push([at(0) + frame[0], at(1) + frame[1], frame[2], frame[3]]);
-            }
         }
+        let at = [0, 1].map(|axis: usize| moved.iter().map(|by| by[axis]).sum());
+        found.push(Tag { text, content, at });
     }
     found
 }

@@ -331,6 +331,23 @@ class Block(Description):
     def model(self, /) -> MasterEquation | Transport | Ensemble:
         """The model of the contacts."""
 
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the equilibria of the first loading, as the plot() of equilibrium(); it needs matplotlib, whose styles it
+        follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+
     def potential(
         self, /, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001
     ) -> Potential:
@@ -614,6 +631,23 @@ class Contacts(Description):
     def normal_load(self, /) -> float | None:
         """The normal load, a force, or None."""
 
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the distributions of the thresholds and of the stretches at which contacts re-form, or that of the areas;
+        point masses are stems. It needs matplotlib, whose styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+
     @property
     def reforming(self, /) -> Law:
         """The distribution R of the stretches at which contacts re-form."""
@@ -781,6 +815,22 @@ class Deformable(Description):
     @property
     def neighbours(self, /) -> float | None:
         """K_int, the stiffness of the spring between two neighbours; None on a half-space."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the distributions of the contacts, as Contacts.plot, with that of their initial stretches.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
 
     @property
     def seed(self, /) -> int:
@@ -1406,6 +1456,7 @@ class FrictionGradient:
     """The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter."""
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
+    def __repr__(self, /) -> str: ...
     @property
     def critical_stiffness(self, /) -> float:
         """∂K_c/∂θ, force per length and unit of the parameter; nan if K_c is not finite, 0 if it is 0."""
@@ -2426,6 +2477,22 @@ class Model(Description):
     @property
     def initial(self, /) -> Law:
         """The distribution Q_ini of stretches at X = 0."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the distributions of the contacts, as Contacts.plot, with that of their initial stretches.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the plot() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
 
     @property
     def start(self, /) -> Literal["conditional", "relaxed", "steady"]:

@@ -30,7 +30,10 @@ UNIT = re.compile(r"^(?P<name>.*?)[\s_]*[(\[](?P<unit>[^)\]]*)[)\]]$")
 
 
 class Motion(NamedTuple):
-    """A part of a record in which the load point has one velocity, or rests."""
+    """A part of a record in which the load point has one velocity, or rests.
+
+    Of a record, record[motion] has its readings, and record[motion].plot() draws them.
+    """
 
     kind: Literal["forward", "hold", "backward"]
     velocity: float
@@ -258,13 +261,13 @@ class LaboratoryRecord:
         ratio = fast.velocity / slow.velocity
         return read_velocity_step(position[near], part.force[near], ratio, **options)
 
-    def plot(self, *, ax: "Axes | None" = None, against: str = "displacement", **style: Any) -> "Axes":
-        """Draws the force against the displacement of the load point, or against "time".
+    def plot(self, ax: "Axes | None" = None, *, against: str = "displacement", **style: Any) -> "Axes":
+        """Draws the force against the displacement of the load point, or against "time"; it needs matplotlib.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Axes to plot on; those in use by default.
+            Axes to plot on; new ones by default.
         against : str
             "displacement", "time", or another role of a column.
         **style
@@ -275,13 +278,13 @@ class LaboratoryRecord:
         matplotlib.axes.Axes
             The axes.
         """
-        from matplotlib import pyplot
+        from asperity import _plot
 
-        axes = pyplot.gca() if ax is None else ax
-        axes.plot(self._column(against), self.force, **style)
-        axes.set_xlabel(self._label(against))
-        axes.set_ylabel(self._label("force"))
-        return axes
+        if ax is None:
+            ax = _plot.new_axes()
+        ax.plot(self._column(against), self.force, **style)
+        ax.set(xlabel=self._label(against), ylabel=self._label("force"))
+        return ax
 
     def _label(self, role: str) -> str:
         name = self.roles[role]
@@ -330,6 +333,8 @@ def read_laboratory(
     >>> len(record), float(record.force[1]), record.units["Displ"]
     (3, 0.6, 'µm')
     """
+    if not isinstance(path, str | PathLike):
+        raise TypeError(f"path: expected a path, got {type(path).__name__}")
     with open(fspath(path), encoding="utf-8-sig", newline="") as file:
         lines = [
             (number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] not in "#%"

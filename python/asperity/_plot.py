@@ -14,10 +14,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from asperity._core import (
+        Block,
+        Contacts,
         Estimates,
         Gradient,
         Healing,
+        Interface,
+        Lattice,
         Law,
+        Model,
         Posterior,
         Pull,
         Record,
@@ -199,8 +204,8 @@ def stretches(found: "StretchDensity", ax: "Axes | None" = None, **style: Any) -
     return ax
 
 
-def law(law: "Law", ax: "Axes | None" = None, **style: Any) -> "Axes":
-    """The density of a distribution, with dots at the quantiles of 5, 50 and 95 %."""
+def density(law: "Law") -> "StretchDensity":
+    """The density between outer quantiles and some way beyond, undefined at a pole, and the point masses."""
     import numpy as np
 
     from asperity._values import StretchDensity
@@ -208,20 +213,64 @@ def law(law: "Law", ax: "Axes | None" = None, **style: Any) -> "Axes":
     low, high = law.ppf(1e-3), law.isf(1e-3)
     beside = 0.1 * ((high - low) or high or 1.0)
     low, high = max(low - beside, 0.0), high + beside
-    # A density may jump at its ends; at a pole it is drawn up to that at the quantile of 5 %.
+    # A density may jump at its ends.
     jumps = [end for end in law.support() if low <= end <= high and math.isfinite(law.pdf(end))]
     edges = [x for end in jumps for x in (math.nextafter(end, 0.0), end, math.nextafter(end, math.inf))]
     within = law.ppf(np.linspace(0.02, 0.98, 97))
     x = np.unique(np.concatenate([np.linspace(low, high, 1001), within, edges]))
-    density = law.pdf(x)
-    ax = stretches(StretchDensity(x, np.where(np.isfinite(density), density, np.nan), law.atoms), ax, **style)
+    values = law.pdf(x)
+    return StretchDensity(x, np.where(np.isfinite(values), values, np.nan), law.atoms)
+
+
+def contacts(
+    contacts: "Contacts", ax: "Axes | None" = None, initial: "Law | None" = None, **style: Any
+) -> "Axes":
+    """The distributions of thresholds, of re-formed contacts and of initial stretches."""
+    if contacts.areas is not None:
+        ax = law(contacts.areas.law, ax, **style)
+        ax.set_xlabel("area of a contact")
+        return ax
+    if ax is None:
+        ax = new_axes()
+    laws = {"thresholds": contacts.thresholds, "re-forming": contacts.reforming, "initial": initial}
+    stems = []
+    for name, one in laws.items():
+        if one is not None:
+            found = density(one)
+            (line,) = ax.plot(found.stretch, found.density, **{"label": name, **style})
+            stems.append((one.atoms.position, one.atoms.weight, line.get_color()))
+    ax.set_ylim(bottom=0.0)
+    masses(ax, stems)
+    ax.set(xlabel=axis("x", ""), ylabel="probability density")
+    ax.legend()
+    return ax
+
+
+def model(model: "Model | Interface | Lattice", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The distributions of the contacts of a model, with that of their initial stretches."""
+    return contacts(model.contacts, ax, model.initial, **style)
+
+
+def block(block: "Block", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The equilibria of a slider on first loading."""
+    return block.equilibrium().plot(ax, **style)
+
+
+def law(law: "Law", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The density of a distribution, with dots at the quantiles of 5, 50 and 95 %."""
+    import numpy as np
+
+    found = density(law)
+    x = found.stretch
+    ax = stretches(found, ax, **style)
     at = law.ppf([0.05, 0.5, 0.95])
     here = law.pdf(at)
     continuous = ~np.isin(at, law.atoms.position) & np.isfinite(here)
     (curve, *_) = (line for line in reversed(ax.lines) if np.size(line.get_xdata()) == len(x))
     dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
     ax.plot(at[continuous], here[continuous], **dots, color=curve.get_color())
-    if not np.isfinite(density).all() and continuous.any():
+    # At a pole it is drawn up to that at the quantile of 5 %.
+    if not np.isfinite(found.density).all() and continuous.any():
         ax.set_ylim(top=1.1 * float(here[continuous].max()))
     ax.set(xlabel=axis("x", ""), ylabel=axis("p", "", "probability density"))
     return ax

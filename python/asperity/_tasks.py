@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from asperity import _pictures, _show
-from asperity._core import Block, Ensemble, MasterEquation, run
+from asperity._core import Block, Ensemble, Interface, Lattice, MasterEquation, run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from xarray import Dataset
 
-    from asperity._core import Contacts, Interface, Lattice, Result
+    from asperity._core import Contacts, Result
 
     _Array: TypeAlias = NDArray[np.float64]
     _Progress: TypeAlias = Callable[[float], object] | bool | None
@@ -702,6 +702,8 @@ def renormalisation(
     >>> round(found.coupling, 6), found.mean < 1.0
     (0.1, True)
     """
+    if not isinstance(interface, Lattice | Interface):
+        raise TypeError(f"interface: expected a Lattice or an Interface, got {type(interface).__name__}")
     result = interface._first_breaks(runs, points, progress=progress)
     found = result.summary["renormalisation"]
 

@@ -7,7 +7,8 @@ use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 
-use crate::convert::{self, Domain, Real, Whole};
+use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::convert::{self, Domain};
 use crate::description::{Description, Plain, Slider};
 use crate::law::given;
 use crate::model::Model;
@@ -42,8 +43,9 @@ pub struct Inertial;
 #[pymethods]
 impl Inertial {
     #[new]
-    #[pyo3(signature = (mass, damping = 0.0))]
-    fn new(mass: Real, damping: f64) -> PyResult<PyClassInitializer<Self>> {
+    #[pyo3(signature = (mass, damping = Real::new(0.0)), text_signature = "(mass, damping=0.0)")]
+    fn new(mass: Real, damping: Real) -> PyResult<PyClassInitializer<Self>> {
+        let damping = damping.get("damping")?;
         let mass = mass.get("mass")?;
         let slip = Slip::Inertial { mass, damping };
         block::Block::new(Loading::Rigid, slip, None).map_err(error::core)?;
@@ -94,7 +96,8 @@ pub struct Damped;
 #[pymethods]
 impl Damped {
     #[new]
-    fn new(damping: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(damping: Real) -> PyResult<PyClassInitializer<Self>> {
+        let damping = damping.get("damping")?;
         let slip = Slip::Damped { damping };
         block::Block::new(Loading::Rigid, slip, None).map_err(error::core)?;
         Ok(Description::new(Plain::Slip(slip)).add_subclass(Self))
@@ -207,16 +210,18 @@ pub struct Block {
 impl Block {
     #[new]
     #[pyo3(
-        signature = (model, stiffness, slip = Rule(Slip::Reset), *, slip_fraction = scenario::Block::SLIP_FRACTION),
+        signature = (model, stiffness, slip = Rule(Slip::Reset), *, slip_fraction = Real::new(scenario::Block::SLIP_FRACTION)),
         text_signature = "(model, stiffness, slip='reset', *, slip_fraction=0.05)"
     )]
     fn new(
-        model: Bound<'_, Model>,
+        model: Argument<Bound<'_, Model>>,
         stiffness: Option<Real>,
         slip: Rule,
-        slip_fraction: f64,
+        slip_fraction: Real,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let stiffness = stiffness.map(|number| number.get("stiffness")).transpose()?;
+        let model = model.get("model")?;
+        let slip_fraction = slip_fraction.get("slip_fraction")?;
+        let stiffness = stiffness.get("stiffness")?;
         let stiffness = stiffness.filter(|&stiffness| stiffness != f64::INFINITY);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         block::Block::new(loading, slip.0, Some(slip_fraction)).map_err(|e| error::core(e.under("block")))?;
@@ -275,9 +280,10 @@ impl Block {
     #[pyo3(signature = (velocity, *, progress: "_Progress" = None))]
     fn stability<'py>(
         slf: &Bound<'py, Self>,
-        velocity: f64,
+        velocity: Real,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::Stability<'py>> {
+        let velocity = velocity.get("velocity")?;
         let py = slf.py();
         let Some(table) = Self::table(slf) else {
             return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
@@ -324,15 +330,17 @@ impl Block {
     ///     For a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule that has
     ///     no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
     #[pyo3(
-        signature = (velocity = None, *, resolution = scenario::Stability::RESOLUTION, progress: "_Progress" = None),
+        signature = (velocity = None, *, resolution = Real::new(scenario::Stability::RESOLUTION), progress: "_Progress" = None),
         text_signature = "($self, velocity=None, *, resolution=0.02, progress=None)"
     )]
     fn stick_slip<'py>(
         slf: &Bound<'py, Self>,
-        velocity: Option<f64>,
-        resolution: f64,
+        velocity: Option<Real>,
+        resolution: Real,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::StickSlipStability<'py>> {
+        let velocity = velocity.get("velocity")?;
+        let resolution = resolution.get("resolution")?;
         let py = slf.py();
         let Some(table) = Self::table(slf) else {
             return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
@@ -361,7 +369,8 @@ impl Block {
     ///     For a Transport without a velocity, a MasterEquation with one, and for a slip rule that has no meaning in
     ///     time; for time-dependent contacts without a velocity unless the MasterEquation has one.
     #[pyo3(signature = (*, velocity = None))]
-    fn simulation(slf: &Bound<'_, Self>, velocity: Option<f64>) -> PyResult<Simulation> {
+    fn simulation(slf: &Bound<'_, Self>, velocity: Option<Real>) -> PyResult<Simulation> {
+        let velocity = velocity.get("velocity")?;
         let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(slf);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         let model = slf.get().model.bind(slf.py());
@@ -424,9 +433,9 @@ impl Block {
         force_to: Option<Real>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<StickSlip>> {
-        let distance = distance.map(|number| number.get("distance")).transpose()?;
-        let velocity = velocity.map(|number| number.get("velocity")).transpose()?;
-        let force_to = force_to.map(|number| number.get("force_to")).transpose()?;
+        let distance = distance.get("distance")?;
+        let velocity = velocity.get("velocity")?;
+        let force_to = force_to.get("force_to")?;
         let turning_points =
             turning_points.map(|points| convert::list("turning_points", points)).transpose()?;
         let points = points.get("points")?;
@@ -473,9 +482,10 @@ impl Block {
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: Bound<'_, Self>,
-        steps: Vec<Bound<'_, Step>>,
+        steps: Argument<Vec<Bound<'_, Step>>>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<StickSlip>> {
+        let steps = steps.get("steps")?;
         StickSlip::in_time(slf, &transport::protocol(steps)?, progress)
     }
 
@@ -499,11 +509,35 @@ impl Block {
     )]
     fn equilibrium<'py>(
         slf: &Bound<'py, Self>,
-        distance: Option<f64>,
+        distance: Option<Real>,
         points: Whole,
     ) -> PyResult<typed::Equilibria<'py>> {
+        let distance = distance.get("distance")?;
         let curve = Self::curve(slf, "equilibrium", distance, points)?;
         values::equilibria(slf.py(), curve, Self::stiffness(slf))
+    }
+
+    /// Plots the equilibria of the first loading, as the plot() of equilibrium(); it needs matplotlib, whose styles it
+    /// follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("block", (slf, ax), style)
     }
 
     /// The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
@@ -533,9 +567,10 @@ impl Block {
     fn potential<'py>(
         slf: &Bound<'py, Self>,
         drive: &Bound<'py, PyAny>,
-        distance: Option<f64>,
+        distance: Option<Real>,
         points: Whole,
     ) -> PyResult<typed::Potential<'py>> {
+        let distance = distance.get("distance")?;
         const DRIVES: Domain = Domain { what: "a drive", ..Domain::NUMBERS };
         let (drives, single) = convert::one_or_list("drive", drive, &DRIVES)?;
         let Some(stiffness) = Self::plain(slf).stiffness else {

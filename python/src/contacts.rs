@@ -5,7 +5,8 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
 
-use crate::convert::{self, Real};
+use crate::argument::{Argument, Optional as _, Real};
+use crate::convert;
 use crate::description::{Description, Plain};
 use crate::error;
 use crate::law::{AnyLaw, Law, given};
@@ -39,7 +40,8 @@ pub struct Areas;
 #[pymethods]
 impl Areas {
     #[new]
-    fn new(law: AnyLaw, modulus: Real, strength: Real) -> PyResult<PyClassInitializer<Self>> {
+    fn new(law: Argument<AnyLaw>, modulus: Real, strength: Real) -> PyResult<PyClassInitializer<Self>> {
+        let law = law.get("law")?;
         let modulus = modulus.get("modulus")?;
         let strength = strength.get("strength")?;
         let areas = scenario::Areas { law: law.0, modulus, strength };
@@ -141,36 +143,46 @@ pub struct Contacts;
 impl Contacts {
     #[new]
     #[pyo3(signature = (
-        thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
+        thresholds = None, reforming = None, *, areas = None, count = Real::new(1.0), stiffness = None,
         stiffness_per_threshold = None, stiffness_of_threshold: "tuple[ArrayLike, ArrayLike] | None" = None,
         normal_load = None, background_force = None, background_coefficient = None, temperature = None, ageing = None,
-        delay = None, free_friction = 0.0, free_viscosity = 0.0
-    ))]
+        delay = None, free_friction = Real::new(0.0), free_viscosity = Real::new(0.0)), text_signature = "(thresholds=None, reforming=None, *, areas=None, count=1.0, stiffness=None, stiffness_per_threshold=None, stiffness_of_threshold=None, normal_load=None, background_force=None, background_coefficient=None, temperature=None, ageing=None, delay=None, free_friction=0.0, free_viscosity=0.0)")]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
-        thresholds: Option<AnyLaw>,
-        reforming: Option<AnyLaw>,
-        areas: Option<&Bound<'_, Areas>>,
-        count: f64,
+        thresholds: Option<Argument<AnyLaw>>,
+        reforming: Option<Argument<AnyLaw>>,
+        areas: Option<Argument<Bound<'_, Areas>>>,
+        count: Real,
         stiffness: Option<Real>,
         stiffness_per_threshold: Option<Real>,
-        stiffness_of_threshold: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
+        stiffness_of_threshold: Option<Argument<(Bound<'_, PyAny>, Bound<'_, PyAny>)>>,
         normal_load: Option<Real>,
         background_force: Option<Real>,
         background_coefficient: Option<Real>,
-        temperature: Option<&Bound<'_, Temperature>>,
-        ageing: Option<&Bound<'_, Ageing>>,
-        delay: Option<AnyDelay>,
-        free_friction: f64,
-        free_viscosity: f64,
+        temperature: Option<Argument<Bound<'_, Temperature>>>,
+        ageing: Option<Argument<Bound<'_, Ageing>>>,
+        delay: Option<Argument<AnyDelay>>,
+        free_friction: Real,
+        free_viscosity: Real,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let stiffness = stiffness.map(|number| number.get("stiffness")).transpose()?;
-        let stiffness_per_threshold =
-            stiffness_per_threshold.map(|number| number.get("stiffness_per_threshold")).transpose()?;
-        let normal_load = normal_load.map(|number| number.get("normal_load")).transpose()?;
-        let background_force = background_force.map(|number| number.get("background_force")).transpose()?;
-        let background_coefficient =
-            background_coefficient.map(|number| number.get("background_coefficient")).transpose()?;
+        let thresholds = thresholds.get("thresholds")?;
+        let reforming = reforming.get("reforming")?;
+        let delay = delay.get("delay")?;
+        let areas = areas.get("areas")?;
+        let areas = areas.as_ref();
+        let count = count.get("count")?;
+        let temperature = temperature.get("temperature")?;
+        let temperature = temperature.as_ref();
+        let ageing = ageing.get("ageing")?;
+        let ageing = ageing.as_ref();
+        let free_friction = free_friction.get("free_friction")?;
+        let free_viscosity = free_viscosity.get("free_viscosity")?;
+        let stiffness = stiffness.get("stiffness")?;
+        let stiffness_per_threshold = stiffness_per_threshold.get("stiffness_per_threshold")?;
+        let stiffness_of_threshold = stiffness_of_threshold.get("stiffness_of_threshold")?;
+        let normal_load = normal_load.get("normal_load")?;
+        let background_force = background_force.get("background_force")?;
+        let background_coefficient = background_coefficient.get("background_coefficient")?;
         let friction = FreeFriction { force: free_friction, viscosity: free_viscosity };
         let contacts = scenario::Contacts {
             count,
@@ -291,6 +303,29 @@ impl Contacts {
     fn background_coefficient(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).background_coefficient
     }
+
+    /// Plots the distributions of the thresholds and of the stretches at which contacts re-form, or that of the areas;
+    /// point masses are stems. It needs matplotlib, whose styles it follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("contacts", (slf, ax), style)
+    }
 }
 
 impl Contacts {
@@ -350,7 +385,7 @@ pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyR
 }
 
 /// A delay as an argument: a time, or a distribution of times.
-struct AnyDelay(scenario::Delay);
+pub struct AnyDelay(scenario::Delay);
 
 impl<'py> FromPyObject<'_, 'py> for AnyDelay {
     type Error = PyErr;

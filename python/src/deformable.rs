@@ -2,9 +2,11 @@
 
 use asperity::scenario::{Drive, Edges, Elasticity, Renormalisation, Scenario};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
+use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Real, Whole};
+use crate::convert;
 use crate::description::{Description, Plain};
 use crate::law::Law;
 use crate::result::{self, Result};
@@ -20,6 +22,28 @@ pub struct Deformable;
 
 #[pymethods]
 impl Deformable {
+    /// Plots the distributions of the contacts, as Contacts.plot, with that of their initial stretches.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("model", (slf, ax), style)
+    }
+
     /// Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
     /// contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
     ///
@@ -62,7 +86,7 @@ impl Deformable {
     #[pyo3(
         signature = (
             distance = Real::new(20.0), points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
-            catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None
+            catalogue_from = Real::new(0.0), slip_rates = None, progress: "_Progress" = None, threads = None
         ),
         text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
     )]
@@ -74,13 +98,14 @@ impl Deformable {
         velocity: Option<Real>,
         tolerance: Option<Real>,
         maps: Option<&Bound<'_, PyAny>>,
-        catalogue_from: f64,
+        catalogue_from: Real,
         slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
-        let velocity = velocity.map(|number| number.get("velocity")).transpose()?;
-        let tolerance = tolerance.map(|number| number.get("tolerance")).transpose()?;
+        let catalogue_from = catalogue_from.get("catalogue_from")?;
+        let velocity = velocity.get("velocity")?;
+        let tolerance = tolerance.get("tolerance")?;
         let distance = distance.get("distance")?;
         let py = slf.py();
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
@@ -116,18 +141,21 @@ impl Deformable {
     /// ValueError
     ///     For no steps, for time-independent contacts, and for more results than fit in memory.
     #[pyo3(
-        signature = (steps, *, tolerance = None, catalogue_from = 0.0, slip_rates = None, progress: "_Progress" = None, threads = None),
+        signature = (steps, *, tolerance = None, catalogue_from = Real::new(0.0), slip_rates = None, progress: "_Progress" = None, threads = None),
         text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
     )]
     fn follow(
         slf: &Bound<'_, Self>,
-        steps: Vec<Bound<'_, Step>>,
-        tolerance: Option<f64>,
-        catalogue_from: f64,
+        steps: Argument<Vec<Bound<'_, Step>>>,
+        tolerance: Option<Real>,
+        catalogue_from: Real,
         slip_rates: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
+        let steps = steps.get("steps")?;
+        let tolerance = tolerance.get("tolerance")?;
+        let catalogue_from = catalogue_from.get("catalogue_from")?;
         let mut protocol = transport::protocol(steps)?;
         let surface = Self::plain(slf);
         protocol.0[0].start = Some(surface.contacts.start);
@@ -170,9 +198,11 @@ impl Deformable {
     #[pyo3(signature = (*, velocity = None, tolerance = None))]
     fn simulation(
         slf: &Bound<'_, Self>,
-        velocity: Option<f64>,
-        tolerance: Option<f64>,
+        velocity: Option<Real>,
+        tolerance: Option<Real>,
     ) -> PyResult<Simulation> {
+        let velocity = velocity.get("velocity")?;
+        let tolerance = tolerance.get("tolerance")?;
         let surface = Self::plain(slf);
         let simulated =
             watched(None, slf.py(), |monitor| simulated::interface(surface, velocity, tolerance, monitor))?;

@@ -7,14 +7,16 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use crate::convert::{self, Real};
+use crate::argument::{Argument, Optional as _, Real};
+use crate::convert;
 use crate::description::Plain;
 use crate::error;
 use crate::law::{AnyLaw, Law, describe, given, plain};
 
 /// Classes of distributions, each created from its own arguments, with its attributes.
 macro_rules! classes {
-    ($($(#[doc = $doc:expr])+ $name:ident($($signature:tt)*) { $($argument:ident: $kind:ty),* } => $plain:expr,
+    ($($(#[doc = $doc:expr])+
+        $name:ident($($signature:tt)*) $(as $text:literal)? { $($argument:ident: $kind:ty),* } => $plain:expr,
         { $($attributes:tt)* })+
     ) => {$(
         $(#[doc = $doc])+
@@ -24,7 +26,7 @@ macro_rules! classes {
         #[pymethods]
         impl $name {
             #[new]
-            #[pyo3(signature = ($($signature)*))]
+            #[pyo3(signature = ($($signature)*) $(, text_signature = $text)?)]
             fn new($($argument: $kind),*) -> PyResult<PyClassInitializer<Self>> {
                 Ok(describe($plain)?.add_subclass(Self))
             }
@@ -187,10 +189,12 @@ classes! {
     /// >>> law = asp.Tabulated(stretch=[0.9, 1.1], density=[1.0, 1.0])
     /// >>> round(law.pdf(1.0), 6)
     /// 5.0
-    Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None, bandwidth: "_Number | None" = None, exact: "bool" = false) {
+    Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None, bandwidth: "_Number | None" = None, exact: "bool" = Argument::new(false))
+        as "(*, stretch=None, density=None, samples=None, bandwidth=None, exact=False)"
+    {
         stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>,
-        bandwidth: Option<f64>, exact: bool
-    } => table(stretch, density, samples, bandwidth, exact)?, {
+        bandwidth: Option<Real>, exact: Argument<bool>
+    } => table(stretch, density, samples, bandwidth.get("bandwidth")?, exact.get("exact")?)?, {
         /// The stretches at which the density is given; None for samples.
         #[getter]
         fn stretch(slf: &Bound<'_, Self>) -> Option<Vec<f64>> {
@@ -242,9 +246,11 @@ classes! {
     /// >>> law = asp.Series([0.0, 2.0], [[0.5]])
     /// >>> round(law.cdf(0.5), 6)
     /// 0.25
-    Series(boundaries: "ArrayLike", coefficients: "Sequence[ArrayLike]", *, cut = 0.0) {
-        boundaries: Bound<'_, PyAny>, coefficients: Vec<Bound<'_, PyAny>>, cut: f64
-    } => series(&boundaries, &coefficients, cut)?, {
+    Series(boundaries: "ArrayLike", coefficients: "Sequence[ArrayLike]", *, cut = Real::new(0.0))
+        as "(boundaries, coefficients, *, cut=0.0)"
+    {
+        boundaries: Bound<'_, PyAny>, coefficients: Bound<'_, PyAny>, cut: Real
+    } => series(&boundaries, &coefficients, cut.get("cut")?)?, {
         /// The boundaries of the cells.
         #[getter]
         fn boundaries(slf: &Bound<'_, Self>) -> Vec<f64> {
@@ -276,8 +282,8 @@ classes! {
     /// >>> law = asp.Mixture([(0.5, asp.Point(1.0)), (0.5, asp.Gaussian(2.0, 0.1))])
     /// >>> round(law.mean(), 6)
     /// 1.5
-    Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
-        components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
+    Mixture(components) { components: Argument<Vec<(f64, AnyLaw)>> } => scenario::Law::Mixture(
+        components.get("components")?.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
     ), {
         /// The pairs of weights and distributions.
         #[getter]
@@ -307,8 +313,8 @@ classes! {
     /// >>> law = asp.Renormalised(asp.Gaussian(1.0, 0.1), coupling=0.1)
     /// >>> round(law.std(), 4)
     /// 0.0721
-    Renormalised(law, coupling) { law: AnyLaw, coupling: Real } => scenario::Law::Renormalised {
-        law: Box::new(law.0), coupling: coupling.get("coupling")?,
+    Renormalised(law, coupling) { law: Argument<AnyLaw>, coupling: Real } => scenario::Law::Renormalised {
+        law: Box::new(law.get("law")?.0), coupling: coupling.get("coupling")?,
     }, {
         /// The distribution before the renormalisation.
         #[getter]
@@ -372,11 +378,14 @@ fn table(
 
 fn series(
     boundaries: &Bound<'_, PyAny>,
-    coefficients: &[Bound<'_, PyAny>],
+    coefficients: &Bound<'_, PyAny>,
     cut: f64,
 ) -> PyResult<scenario::Law> {
+    let cells: Vec<Bound<'_, PyAny>> = coefficients
+        .extract()
+        .map_err(|_| error::wrong_type("coefficients", "a list of lists of numbers", coefficients))?;
     let cell = |(cell, given): (usize, _)| convert::list(&format!("series.coefficients.{cell}"), given);
-    let coefficients = coefficients.iter().enumerate().map(cell).collect::<PyResult<_>>()?;
+    let coefficients = cells.iter().enumerate().map(cell).collect::<PyResult<_>>()?;
     Ok(scenario::Law::Series {
         boundaries: convert::list("series.boundaries", boundaries)?,
         coefficients,

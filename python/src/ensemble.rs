@@ -9,8 +9,9 @@ use asperity::task::Grid;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Real, Seed, Whole};
+use crate::convert::{self, Seed};
 use crate::description::{Interface, Plain};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, built, interface_arguments, steady_interface};
@@ -60,21 +61,24 @@ impl Ensemble {
     #[new]
     #[pyo3(
         signature = (
-            contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder: "Literal['annealed', 'quenched']" = "annealed",
-            start: "Literal['conditional', 'relaxed', 'steady']" = "conditional"
-        ),
+            contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder: "Literal['annealed', 'quenched']" = Argument::text("annealed"),
+            start: "Literal['conditional', 'relaxed', 'steady']" = Argument::text("conditional")),
         text_signature = "(contacts, initial=None, *, size=100000, seed=1, disorder='annealed', start='conditional')"
     )]
     fn new(
-        contacts: &Bound<'_, Contacts>,
-        initial: Option<AnyLaw>,
+        contacts: Argument<Bound<'_, Contacts>>,
+        initial: Option<Argument<AnyLaw>>,
         size: Whole,
         seed: Seed,
-        disorder: &str,
-        start: &str,
+        disorder: Argument<String>,
+        start: Argument<String>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let interface = steady_interface(contacts, initial, start)?;
-        let (size, disorder) = (size.get("size")?, convert::word("disorder", disorder)?);
+        let initial = initial.get("initial")?;
+        let contacts = &contacts.get("contacts")?;
+        let disorder = disorder.get("disorder")?;
+        let start = start.get("start")?;
+        let interface = steady_interface(contacts, initial, &start)?;
+        let (size, disorder) = (size.get("size")?, convert::word("disorder", &disorder)?);
         let own = scenario::Ensemble { size: Some(size), seed: seed.0, disorder };
         let build = || {
             let (contacts, initial) = built(&interface)?;
@@ -120,7 +124,8 @@ impl Ensemble {
     /// ValueError
     ///     For time-dependent contacts without a velocity.
     #[pyo3(signature = (*, velocity = None))]
-    fn simulation(slf: &Bound<'_, Self>, velocity: Option<f64>) -> PyResult<Simulation> {
+    fn simulation(slf: &Bound<'_, Self>, velocity: Option<Real>) -> PyResult<Simulation> {
+        let velocity = velocity.get("velocity")?;
         Model::simulation(slf.as_super(), velocity)
     }
 
@@ -169,7 +174,7 @@ impl Ensemble {
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<EnsemblePull>> {
-        let velocity = velocity.map(|number| number.get("velocity")).transpose()?;
+        let velocity = velocity.get("velocity")?;
         let distance = distance.get("distance")?;
         let py = slf.py();
         let snapshots = snapshots.map_or(Ok(Vec::new()), |at| convert::list("snapshots", at))?;
@@ -220,9 +225,10 @@ impl Ensemble {
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,
-        steps: Vec<Bound<'_, Step>>,
+        steps: Argument<Vec<Bound<'_, Step>>>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Record>> {
+        let steps = steps.get("steps")?;
         let py = slf.py();
         let (history, times) = transport::motion(steps)?;
         let Self { ensemble } = slf.get();

@@ -9,8 +9,9 @@ use numpy::ToPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, Real, Whole, evaluate, evaluate_all};
+use crate::convert::{self, Domain, evaluate, evaluate_all};
 use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, built, interface_arguments, steady_interface};
@@ -66,16 +67,21 @@ pub struct MasterEquation {
 #[pymethods]
 impl MasterEquation {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional", tolerance = None))]
+    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start: "Literal['conditional', 'relaxed', 'steady']" = Argument::text("conditional"), tolerance = None), text_signature = "(contacts, initial=None, *, velocity=None, start='conditional', tolerance=None)")]
     fn new(
         py: Python<'_>,
-        contacts: &Bound<'_, Contacts>,
-        initial: Option<AnyLaw>,
-        velocity: Option<f64>,
-        start: &str,
-        tolerance: Option<f64>,
+        contacts: Argument<Bound<'_, Contacts>>,
+        initial: Option<Argument<AnyLaw>>,
+        velocity: Option<Real>,
+        start: Argument<String>,
+        tolerance: Option<Real>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let interface = steady_interface(contacts, initial, start)?;
+        let initial = initial.get("initial")?;
+        let contacts = &contacts.get("contacts")?;
+        let velocity = velocity.get("velocity")?;
+        let start = start.get("start")?;
+        let tolerance = tolerance.get("tolerance")?;
+        let interface = steady_interface(contacts, initial, &start)?;
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("master_equation"))?;
@@ -253,7 +259,8 @@ impl SteadyState {
     /// Returns
     /// -------
     /// float
-    fn force_std(&self, size: f64) -> PyResult<f64> {
+    fn force_std(&self, size: Real) -> PyResult<f64> {
+        let size = size.get("size")?;
         Ok(self.steady.force_std(convert::contacts("size", size)?))
     }
 
@@ -277,8 +284,9 @@ impl SteadyState {
     fn autocovariance<'py>(
         &self,
         displacement: &Bound<'py, PyAny>,
-        size: Option<f64>,
+        size: Option<Real>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let size = size.get("size")?;
         const DISPLACEMENTS: Domain = Domain { low: 0.0, high: f64::MAX, what: "a displacement" };
         let size = self.size(size)?;
         evaluate_all("displacement", displacement, &DISPLACEMENTS, |u, monitor| {
@@ -306,8 +314,9 @@ impl SteadyState {
     fn spectrum<'py>(
         &self,
         wave_number: &Bound<'py, PyAny>,
-        size: Option<f64>,
+        size: Option<Real>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let size = size.get("size")?;
         const WAVE_NUMBERS: Domain = Domain { low: 0.0, high: f64::MAX, what: "a wave number" };
         let size = self.size(size)?;
         evaluate_all("wave_number", wave_number, &WAVE_NUMBERS, |q, monitor| {

@@ -8,8 +8,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
+use crate::argument::{Argument, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, Seed, Whole};
+use crate::convert::{self, Domain, Seed};
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fitted_model::fitted_model;
@@ -262,21 +263,22 @@ impl Estimates {
     fn profile<'py>(
         &self,
         py: Python<'py>,
-        name: &str,
+        name: Argument<String>,
         values: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::Profile<'py>> {
+        let name = name.get("name")?;
         /// As many as show whether a profile is a parabola.
         const VALUES: usize = 13;
         let found = self.found(py)?;
         let values = match values {
             Some(values) => convert::list_within("values", values, &Domain::NUMBERS)?,
-            None => found.profile_values(name, VALUES).map_err(error::core)?,
+            None => found.profile_values(&name, VALUES).map_err(error::core)?,
         };
         let rise = watched(progress, py, |monitor| {
             let share = 1.0 / values.len() as f64;
             let one = |(i, &value): (usize, &f64)| {
-                found.profile(name, value, &mut Part::new(monitor, i as f64 * share, share))
+                found.profile(&name, value, &mut Part::new(monitor, i as f64 * share, share))
             };
             values.iter().enumerate().map(one).collect()
         })?;
@@ -300,11 +302,12 @@ impl Estimates {
     fn interval_by_profile(
         &self,
         py: Python<'_>,
-        name: &str,
+        name: Argument<String>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(f64, f64)> {
+        let name = name.get("name")?;
         let found = self.found(py)?;
-        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
+        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(&name, monitor))?;
         Ok((low, high))
     }
 

@@ -6,7 +6,8 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 
-use crate::convert::{Domain, Whole, evaluate};
+use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::convert::{Domain, evaluate};
 use crate::law::{AnyLaw, built};
 use crate::{error, typed};
 
@@ -100,7 +101,9 @@ pub struct Gaussian(exact::Gaussian);
 impl Gaussian {
     #[new]
     #[pyo3(signature = (mean, std, initial_mean = 0.0, initial_std = 0.0))]
-    fn new(mean: f64, std: f64, initial_mean: f64, initial_std: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(mean: Real, std: Real, initial_mean: f64, initial_std: f64) -> PyResult<PyClassInitializer<Self>> {
+        let mean = mean.get("mean")?;
+        let std = std.get("std")?;
         let form = exact::Gaussian { mean, std, initial_mean, initial_std };
         Ok(checked(form)?.add_subclass(Self(form)))
     }
@@ -153,7 +156,9 @@ pub struct Rectangular(exact::Rectangular);
 #[pymethods]
 impl Rectangular {
     #[new]
-    fn new(min: f64, max: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(min: Real, max: Real) -> PyResult<PyClassInitializer<Self>> {
+        let min = min.get("min")?;
+        let max = max.get("max")?;
         let form = exact::Rectangular { min, max };
         Ok(checked(form)?.add_subclass(Self(form)))
     }
@@ -182,7 +187,8 @@ impl Rectangular {
     /// >>> import asperity as asp
     /// >>> round(asp.exact.Rectangular(0.7, 1.3).stick_slip_period(0.5), 6)
     /// 2.166667
-    fn stick_slip_period(&self, stiffness: f64) -> PyResult<Option<f64>> {
+    fn stick_slip_period(&self, stiffness: Real) -> PyResult<Option<f64>> {
+        let stiffness = stiffness.get("stiffness")?;
         if !(stiffness.is_finite() && stiffness > 0.0) {
             return Err(error::invalid("stiffness", "a number above 0", stiffness));
         }
@@ -207,7 +213,9 @@ pub struct Gamma(exact::Gamma);
 #[pymethods]
 impl Gamma {
     #[new]
-    fn new(mean: f64, std: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(mean: Real, std: Real) -> PyResult<PyClassInitializer<Self>> {
+        let mean = mean.get("mean")?;
+        let std = std.get("std")?;
         let form = exact::Gamma { mean, std };
         Ok(checked(form)?.add_subclass(Self(form)))
     }
@@ -232,7 +240,8 @@ pub struct Erlang(exact::Erlang);
 #[pymethods]
 impl Erlang {
     #[new]
-    fn new(shape: Whole, rate: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(shape: Whole, rate: Real) -> PyResult<PyClassInitializer<Self>> {
+        let rate = rate.get("rate")?;
         let form = exact::Erlang { shape: shape.get("shape")?, rate };
         Ok(checked(form)?.add_subclass(Self(form)))
     }
@@ -261,7 +270,8 @@ pub struct Identical(exact::Identical);
 #[pymethods]
 impl Identical {
     #[new]
-    fn new(threshold: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(threshold: Real) -> PyResult<PyClassInitializer<Self>> {
+        let threshold = threshold.get("threshold")?;
         let form = exact::Identical { threshold };
         Ok(checked(form)?.add_subclass(Self(form)))
     }
@@ -280,7 +290,8 @@ pub struct Quenched(exact::Quenched);
 #[pymethods]
 impl Quenched {
     #[new]
-    fn new(thresholds: AnyLaw) -> PyResult<Self> {
+    fn new(thresholds: Argument<AnyLaw>) -> PyResult<Self> {
+        let thresholds = thresholds.get("thresholds")?;
         Ok(Self(exact::Quenched { thresholds: built(thresholds)? }))
     }
 
@@ -337,7 +348,9 @@ fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, S
 /// 0.555555555556
 #[pyfunction]
 #[pyo3(signature = (thresholds, reforming = None))]
-pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<f64> {
+pub fn kinetic_friction(thresholds: Argument<AnyLaw>, reforming: Option<Argument<AnyLaw>>) -> PyResult<f64> {
+    let thresholds = thresholds.get("thresholds")?;
+    let reforming = reforming.get("reforming")?;
     let (thresholds, reforming) = laws(thresholds, reforming)?;
     let highest = reforming.upper_quantile(NEGLIGIBLE);
     if thresholds.cumulative(highest) > NEGLIGIBLE || thresholds.mean() <= highest {
@@ -367,7 +380,8 @@ pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResu
 /// >>> round(asp.exact.kinetic_friction_per_threshold(asp.Point(1.0)), 12)
 /// 0.5
 #[pyfunction]
-pub fn kinetic_friction_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
+pub fn kinetic_friction_per_threshold(thresholds: Argument<AnyLaw>) -> PyResult<f64> {
+    let thresholds = thresholds.get("thresholds")?;
     Ok(exact::kinetic_friction_per_threshold(built(thresholds)?.as_ref()))
 }
 
@@ -388,7 +402,8 @@ pub fn kinetic_friction_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
 /// >>> round(asp.exact.steady_variance(asp.Point(1.0)), 12)
 /// 0.083333333333
 #[pyfunction]
-pub fn steady_variance(thresholds: AnyLaw) -> PyResult<f64> {
+pub fn steady_variance(thresholds: Argument<AnyLaw>) -> PyResult<f64> {
+    let thresholds = thresholds.get("thresholds")?;
     Ok(exact::steady_variance(built(thresholds)?.as_ref()))
 }
 
@@ -409,7 +424,8 @@ pub fn steady_variance(thresholds: AnyLaw) -> PyResult<f64> {
 /// >>> round(asp.exact.steady_variance_per_threshold(asp.Point(1.0)), 12)
 /// 0.083333333333
 #[pyfunction]
-pub fn steady_variance_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
+pub fn steady_variance_per_threshold(thresholds: Argument<AnyLaw>) -> PyResult<f64> {
+    let thresholds = thresholds.get("thresholds")?;
     Ok(exact::steady_variance_per_threshold(built(thresholds)?.as_ref()))
 }
 

@@ -1,7 +1,5 @@
 //! Fits of contacts to measured curves of force.
 
-use std::collections::BTreeMap;
-
 use asperity::Error;
 use asperity::fit::{ErrorModel, Fit, Machine, Measurement, Prior};
 use asperity::monitor::{Monitor, Part};
@@ -9,8 +7,9 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Whole};
+use crate::convert;
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::error;
@@ -97,47 +96,59 @@ use crate::watch::watched;
 #[pyo3(
     signature = (
         contacts, position: "ArrayLike", force: "ArrayLike | None", *, free: "Sequence[str]", initial = None,
-        start: "Literal['conditional', 'relaxed']" = "conditional", velocity = None,
-        noise: "Literal['contacts', 'white']" = "contacts", reading = None, drift = None,
-        compliance = Compliance::Known(0.0), offset = 0.0, trend = 0.0, origin = 0.0, prior: "Mapping[str, tuple[float, float]] | None" = None, average = Whole::new(1),
-        laws: "Sequence[str]" = Vec::new(), progress: "_Progress" = None
+        start: "Literal['conditional', 'relaxed']" = Argument::text("conditional"), velocity = None,
+        noise: "Literal['contacts', 'white']" = Argument::text("contacts"), reading = None, drift = None,
+        compliance = Compliance::Known(0.0), offset = Real::new(0.0), trend = Real::new(0.0), origin = Real::new(0.0), prior: "Mapping[str, tuple[float, float]] | None" = None, average = Whole::new(1),
+        laws: "Sequence[str]" = Argument::new(Vec::new()), progress: "_Progress" = None
     ),
     text_signature = "(contacts, position, force, *, free, initial=None, start='conditional', velocity=None, noise='contacts', reading=None, drift=None, compliance=0.0, offset=0.0, trend=0.0, origin=0.0, prior=None, average=1, laws=(), progress=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn fit(
     py: Python<'_>,
-    contacts: &Bound<'_, Contacts>,
+    contacts: Argument<Bound<'_, Contacts>>,
     position: &Bound<'_, PyAny>,
     force: Option<&Bound<'_, PyAny>>,
-    free: Vec<String>,
+    free: Argument<Vec<String>>,
     initial: Option<AnyLaw>,
-    start: &str,
-    velocity: Option<f64>,
-    noise: &str,
-    reading: Option<f64>,
-    drift: Option<f64>,
+    start: Argument<String>,
+    velocity: Option<Real>,
+    noise: Argument<String>,
+    reading: Option<Real>,
+    drift: Option<Real>,
     compliance: Compliance,
-    offset: f64,
-    trend: f64,
-    origin: f64,
-    prior: Option<BTreeMap<String, (f64, f64)>>,
+    offset: Real,
+    trend: Real,
+    origin: Real,
+    prior: Option<Argument<Priors>>,
     average: Whole,
-    laws: Vec<String>,
+    laws: Argument<Vec<String>>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Estimates> {
+    let contacts = &contacts.get("contacts")?;
+    let free = free.get("free")?;
+    let start = start.get("start")?;
+    let velocity = velocity.get("velocity")?;
+    let noise = noise.get("noise")?;
+    let reading = reading.get("reading")?;
+    let drift = drift.get("drift")?;
+    let offset = offset.get("offset")?;
+    let trend = trend.get("trend")?;
+    let origin = origin.get("origin")?;
+    let prior = prior.get("prior")?;
+    let laws = laws.get("laws")?;
     let given = Given {
         contacts: contacts.clone(),
-        start: start.to_owned(),
+        start: start.clone(),
         compliance: compliance.to_object(py)?,
         free: free.clone(),
         prior: prior.clone().unwrap_or_default(),
         laws: laws.clone(),
-        noise: noise.to_owned(),
+        noise: noise.clone(),
         numbers: [("velocity", velocity), ("reading", reading), ("drift", drift)],
         machine: [("offset", offset), ("trend", trend), ("origin", origin)],
     };
-    let interface = interface(contacts, initial, start)?;
+    let interface = interface(contacts, initial, &start)?;
     let known = if let Compliance::Known(compliance) = compliance { compliance } else { 0.0 };
     let background = interface.contacts.background().map_err(error::core)?;
     let machine = Machine { compliance: known, background, offset, trend, origin };
@@ -147,7 +158,7 @@ pub fn fit(
     if matches!(compliance, Compliance::Free) && !names.iter().any(|name| name == "compliance") {
         names.push("compliance".to_owned());
     }
-    let errors = ErrorModel { contacts: noise_of_contacts(noise)?, reading, drift };
+    let errors = ErrorModel { contacts: noise_of_contacts(&noise)?, reading, drift };
     let prior = prior.unwrap_or_default();
     let families: Vec<_> = laws
         .iter()
@@ -189,7 +200,7 @@ struct Given<'py> {
     start: String,
     compliance: Py<PyAny>,
     free: Vec<String>,
-    prior: BTreeMap<String, (f64, f64)>,
+    prior: Priors,
     laws: Vec<String>,
     noise: String,
     numbers: [(&'static str, Option<f64>); 3],

@@ -1,7 +1,5 @@
 //! Fits of contacts to a record of the force in steady sliding.
 
-use std::collections::BTreeMap;
-
 use asperity::fit::{Prior, SteadyFit, SteadyRecord};
 use asperity::monitor::Part;
 use asperity::record::{self, Quantity};
@@ -10,8 +8,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
+use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Seed, Whole};
+use crate::convert::{self, Seed};
 use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fitted_model::fitted_model;
@@ -78,7 +77,7 @@ use crate::{error, typed, values};
 #[pyo3(
     signature = (
         contacts, spacing, force: "ArrayLike", *, free: "Sequence[str]", initial = None,
-        start: "Literal['conditional', 'relaxed']" = "conditional", velocity = None, reading = None, offset = 0.0,
+        start: "Literal['conditional', 'relaxed']" = Argument::text("conditional"), velocity = None, reading = None, offset = Real::new(0.0),
         prior: "Mapping[str, tuple[float, float]] | None" = None, progress: "_Progress" = None
     ),
     text_signature = "(contacts, spacing, force, *, free, initial=None, start='conditional', velocity=None, reading=None, offset=0.0, prior=None, progress=None)"
@@ -86,19 +85,27 @@ use crate::{error, typed, values};
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn fit_steady(
     py: Python<'_>,
-    contacts: &Bound<'_, Contacts>,
-    spacing: f64,
+    contacts: Argument<Bound<'_, Contacts>>,
+    spacing: Real,
     force: &Bound<'_, PyAny>,
-    free: Vec<String>,
+    free: Argument<Vec<String>>,
     initial: Option<AnyLaw>,
-    start: &str,
-    velocity: Option<f64>,
-    reading: Option<f64>,
-    offset: f64,
-    prior: Option<BTreeMap<String, (f64, f64)>>,
+    start: Argument<String>,
+    velocity: Option<Real>,
+    reading: Option<Real>,
+    offset: Real,
+    prior: Option<Argument<Priors>>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<SteadyEstimates> {
-    let interface = interface(contacts, initial, start)?;
+    let contacts = &contacts.get("contacts")?;
+    let spacing = spacing.get("spacing")?;
+    let free = free.get("free")?;
+    let start = start.get("start")?;
+    let velocity = velocity.get("velocity")?;
+    let reading = reading.get("reading")?;
+    let offset = offset.get("offset")?;
+    let prior = prior.get("prior")?;
+    let interface = interface(contacts, initial, &start)?;
     let background = interface.contacts.background().map_err(error::core)?;
     if background > 0.0 {
         let expected = "none: offset is the constant part of a measured force";
@@ -283,11 +290,12 @@ impl SteadyEstimates {
     fn interval_by_profile(
         &self,
         py: Python<'_>,
-        name: &str,
+        name: Argument<String>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(f64, f64)> {
+        let name = name.get("name")?;
         let found = self.found(py)?;
-        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(name, monitor))?;
+        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(&name, monitor))?;
         Ok((low, high))
     }
 

@@ -3,7 +3,8 @@
 use asperity::history::measured_pieces;
 use pyo3::prelude::*;
 
-use crate::convert::{self, Whole};
+use crate::argument::Whole;
+use crate::convert;
 use crate::error;
 
 /// First reading, the one after the last, time of the beginning, velocity and its standard error.

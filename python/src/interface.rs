@@ -6,8 +6,9 @@ use asperity::scenario::{
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 
+use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Real, Seed, Whole};
+use crate::convert::{self, Seed};
 use crate::deformable::Deformable;
 use crate::law::AnyLaw;
 use crate::model::steady_interface;
@@ -89,35 +90,50 @@ impl Interface {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, poisson_ratio = 0.0, sliding: "Literal['columns', 'rows']" = "columns", edges: "Literal['open', 'periodic']" = "open",
-            loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped'] | None" = None, viscosity = None, mass = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
-            drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional"
-        ),
+            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, poisson_ratio = Real::new(0.0), sliding: "Literal['columns', 'rows']" = Argument::text("columns"), edges: "Literal['open', 'periodic']" = Argument::text("open"),
+            loading: "Literal['uniform', 'edge']" = Argument::text("uniform"), slip: "Literal['reset', 'overdamped'] | None" = None, viscosity = None, mass = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
+            drive_tolerance = Real::new(1e-6), size = None, quenched = Argument::new(false), start: "Literal['conditional', 'relaxed', 'steady']" = Argument::text("conditional")),
         text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, poisson_ratio=0.0, sliding='columns', edges='open', loading='uniform', slip=None, viscosity=None, mass=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
     fn new(
-        contacts: &Bound<'_, Contacts>,
-        cells: Vec<usize>,
-        initial: Option<AnyLaw>,
+        contacts: Argument<Bound<'_, Contacts>>,
+        cells: Argument<Vec<usize>>,
+        initial: Option<Argument<AnyLaw>>,
         connection: Real,
-        neighbours: Option<f64>,
-        half_space: Option<(f64, f64)>,
-        poisson_ratio: f64,
-        sliding: &str,
-        edges: &str,
-        loading: &str,
-        slip: Option<&str>,
-        viscosity: Option<f64>,
-        mass: Option<f64>,
+        neighbours: Option<Real>,
+        half_space: Option<Argument<(f64, f64)>>,
+        poisson_ratio: Real,
+        sliding: Argument<String>,
+        edges: Argument<String>,
+        loading: Argument<String>,
+        slip: Option<Argument<String>>,
+        viscosity: Option<Real>,
+        mass: Option<Real>,
         disorder: Option<&Bound<'_, PyAny>>,
         seed: Seed,
-        drive_tolerance: f64,
+        drive_tolerance: Real,
         size: Option<Whole>,
-        quenched: bool,
-        start: &str,
+        quenched: Argument<bool>,
+        start: Argument<String>,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let initial = initial.get("initial")?;
+        let contacts = &contacts.get("contacts")?;
+        let cells = cells.get("cells")?;
+        let neighbours = neighbours.get("neighbours")?;
+        let half_space = half_space.get("half_space")?;
+        let poisson_ratio = poisson_ratio.get("poisson_ratio")?;
+        let sliding = sliding.get("sliding")?;
+        let edges = edges.get("edges")?;
+        let loading = loading.get("loading")?;
+        let slip = slip.get("slip")?;
+        let slip = slip.as_deref();
+        let viscosity = viscosity.get("viscosity")?;
+        let mass = mass.get("mass")?;
+        let drive_tolerance = drive_tolerance.get("drive_tolerance")?;
+        let quenched = quenched.get("quenched")?;
+        let start = start.get("start")?;
         let connection = connection.get("connection")?;
-        let sliding = convert::word("sliding", sliding)?;
+        let sliding = convert::word("sliding", &sliding)?;
         let coupling = match (neighbours, half_space) {
             (Some(stiffness), None) if poisson_ratio == 0.0 && sliding == SlidingDirection::default() => {
                 Elasticity::Neighbours { stiffness }
@@ -137,8 +153,8 @@ impl Interface {
             contacts: PerCell::Many,
             connection,
             coupling,
-            edges: convert::word("edges", edges)?,
-            loading: convert::word("loading", loading)?,
+            edges: convert::word("edges", &edges)?,
+            loading: convert::word("loading", &loading)?,
             slip: slip
                 .or(mass.is_none().then_some("reset"))
                 .map(|slip| convert::word("slip", slip))
@@ -152,7 +168,7 @@ impl Interface {
         };
         let size = size.map(|size| size.get("size")).transpose()?;
         let ensemble = few(size, seed.0, quenched)?;
-        let surface = Surface { contacts: steady_interface(contacts, initial, start)?, own, ensemble };
+        let surface = Surface { contacts: steady_interface(contacts, initial, &start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
     }
 
@@ -284,11 +300,13 @@ impl Interface {
         slf: &Bound<'py, Self>,
         cell: Whole,
         stretches: Option<&Bound<'py, PyAny>>,
-        at: f64,
-        velocity: Option<f64>,
+        at: Real,
+        velocity: Option<Real>,
         edges: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::StretchDensity<'py>> {
+        let at = at.get("at")?;
+        let velocity = velocity.get("velocity")?;
         let py = slf.py();
         let (cell, grid) = (cell.get("cell")?, StretchGrid::new(stretches, edges)?);
         if matches!(grid, StretchGrid::Default) {

@@ -3,8 +3,9 @@
 use asperity::scenario::{self, CellLoading, Disorder, Elasticity, PerCell};
 use pyo3::prelude::*;
 
+use crate::argument::{Argument, Optional as _, Real};
 use crate::contacts::Contacts;
-use crate::convert::{self, Real, Seed};
+use crate::convert::{self, Seed};
 use crate::deformable::Deformable;
 use crate::law::AnyLaw;
 use crate::model::interface;
@@ -52,29 +53,35 @@ impl Lattice {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, neighbours, connection, edges: "Literal['open', 'periodic']" = "open", seed = Seed(1),
-            disorder: "Literal['annealed', 'quenched']" = "annealed", start: "Literal['conditional', 'relaxed']" = "conditional"
-        ),
+            contacts, cells, initial = None, *, neighbours, connection, edges: "Literal['open', 'periodic']" = Argument::text("open"), seed = Seed(1),
+            disorder: "Literal['annealed', 'quenched']" = Argument::text("annealed"), start: "Literal['conditional', 'relaxed']" = Argument::text("conditional")),
         text_signature = "(contacts, cells, initial=None, *, neighbours, connection, edges='open', seed=1, disorder='annealed', start='conditional')"
     )]
     fn new(
-        contacts: &Bound<'_, Contacts>,
-        cells: Vec<usize>,
-        initial: Option<AnyLaw>,
-        neighbours: f64,
+        contacts: Argument<Bound<'_, Contacts>>,
+        cells: Argument<Vec<usize>>,
+        initial: Option<Argument<AnyLaw>>,
+        neighbours: Real,
         connection: Real,
-        edges: &str,
+        edges: Argument<String>,
         seed: Seed,
-        disorder: &str,
-        start: &str,
+        disorder: Argument<String>,
+        start: Argument<String>,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let initial = initial.get("initial")?;
+        let contacts = &contacts.get("contacts")?;
+        let cells = cells.get("cells")?;
+        let neighbours = neighbours.get("neighbours")?;
+        let edges = edges.get("edges")?;
+        let disorder = disorder.get("disorder")?;
+        let start = start.get("start")?;
         let connection = connection.get("connection")?;
         let own = scenario::Interface {
             cells,
             contacts: PerCell::One,
             connection,
             coupling: Elasticity::Neighbours { stiffness: neighbours },
-            edges: convert::word("edges", edges)?,
+            edges: convert::word("edges", &edges)?,
             loading: CellLoading::Uniform,
             slip: None,
             viscosity: None,
@@ -84,9 +91,9 @@ impl Lattice {
             catalogue_from: 0.0,
             slip_rates: None,
         };
-        let disorder = convert::word("disorder", disorder)?;
+        let disorder = convert::word("disorder", &disorder)?;
         let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });
-        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
+        let surface = Surface { contacts: interface(contacts, initial, &start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
     }
 

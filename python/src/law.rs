@@ -12,7 +12,8 @@ use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 
-use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
+use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::convert::{self, Domain, Import, Seed, Size, evaluate};
 use crate::description::{Description, Plain};
 use crate::typed::argument_type;
 use crate::watch::{report, watched};
@@ -314,7 +315,8 @@ impl Law {
     /// Returns
     /// -------
     /// (float, float)
-    fn interval(&self, confidence: f64) -> PyResult<(f64, f64)> {
+    fn interval(&self, confidence: Real) -> PyResult<(f64, f64)> {
+        let confidence = confidence.get("confidence")?;
         if !(0.0..=1.0).contains(&confidence) {
             return Err(error::invalid("confidence", "a number from 0 to 1", confidence));
         }
@@ -333,8 +335,9 @@ impl Law {
     /// Returns
     /// -------
     /// float or tuple[float, ...]
-    #[pyo3(signature = (moments = "mv") -> "float | tuple[float, ...]")]
-    fn stats<'py>(&self, py: Python<'py>, moments: &str) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(signature = (moments = Argument::text("mv")) -> "float | tuple[float, ...]", text_signature = "($self, moments='mv')")]
+    fn stats<'py>(&self, py: Python<'py>, moments: Argument<String>) -> PyResult<Bound<'py, PyAny>> {
+        let moments = moments.get("moments")?;
         if moments.is_empty() || moments.chars().any(|name| !"mvsk".contains(name)) {
             return Err(error::invalid("moments", "some of the letters of \"mvsk\"", moments));
         }
@@ -386,14 +389,17 @@ impl Law {
     /// Returns
     /// -------
     /// float
-    #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = false))]
+    #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = Argument::new(false)), text_signature = "($self, func=None, *, lb=None, ub=None, conditional=False)")]
     fn expect(
         &self,
         func: Option<&Bound<'_, PyAny>>,
-        lb: Option<f64>,
-        ub: Option<f64>,
-        conditional: bool,
+        lb: Option<Real>,
+        ub: Option<Real>,
+        conditional: Argument<bool>,
     ) -> PyResult<f64> {
+        let lb = lb.get("lb")?;
+        let ub = ub.get("ub")?;
+        let conditional = conditional.get("conditional")?;
         let range = [lb.unwrap_or(0.0), ub.unwrap_or(f64::INFINITY)];
         if range[0] > range[1] || range.iter().any(|end| end.is_nan()) {
             return Err(error::invalid("ub", format!("a number not below lb, {}", range[0]), range[1]));
@@ -535,7 +541,8 @@ pub fn plain<'a>(law: &'a Bound<'_, Law>) -> &'a scenario::Law {
 /// >>> round(asp.critical_coupling(asp.Gaussian(1.0, 0.1)), 4)
 /// 0.2494
 #[pyfunction]
-pub fn critical_coupling(law: AnyLaw) -> PyResult<f64> {
+pub fn critical_coupling(law: Argument<AnyLaw>) -> PyResult<f64> {
+    let law = law.get("law")?;
     Ok(law::critical_coupling(built(law)?.as_ref()))
 }
 

@@ -1,6 +1,7 @@
 //! The Python package of asperity: the core and the runner, with the names of Python and NumPy. Nothing is
 //! computed here. The documentation here is what Python shows.
 
+mod argument;
 mod block;
 mod command;
 mod contacts;

@@ -4,7 +4,8 @@ use asperity::rate_state::{MachineStep, StateLaw};
 use pyo3::prelude::*;
 use serde::Deserialize;
 
-use crate::convert::{self, Whole};
+use crate::argument::{Argument, Real, Whole};
+use crate::convert;
 use crate::watch::watched;
 use crate::{typed, values};
 
@@ -61,7 +62,7 @@ enum LawWord {
 /// True
 #[pyfunction]
 #[pyo3(signature = (
-    displacement: "ArrayLike", force: "ArrayLike", ratio, stiffness, *, law: "Literal['ageing', 'slip']" = "ageing",
+    displacement: "ArrayLike", force: "ArrayLike", ratio, stiffness, *, law: "Literal['ageing', 'slip']" = Argument::text("ageing"),
     states = Whole::new(1), progress: "_Progress" = None
 ), text_signature = "(displacement, force, ratio, stiffness, *, law='ageing', states=1, progress=None)")]
 #[expect(clippy::too_many_arguments)]
@@ -69,15 +70,18 @@ pub fn fit_velocity_step<'py>(
     py: Python<'py>,
     displacement: &Bound<'py, PyAny>,
     force: &Bound<'py, PyAny>,
-    ratio: f64,
-    stiffness: f64,
-    law: &str,
+    ratio: Real,
+    stiffness: Real,
+    law: Argument<String>,
     states: Whole,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<typed::MachineStep<'py>> {
+    let ratio = ratio.get("ratio")?;
+    let stiffness = stiffness.get("stiffness")?;
+    let law = law.get("law")?;
     let displacement = convert::list("displacement", displacement)?;
     let force = convert::list("force", force)?;
-    let law = match convert::word("law", law)? {
+    let law = match convert::word("law", &law)? {
         LawWord::Ageing => StateLaw::Ageing,
         LawWord::Slip => StateLaw::Slip,
     };

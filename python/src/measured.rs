@@ -3,7 +3,8 @@
 use asperity::fit::{Machine, Measurement};
 use pyo3::prelude::*;
 
-use crate::convert::{self, Whole};
+use crate::argument::Whole;
+use crate::convert;
 use crate::error;
 use crate::typed::argument_type;
 

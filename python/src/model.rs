@@ -266,6 +266,28 @@ impl Solver<'_> {
 
 #[pymethods]
 impl Model {
+    /// Plots the distributions of the contacts, as Contacts.plot, with that of their initial stretches.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the plot() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("model", (slf, ax), style)
+    }
+
     /// The contacts.
     #[getter]
     fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Contacts>> {

@@ -8,7 +8,8 @@ use asperity_runner::posterior;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{Seed, Whole, array};
+use crate::argument::Whole;
+use crate::convert::{Seed, array};
 use crate::pickle::{self, Reduced, damaged};
 use crate::watch::watched_on;
 use crate::{typed, values};

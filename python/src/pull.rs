@@ -11,7 +11,8 @@ use asperity::task;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::convert::{self, Domain, Seed, Whole, evaluate};
+use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::convert::{self, Domain, Seed, evaluate};
 use crate::equation::MasterEquation;
 use crate::pickle::{self, Reduced, again};
 use crate::record::Record;
@@ -273,9 +274,10 @@ impl Pull {
     #[pyo3(signature = (size, at: "float; ArrayLike | None" = None) -> "float; _Array")]
     fn force_std<'py>(
         slf: &Bound<'py, Self>,
-        size: f64,
+        size: Real,
         at: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let size = size.get("size")?;
         let size = convert::contacts("size", size)?;
         let at = at.cloned().map_or_else(|| slf.get_item("position"), Ok)?;
         let pull = slf.get().solution(slf.py())?;
@@ -303,8 +305,9 @@ impl Pull {
         &self,
         py: Python<'py>,
         at: &Bound<'py, PyAny>,
-        size: Option<f64>,
+        size: Option<Real>,
     ) -> PyResult<typed::Array<'py>> {
+        let size = size.get("size")?;
         let found = self.covariance_at(py, at, size)?;
         let (count, values) = (found.positions().len(), found.values().to_vec());
         convert::array(py, &[count, count], values).map(typed::Array)
@@ -336,9 +339,10 @@ impl Pull {
         py: Python<'py>,
         at: &Bound<'py, PyAny>,
         count: Whole,
-        size: Option<f64>,
+        size: Option<Real>,
         seed: Seed,
     ) -> PyResult<typed::Array<'py>> {
+        let size = size.get("size")?;
         let count: usize = count.get("count")?;
         let found = self.covariance_at(py, at, size)?;
         let paths = watched(None, py, |monitor| found.sample_paths_with(count, seed.0, monitor))?;
@@ -377,12 +381,15 @@ impl Pull {
     fn plot<'py>(
         slf: &Bound<'py, Self>,
         ax: Option<&Bound<'py, PyAny>>,
-        kind: Option<&str>,
-        size: Option<f64>,
+        kind: Option<Argument<String>>,
+        size: Option<Real>,
         paths: Whole,
         seed: Option<Seed>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let kind = kind.get("kind")?;
+        let kind = kind.as_deref();
+        let size = size.get("size")?;
         let py = slf.py();
         if let Some(kind) = kind.filter(|&kind| kind != "force") {
             return Err(error::invalid("plot.kind", "force", kind));
@@ -393,7 +400,7 @@ impl Pull {
         let paths = (paths > 0).then(|| slf.get().paths(py, paths, size, seed)).transpose()?;
         let scatter = match (&paths, asked) {
             (None, None) => None,
-            _ => Some(Self::force_std(slf, size, None)?),
+            _ => Some(Self::force_std(slf, Real::new(size), None)?),
         };
         py.import("asperity._plot")?.call_method("pull", (slf, ax, scatter, paths), style)
     }
@@ -427,7 +434,8 @@ impl Pull {
     /// Returns
     /// -------
     /// Gradient
-    fn gradient(slf: &Bound<'_, Self>, parameter: String) -> PyResult<Gradient> {
+    fn gradient(slf: &Bound<'_, Self>, parameter: Argument<String>) -> PyResult<Gradient> {
+        let parameter = parameter.get("parameter")?;
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
         let gradient = watched(None, py, |monitor| pull.gradient_with(&parameter, monitor))?;
         Ok(Gradient { gradient, parameter, pull: slf.clone().unbind() })
@@ -444,7 +452,8 @@ impl Pull {
     /// Returns
     /// -------
     /// list[Gradient]
-    fn gradients(slf: &Bound<'_, Self>, parameters: Vec<String>) -> PyResult<Vec<Gradient>> {
+    fn gradients(slf: &Bound<'_, Self>, parameters: Argument<Vec<String>>) -> PyResult<Vec<Gradient>> {
+        let parameters = parameters.get("parameters")?;
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
         let gradients = watched(None, py, |monitor| pull.gradients_with(&names, monitor))?;
@@ -463,9 +472,10 @@ impl Pull {
     /// Returns
     /// -------
     /// FrictionGradient
-    fn friction_gradient(&self, py: Python<'_>, parameter: &str) -> PyResult<FrictionGradient> {
+    fn friction_gradient(&self, py: Python<'_>, parameter: Argument<String>) -> PyResult<FrictionGradient> {
+        let parameter = parameter.get("parameter")?;
         let pull = self.solution(py)?;
-        let gradient = watched(None, py, |monitor| pull.friction_gradient_with(parameter, monitor))?;
+        let gradient = watched(None, py, |monitor| pull.friction_gradient_with(&parameter, monitor))?;
         Ok(FrictionGradient { gradient })
     }
 
@@ -479,7 +489,12 @@ impl Pull {
     /// Returns
     /// -------
     /// list[FrictionGradient]
-    fn friction_gradients(&self, py: Python<'_>, parameters: Vec<String>) -> PyResult<Vec<FrictionGradient>> {
+    fn friction_gradients(
+        &self,
+        py: Python<'_>,
+        parameters: Argument<Vec<String>>,
+    ) -> PyResult<Vec<FrictionGradient>> {
+        let parameters = parameters.get("parameters")?;
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
         let pull = self.solution(py)?;
         let gradients = watched(None, py, |monitor| pull.friction_gradients_with(&names, monitor))?;
@@ -733,6 +748,15 @@ impl FrictionGradient {
     #[getter]
     fn critical_stiffness(&self) -> f64 {
         self.gradient.critical_stiffness
+    }
+
+    fn __repr__(&self) -> String {
+        let Self { gradient } = self;
+        let peak = gradient.static_friction.map_or_else(|| "not reached".into(), |force| force.to_string());
+        format!(
+            "<derivatives of friction: F_s {peak}, F_k {}, X* {}, K_c {}>",
+            gradient.kinetic_friction, gradient.relaxation_length, gradient.critical_stiffness
+        )
     }
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]

@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
 
-use crate::convert::{self, Domain, Whole, evaluate};
+use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::convert::{self, Domain, evaluate};
 use crate::pickle::{self, Reduced};
 use crate::watch::watched;
 use crate::{error, typed, values};
@@ -210,24 +211,29 @@ impl VelocityStep {
 /// 1.0
 #[pyfunction]
 #[pyo3(signature = (
-    position: "ArrayLike", force: "ArrayLike", ratio, *, before = None, peak = None, trend = false,
-    noise: "Literal['drift', 'white']" = "drift", average = Whole::new(1), progress: "_Progress" = None
+    position: "ArrayLike", force: "ArrayLike", ratio, *, before = None, peak = None, trend = Argument::new(false),
+    noise: "Literal['drift', 'white']" = Argument::text("drift"), average = Whole::new(1), progress: "_Progress" = None
 ), text_signature = "(position, force, ratio, *, before=None, peak=None, trend=False, noise='drift', average=1, progress=None)")]
 #[expect(clippy::too_many_arguments)]
 pub fn read_velocity_step(
     py: Python<'_>,
     position: &Bound<'_, PyAny>,
     force: &Bound<'_, PyAny>,
-    ratio: f64,
-    before: Option<f64>,
-    peak: Option<f64>,
-    trend: bool,
-    noise: &str,
+    ratio: Real,
+    before: Option<Real>,
+    peak: Option<Real>,
+    trend: Argument<bool>,
+    noise: Argument<String>,
     average: Whole,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<VelocityStep> {
+    let ratio = ratio.get("ratio")?;
+    let before = before.get("before")?;
+    let peak = peak.get("peak")?;
+    let trend = trend.get("trend")?;
+    let noise = noise.get("noise")?;
     let (position, force) = (convert::list("position", position)?, convert::list("force", force)?);
-    let drift = matches!(convert::word("noise", noise)?, NoiseWord::Drift);
+    let drift = matches!(convert::word("noise", &noise)?, NoiseWord::Drift);
     let reading = StepReading { before, peak, trend, drift, average: average.get("average")? };
     let read = watched(progress, py, |monitor| {
         MeasuredVelocityStep::read(&position, &force, ratio, &reading, monitor)

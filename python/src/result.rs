@@ -14,7 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::convert::Whole;
+use crate::argument::{Argument, Optional as _, Whole};
 use crate::pickle::{self, Reduced, damaged};
 use crate::record::Record;
 use crate::watch::{detached, watched_on};
@@ -142,7 +142,8 @@ impl Result {
     ///     If there is a folder that asperity did not make.
     /// OSError
     ///     For errors of the system.
-    fn save(slf: &Bound<'_, Self>, folder: PathBuf) -> PyResult<()> {
+    fn save(slf: &Bound<'_, Self>, folder: Argument<PathBuf>) -> PyResult<()> {
+        let folder = folder.get("folder")?;
         let Self { scenario, summary } = slf.get();
         let record = slf.as_super().get().copy(slf.py())?;
         let outcome = Outcome { scenario: scenario.clone(), summary: summary.clone(), record };
@@ -259,17 +260,18 @@ impl Result {
 #[pyo3(signature = (
     scenario: "str | PathLike[str] | Mapping[str, Any]", overrides: "Mapping[str, Any] | None" = None, *,
     progress: "_Progress" = None, folder = None, checkpoint: "SupportsIndex | timedelta | str | None" = None,
-    resume = false, threads = None
-))]
+    resume = Argument::new(false), threads = None
+), text_signature = "(scenario, overrides=None, *, progress=None, folder=None, checkpoint=None, resume=False, threads=None)")]
 pub fn run(
     scenario: &Bound<'_, PyAny>,
     overrides: Option<&Bound<'_, PyDict>>,
     progress: Option<Bound<'_, PyAny>>,
-    folder: Option<PathBuf>,
+    folder: Option<Argument<PathBuf>>,
     checkpoint: Option<&Bound<'_, PyAny>>,
-    resume: bool,
+    resume: Argument<bool>,
     threads: Option<Whole>,
 ) -> PyResult<Py<Result>> {
+    let (folder, resume) = (folder.get("folder")?, resume.get("resume")?);
     let py = scenario.py();
     let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
     let checkpoint = checkpoint.map(convert::every).transpose()?;
@@ -340,7 +342,8 @@ fn checkpoints(
 /// >>> round(again.kinetic_friction, 6)
 /// 0.505
 #[pyfunction]
-pub fn open_result(py: Python<'_>, folder: PathBuf) -> PyResult<Py<Result>> {
+pub fn open_result(py: Python<'_>, folder: Argument<PathBuf>) -> PyResult<Py<Result>> {
+    let folder = folder.get("folder")?;
     object(py, detached(py, || output::read(&folder)).map_err(error::files)?)
 }
 

@@ -4,7 +4,8 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use crate::convert::{self, Real};
+use crate::argument::{Argument, Real};
+use crate::convert;
 use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, Law, given};
 use crate::typed;
@@ -37,11 +38,16 @@ pub struct Temperature;
 #[pymethods]
 impl Temperature {
     #[new]
-    #[pyo3(signature = (energy, attempt_rate, *, barrier: "Literal['elastic', 'bell', 'catastrophe']" = "elastic"))]
-    fn new(energy: Real, attempt_rate: Real, barrier: &str) -> PyResult<PyClassInitializer<Self>> {
+    #[pyo3(signature = (energy, attempt_rate, *, barrier: "Literal['elastic', 'bell', 'catastrophe']" = Argument::text("elastic")), text_signature = "(energy, attempt_rate, *, barrier='elastic')")]
+    fn new(
+        energy: Real,
+        attempt_rate: Real,
+        barrier: Argument<String>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let barrier = barrier.get("barrier")?;
         let energy = energy.get("energy")?;
         let attempt_rate = attempt_rate.get("attempt_rate")?;
-        let barrier = convert::word("barrier", barrier)?;
+        let barrier = convert::word("barrier", &barrier)?;
         let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });
         Ok(Description::new(plain).add_subclass(Self))
     }
@@ -132,7 +138,8 @@ pub struct Smoluchowski;
 #[pymethods]
 impl Smoluchowski {
     #[new]
-    fn new(mature: AnyLaw, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
+    fn new(mature: Argument<AnyLaw>, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
+        let mature = mature.get("mature")?;
         let diffusion = diffusion.get("diffusion")?;
         Ok(Ageing::described(scenario::Ageing::Smoluchowski { mature: mature.0, diffusion })
             .add_subclass(Self))
@@ -173,7 +180,8 @@ pub struct FrozenRank;
 #[pymethods]
 impl FrozenRank {
     #[new]
-    fn new(mature: AnyLaw, time: Real) -> PyResult<PyClassInitializer<Self>> {
+    fn new(mature: Argument<AnyLaw>, time: Real) -> PyResult<PyClassInitializer<Self>> {
+        let mature = mature.get("mature")?;
         let time = time.get("time")?;
         Ok(Ageing::described(scenario::Ageing::FrozenRank { mature: mature.0, time }).add_subclass(Self))
     }
@@ -256,7 +264,8 @@ pub struct MeanField;
 #[pymethods]
 impl MeanField {
     #[new]
-    fn new(mature: AnyLaw, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
+    fn new(mature: Argument<AnyLaw>, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
+        let mature = mature.get("mature")?;
         let diffusion = diffusion.get("diffusion")?;
         Ok(Ageing::described(scenario::Ageing::MeanField { mature: mature.0, diffusion }).add_subclass(Self))
     }

@@ -44,11 +44,12 @@ use crate::{convert, typed};
 #[pyfunction(name = "scenario")]
 #[pyo3(signature = (model: "Contacts | Model | Block | Deformable", **task: "Any") -> "dict[str, Any]")]
 pub fn scenario_of<'py>(
-    model: &Bound<'py, Description>,
+    model: &Bound<'py, PyAny>,
     task: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<typed::Values<'py>> {
     let mut known = Known::default();
-    if !known.add(model.get().plain()) {
+    let is_known = model.cast::<Description>().is_ok_and(|model| known.add(model.get().plain()));
+    if !is_known {
         return Err(wrong_type("model", "contacts, a model, a block or an interface", model));
     }
     for (name, table) in task.into_iter().flatten() {

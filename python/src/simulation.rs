@@ -8,7 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
 
-use crate::convert::{self, Whole};
+use crate::argument::{Real, Whole};
+use crate::convert;
 use crate::description::Description;
 use crate::simulated::{Energy, MovedInTime, Simulated, read, write};
 use crate::stretches::StretchGrid;
@@ -119,7 +120,8 @@ impl Simulation {
     }
 
     #[setter]
-    fn set_velocity(&self, velocity: f64) -> PyResult<()> {
+    fn set_velocity(&self, velocity: Real) -> PyResult<()> {
+        let velocity = velocity.get("velocity")?;
         self.in_time("velocity", |moved| moved.set_velocity(velocity).map_err(error::core))
     }
 
@@ -185,7 +187,8 @@ impl Simulation {
     /// ValueError
     ///     For a displacement to which an interface would have to move backwards.
     #[pyo3(signature = (until) -> "Iterator[Event]")]
-    fn events(slf: Bound<'_, Self>, until: f64) -> PyResult<EventIterator> {
+    fn events(slf: Bound<'_, Self>, until: Real) -> PyResult<EventIterator> {
+        let until = until.get("until")?;
         let from = slf.get().with(|simulated| {
             simulated.check("until", until).map_err(error::core)?;
             Ok(simulated.drive())
@@ -210,7 +213,8 @@ impl Simulation {
     /// ValueError
     ///     For a displacement to which an interface would have to move backwards.
     #[pyo3(signature = (drive, *, progress: "_Progress" = None))]
-    fn advance(&self, py: Python<'_>, drive: f64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    fn advance(&self, py: Python<'_>, drive: Real, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+        let drive = drive.get("drive")?;
         self.with(|simulated| {
             simulated.check("drive", drive).map_err(error::core)?;
             watched(progress, py, |monitor| simulated.advance(drive, monitor))
@@ -243,7 +247,8 @@ impl Simulation {
     /// >>> round(sim.time), sim.drive
     /// (140, 4.0)
     #[pyo3(signature = (duration, *, progress: "_Progress" = None))]
-    fn hold(&self, py: Python<'_>, duration: f64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+    fn hold(&self, py: Python<'_>, duration: Real, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+        let duration = duration.get("duration")?;
         self.in_time("hold", |moved| watched(progress, py, |monitor| moved.hold(duration, monitor)))
     }
 

@@ -8,8 +8,8 @@ use asperity::{Error, ensemble, master};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
-use crate::convert::Whole;
 use crate::description::{Description, Interface, Plain, Solved};
 use crate::error;
 use crate::law::{AnyLaw, given};
@@ -64,14 +64,19 @@ impl Step {
         text_signature = "(velocity=None, *, distance=None, duration=None, hold=None, velocity_to=None, points=201, pieces=None)"
     )]
     fn new(
-        velocity: Option<f64>,
-        distance: Option<f64>,
-        duration: Option<f64>,
-        hold: Option<f64>,
-        velocity_to: Option<f64>,
+        velocity: Option<Real>,
+        distance: Option<Real>,
+        duration: Option<Real>,
+        hold: Option<Real>,
+        velocity_to: Option<Real>,
         points: Whole,
         pieces: Option<Whole>,
     ) -> PyResult<PyClassInitializer<Self>> {
+        let velocity = velocity.get("velocity")?;
+        let distance = distance.get("distance")?;
+        let duration = duration.get("duration")?;
+        let hold = hold.get("hold")?;
+        let velocity_to = velocity_to.get("velocity_to")?;
         let points = points.get("points")?;
         let pieces = pieces.map(|pieces| pieces.get("pieces")).transpose()?;
         let start = None;
@@ -190,16 +195,21 @@ pub struct Transport {
 #[pymethods]
 impl Transport {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, start: "Literal['conditional', 'relaxed', 'steady']" = "conditional", velocity = None, tolerance = None))]
+    #[pyo3(signature = (contacts, initial = None, *, start: "Literal['conditional', 'relaxed', 'steady']" = Argument::text("conditional"), velocity = None, tolerance = None), text_signature = "(contacts, initial=None, *, start='conditional', velocity=None, tolerance=None)")]
     fn new(
         py: Python<'_>,
-        contacts: &Bound<'_, Contacts>,
-        initial: Option<AnyLaw>,
-        start: &str,
-        velocity: Option<f64>,
-        tolerance: Option<f64>,
+        contacts: Argument<Bound<'_, Contacts>>,
+        initial: Option<Argument<AnyLaw>>,
+        start: Argument<String>,
+        velocity: Option<Real>,
+        tolerance: Option<Real>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let interface = steady_interface(contacts, initial, start)?;
+        let initial = initial.get("initial")?;
+        let contacts = &contacts.get("contacts")?;
+        let start = start.get("start")?;
+        let velocity = velocity.get("velocity")?;
+        let tolerance = tolerance.get("tolerance")?;
+        let interface = steady_interface(contacts, initial, &start)?;
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("transport"))?;
@@ -234,7 +244,8 @@ impl Transport {
     /// Simulation
     ///     A simulation that advances step by step, at X = 0.
     #[pyo3(signature = (*, velocity))]
-    fn simulation(slf: &Bound<'_, Self>, velocity: f64) -> PyResult<Simulation> {
+    fn simulation(slf: &Bound<'_, Self>, velocity: Real) -> PyResult<Simulation> {
+        let velocity = velocity.get("velocity")?;
         Model::simulation(slf.as_super(), Some(velocity))
     }
 
@@ -265,9 +276,10 @@ impl Transport {
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,
-        steps: Vec<Bound<'_, Step>>,
+        steps: Argument<Vec<Bound<'_, Step>>>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Record>> {
+        let steps = steps.get("steps")?;
         let py = slf.py();
         let (history, times) = motion(steps)?;
         let Plain::Transport(interface, solved) = slf.as_super().as_super().get().plain() else {

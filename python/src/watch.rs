@@ -11,7 +11,7 @@ use asperity_runner::memory;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::convert::Whole;
+use crate::argument::Whole;
 use crate::{error, threads};
 
 /// Interval between two checks for signals, and between two reports of progress.

@@ -118,10 +118,17 @@ def test_objects_have_pictures() -> None:
         run.slip_course,
         run.events,
         sampled.sizes,
+        WARM,
+        asp.Contacts(areas=asp.Areas(asp.Gamma(1.0, 0.5), 1.0, 1.0)),
+        THEORY,
+        asp.Interface(THEORY.contacts, [4, 4], connection=1.0, neighbours=1.0),
+        asp.Lattice(THEORY.contacts, [4, 4], neighbours=0.1, connection=0.1),
+        block,
     ):
         _, axes = matplotlib.pyplot.subplots()
         assert one.plot(axes) is axes, one
         assert drawn(axes), one
+        matplotlib.pyplot.close("all")
     records: list[Any] = [pull, run, ensemble.pull(3.0, 31, snapshots=[1.0])]
     records.append(asp.Transport(WARM).follow([asp.Step(1.0, distance=2.0)]))
     records.append(

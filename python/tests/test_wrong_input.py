@@ -306,7 +306,7 @@ def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip
         (lambda: asp.Block(THEORY, np.nan), ValueError, r"block\.stiffness: expected a finite .* got NaN"),
         (lambda: asp.Block(THEORY, 1.0, "sticky"), ValueError, "slip: expected one of reset, .* \"sticky\""),  # type: ignore[arg-type]
         (lambda: asp.Block(THEORY, 1.0, 3), TypeError, "slip: expected a word, asperity.Damped .*, got int"),  # type: ignore[arg-type]
-        (lambda: asp.Block(CONTACTS, 1.0), TypeError, "'Contacts' object is not an instance of 'Model'"),  # type: ignore[arg-type]
+        (lambda: asp.Block(CONTACTS, 1.0), TypeError, "model: expected Model, got Contacts"),  # type: ignore[arg-type]
         (lambda: asp.Block(THEORY, 1.0, slip_fraction=0), ValueError, r"slip_fraction: expected .* got 0"),
         (lambda: asp.Inertial(0.0), ValueError, r"slip\.inertial\.mass: expected .* above 0, got 0"),
         (
@@ -417,6 +417,27 @@ def test_masks_that_hide_nothing_are_none() -> None:
         (lambda x: asp.Contacts(LAW, stiffness=x), "x", "stiffness: expected a number, got str"),
         (lambda x: asp.Temperature(x, 1.0), "x", "energy: expected a number, got str"),
         (lambda x: asp.Logarithmic(growth=x, time=1.0), "x", "growth: expected a number, got str"),
+        (
+            lambda x: asp.Contacts(x),
+            "x",
+            "thresholds: expected a distribution of asperity, a frozen distribution of scipy.stats, "
+            "or samples, got str",
+        ),
+        (
+            lambda x: asp.Mixture(x),
+            1.0,
+            "components: expected a list of pairs (weight, distribution), got float",
+        ),
+        (lambda x: asp.Block(x, 1.0), LAW, "model: expected Model, got Gamma"),
+        (lambda x: asp.Inertial(1.0, x), "x", "damping: expected a number, got str"),
+        (lambda x: asp.MasterEquation(x), LAW, "contacts: expected Contacts, got Gamma"),
+        (lambda x: asp.MasterEquation(CONTACTS, start=x), 1, "start: expected text, got int"),
+        (
+            lambda x: asp.MasterEquation(CONTACTS).steady_state().force_std(x),
+            "x",
+            "size: expected a number, got str",
+        ),
+        (lambda x: asp.read_laboratory(x), 1, "path: expected a path, got int"),
         (lambda x: THEORY.pull(x), np.zeros(5), "distance: expected a number, got ndarray of shape [5]"),
         (lambda x: THEORY.pull(1.0, x), 2.5, "points: expected a whole number, 0 or above, got float"),
         (lambda x: asp.Ensemble(CONTACTS, size=x), "x", "size: expected a whole number, 0 or above, got str"),

@@ -1,0 +1,220 @@
+//! Arguments that name themselves where they are of a wrong type: PyO3 extracts them before a function knows their names.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
+use pyo3::PyClass;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
+use pyo3::prelude::*;
+
+use crate::contacts::AnyDelay;
+use crate::error::invalid;
+use crate::law::AnyLaw;
+use crate::typed::argument_type;
+
+/// What an argument is expected to be.
+pub trait Expected {
+    fn expected() -> String;
+}
+
+/// An argument, or what was found in its place.
+pub struct Argument<T>(Result<T, Found>);
+
+/// What was found in place of an argument: a value of another type, or one out of range, as text.
+enum Found {
+    Type(String),
+    Text(String),
+}
+
+/// What is known of numbers by their names: values and errors.
+pub type Priors = BTreeMap<String, (f64, f64)>;
+
+/// A number.
+pub type Real = Argument<f64>;
+
+impl<T> Argument<T> {
+    pub const fn new(value: T) -> Self {
+        Self(Ok(value))
+    }
+}
+
+impl Argument<String> {
+    pub fn text(text: &str) -> Self {
+        Self(Ok(text.into()))
+    }
+}
+
+impl<T: Expected> Argument<T> {
+    /// The value of the argument `key`.
+    pub fn get(self, key: &str) -> PyResult<T> {
+        self.0.map_err(|found| found.refused(key, &T::expected()))
+    }
+}
+
+/// An argument that may be left out.
+pub trait Optional<T> {
+    /// The value of the argument `key`, if there is one.
+    fn get(self, key: &str) -> PyResult<Option<T>>;
+}
+
+impl<T: Expected> Optional<T> for Option<Argument<T>> {
+    fn get(self, key: &str) -> PyResult<Option<T>> {
+        self.map(|argument| argument.get(key)).transpose()
+    }
+}
+
+impl Found {
+    /// What stands in place of an argument that could not be extracted; other errors are passed on.
+    fn of(value: &Bound<'_, PyAny>, error: PyErr) -> PyResult<Self> {
+        let py = value.py();
+        if error.is_instance_of::<PyOverflowError>(py) {
+            return Ok(Self::Text(value.str()?.to_string()));
+        }
+        if !error.is_instance_of::<PyTypeError>(py) {
+            return Err(error);
+        }
+        let name = value.get_type().name()?.to_string();
+        Ok(Self::Type(match value.cast::<PyUntypedArray>() {
+            Ok(array) => format!("{name} of shape {:?}", array.shape()),
+            Err(_) => name,
+        }))
+    }
+
+    fn refused(self, key: &str, expected: &str) -> PyErr {
+        match self {
+            Self::Type(name) => PyTypeError::new_err(format!("{key}: expected {expected}, got {name}")),
+            Self::Text(text) => invalid(key, format!("{expected} in range"), text),
+        }
+    }
+}
+
+impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
+    type Error = PyErr;
+
+    #[cfg(feature = "stubs")]
+    const INPUT_TYPE: pyo3::inspect::PyStaticExpr = T::INPUT_TYPE;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract() {
+            Ok(found) => Ok(Self(Ok(found))),
+            Err(error) => Found::of(&value, error.into()).map(|found| Self(Err(found))),
+        }
+    }
+}
+
+impl Expected for f64 {
+    fn expected() -> String {
+        "a number".into()
+    }
+}
+
+impl Expected for bool {
+    fn expected() -> String {
+        "True or False".into()
+    }
+}
+
+impl Expected for String {
+    fn expected() -> String {
+        "text".into()
+    }
+}
+
+impl Expected for Vec<usize> {
+    fn expected() -> String {
+        "a list of whole numbers, 0 or above".into()
+    }
+}
+
+impl Expected for Vec<String> {
+    fn expected() -> String {
+        "a list of names".into()
+    }
+}
+
+impl Expected for AnyLaw {
+    fn expected() -> String {
+        "a distribution of asperity, a frozen distribution of scipy.stats, or samples".into()
+    }
+}
+
+impl Expected for AnyDelay {
+    fn expected() -> String {
+        "a time or a distribution of times".into()
+    }
+}
+
+impl Expected for PathBuf {
+    fn expected() -> String {
+        "a path".into()
+    }
+}
+
+impl Expected for (f64, f64) {
+    fn expected() -> String {
+        "two numbers".into()
+    }
+}
+
+impl Expected for (Bound<'_, PyAny>, Bound<'_, PyAny>) {
+    fn expected() -> String {
+        "two lists of numbers".into()
+    }
+}
+
+impl Expected for Priors {
+    fn expected() -> String {
+        "a dict of pairs (value, error) by name".into()
+    }
+}
+
+impl Expected for Vec<(f64, AnyLaw)> {
+    fn expected() -> String {
+        "a list of pairs (weight, distribution)".into()
+    }
+}
+
+impl<T: PyClass> Expected for Bound<'_, T> {
+    fn expected() -> String {
+        T::NAME.into()
+    }
+}
+
+impl<T: PyClass> Expected for Vec<Bound<'_, T>> {
+    fn expected() -> String {
+        format!("a list of {}", T::NAME)
+    }
+}
+
+/// An integer, 0 or above, or what was found in its place.
+pub struct Whole(Result<usize, Found>);
+
+impl Whole {
+    pub const fn new(number: usize) -> Self {
+        Self(Ok(number))
+    }
+
+    /// The number under `key`.
+    pub fn get<T: TryFrom<usize>>(self, key: &str) -> PyResult<T> {
+        let number =
+            self.0.and_then(|number| T::try_from(number).map_err(|_| Found::Text(number.to_string())));
+        number.map_err(|found| match found {
+            Found::Text(text) => invalid(key, "a whole number, 0 or above, and not too large", text),
+            of_type @ Found::Type(_) => of_type.refused(key, "a whole number, 0 or above"),
+        })
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Whole {
+    type Error = PyErr;
+
+    argument_type!("SupportsIndex");
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract() {
+            Ok(number) => Ok(Self(Ok(number))),
+            Err(error) => Found::of(&value, error).map(|found| Self(Err(found))),
+        }
+    }
+}
