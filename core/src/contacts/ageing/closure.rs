@@ -37,14 +37,21 @@ impl Closure<'_> {
     /// # Errors
     /// A density that could not be represented; stopped by the monitor.
     pub fn law(&self, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
-        /// The narrowest element of P_ci, in units of the widths of the distributions and of the root mean square
-        /// displacement. Narrower ones need not be resolved, and conserve less of the mass, by rounding.
-        const FINEST: f64 = 1e-2;
         let newborn = self.maturing.newborn_law();
         let spread = newborn.mean() * self.maturing.diffusion / self.velocity;
         if spread < NOTHING * self.maturing.resolution().powi(2) {
             return Ok(newborn.clone());
         }
+        let wide = Closure { maturing: &self.maturing.with_second_moments(), ..*self };
+        wide.law_within(spread, monitor)
+    }
+
+    /// P_c within the support; `spread` is about the mean square displacement of thresholds before they break.
+    fn law_within(&self, spread: f64, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
+        /// The narrowest element of P_ci, in units of the widths of the distributions and of the root mean square
+        /// displacement. Narrower ones need not be resolved, and conserve less of the mass, by rounding.
+        const FINEST: f64 = 1e-2;
+        let newborn = self.maturing.newborn_law();
         let (watch, slope) = (Watch::new(monitor), self.maturing.slope());
         let finest = FINEST * self.maturing.resolution().min(spread.sqrt());
         let atoms = newborn.atoms();

@@ -7,9 +7,8 @@ use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Elements, Potential, Slope, cloud_in_cell};
 use crate::numerics::legendre::{NODES, RULE};
 
-/// Fraction of thresholds neglected above the upper end, and of their second moment, which friction grows with.
+/// Fraction of thresholds neglected above the upper end.
 const NEGLIGIBLE: f64 = 1e-15;
-const NEGLIGIBLE_MOMENT: f64 = 1e-12;
 
 /// ∂_t p = D∂_h[U' + ∂_h]p with U = −ln P_cf, from p = P_ci, with reflecting ends of the support of P_cf.
 #[derive(Debug, Clone)]
@@ -40,13 +39,24 @@ impl ThresholdFokkerPlanck {
     /// [`super::Contacts::check`].
     pub fn new(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
         let (low, end) = (mature.quantile(0.0), mature.upper_quantile(0.0));
-        let far = |law: &SharedLaw| {
-            let least = NEGLIGIBLE_MOMENT * law.upper_moment(2, -1.0);
-            let widened = std::iter::successors(Some(law.upper_quantile(NEGLIGIBLE)), |end| Some(1.25 * end));
-            widened.take(100).find(|&end| law.upper_moment(2, end) <= least).unwrap_or(f64::MAX)
-        };
+        let far = |law: &SharedLaw| law.upper_quantile(NEGLIGIBLE);
         let high = if end.is_finite() { end } else { far(&mature).max(far(&newborn)) };
         Self { newborn, mature, diffusion, support: (low, high) }
+    }
+
+    /// The same up to where also a negligible part of the second moments lies above, which friction is in proportion to:
+    /// far beyond for broad distributions.
+    #[must_use]
+    pub fn with_second_moments(&self) -> Self {
+        /// Fraction of a second moment.
+        const NEGLIGIBLE: f64 = 1e-12;
+        let far = |law: &SharedLaw| {
+            let least = NEGLIGIBLE * law.upper_moment(2, -1.0);
+            let ends = std::iter::successors(Some(self.support.1), |end| Some(1.25 * end));
+            ends.take(100).find(|&end| law.upper_moment(2, end) <= least).unwrap_or(f64::MAX)
+        };
+        let high = far(&self.mature).max(far(&self.newborn));
+        Self { support: (self.support.0, high), ..self.clone() }
     }
 
     /// P_ci.

@@ -10,7 +10,7 @@ use super::path::{Path, Place, StepContext, StepPart};
 use super::seeds::Seed;
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
-use crate::monitor::{Monitor, Watch};
+use crate::monitor::{Monitor, Watch, fits};
 use crate::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Sink, Workspace};
 
 /// Diffusing thresholds.
@@ -102,6 +102,9 @@ const REACH: f64 = 4.0;
 /// Largest number of cells of a step between two checks whether the monitor has stopped.
 const MANY: usize = 1 << 16;
 
+/// Numbers for each cell in the work space of a step.
+const WORKSPACE: usize = 8;
+
 /// Smallest number of cells.
 const FEWEST: f64 = 16.0;
 
@@ -110,7 +113,7 @@ impl Diffusing {
     /// `None` where they do not diffuse.
     ///
     /// # Errors
-    /// Stopped by the monitor.
+    /// More memory than the monitor allows; stopped by it.
     pub(super) fn new(
         contacts: &Contacts,
         seeds: &[Seed],
@@ -121,7 +124,12 @@ impl Diffusing {
         let Some(maturing) = ThresholdFokkerPlanck::of(contacts) else { return Ok(None) };
         let (low, high) = maturing.support;
         let coarser = tolerance.powf(0.25);
-        let cells = (CELLS * (high - low) / (scale * coarser)).ceil().max(FEWEST) as usize;
+        let cells = (CELLS * (high - low) / (scale * coarser)).ceil().max(FEWEST);
+        // Both levels, each with its faces, the masses of new contacts, and work space for steps.
+        let needed = 3.0 * cells * ((2 + seeds.len() + WORKSPACE) * size_of::<f64>()) as f64;
+        let what = format!("{cells} cells for thresholds that diffuse from {low} to {high}");
+        fits("tolerance", what, needed as u64, monitor.memory())?;
+        let cells = cells as usize;
         let mut diffusing = Self {
             potential: maturing.potential(),
             levels: [1, 2].map(|fine| MovingGrid::new(cells * fine, FINEST)),
