@@ -58,7 +58,9 @@ impl Transport {
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
         let mut ageing_cohorts = transport.formed(&transport.seeds, monitor)?;
-        let (allowed, each) = (monitor.memory(), size_of::<Cohort>() as u64 + transport.model.bytes());
+        // A list that grows is copied to one of twice its length.
+        let each = 3 * size_of::<Cohort>() as u64 + transport.model.bytes();
+        let allowed = monitor.memory();
         let watch = Watch::new(monitor);
         let mut context = StepContext::new(&watch);
         let mut duration = transport.pace.longest(velocity);
