@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Closure, Contacts, ThresholdFokkerPlanck};
-use asperity::law::{Gamma, Lognormal, Point, Rectangular, SharedLaw};
+use asperity::law::{Gamma, Lognormal, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use common::gaussian;
 
@@ -104,4 +104,14 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
             }
         }
     }
+}
+
+#[test]
+fn a_point_mass_without_weight_beyond_all_others_changes_nothing() {
+    let mature = gaussian(1.5, 0.2);
+    let alone = kinetic_friction(Arc::new(Point::new(1.0).unwrap()), mature.clone(), 0.01, 0.1);
+    let point = |place: f64| Arc::new(Point::new(place).unwrap()) as SharedLaw;
+    let both: SharedLaw = Arc::new(Mixture::new(vec![(1.0, point(1.0)), (1e-20, point(50.0))]).unwrap());
+    // Rounding of some sums.
+    assert!((kinetic_friction(both, mature, 0.01, 0.1) / alone - 1.0).abs() < 1e-11);
 }

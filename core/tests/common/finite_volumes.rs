@@ -74,33 +74,6 @@ impl Diffusion {
         self.low + (cell as f64 + 0.5) * self.width
     }
 
-    /// Replaces the masses m by (1 − aL)⁻¹ m: the masses after an exponentially distributed time of mean a, or after one
-    /// backward Euler step of length a.
-    pub fn resolve(&self, a: f64, masses: &mut [f64]) {
-        // The Thomas algorithm from the top down, with 1 − a l_i/d_i instead of differences: all terms are positive, so
-        // nothing cancels and mass is conserved to rounding. The lowest two cells are left as a system of their own.
-        let mut inverses = vec![1.0; masses.len()];
-        let (mut kept, mut carried, mut rest) = (0.0, 0.0, 1.0);
-        for i in (1..masses.len()).rev() {
-            let down = a * self.down[i];
-            rest = 1.0 + a * (self.up[i] * kept);
-            inverses[i] = 1.0 / (rest + down);
-            kept = rest * inverses[i];
-            masses[i] += carried;
-            carried = down * inverses[i] * masses[i];
-        }
-        let [first, second, above @ ..] = masses else { return };
-        let (up, down) = (self.up[0], a * self.down[1]);
-        let next = rest + down;
-        *first = (*first + down / next * *second) / (1.0 + a * (up * rest / next));
-        *second = (*second + a * up * *first) / next;
-        let mut lower = *second;
-        for (i, mass) in (2..).zip(above) {
-            lower = inverses[i] * *mass + a * self.up[i - 1] * inverses[i] * lower;
-            *mass = lower;
-        }
-    }
-
     /// The middles of all cells.
     pub fn middles(&self) -> Vec<f64> {
         (0..self.cells()).map(|cell| self.centre(cell)).collect()

@@ -67,12 +67,13 @@ impl Resolvent<'_> {
         let cells: Vec<GalerkinElement> = edges.windows(2).map(cell).collect();
         let mut moments: Vec<Nodal> =
             (0..start.count()).map(|i| Basis::moments(&start.series[i], start.element(i).1)).collect();
-        // A hat function is 1 at its edge: the first one of the element above, or the second one of the last element.
+        // A hat function is 1 at its edge: the first one of the element above, or the second one of the last element, also
+        // for the negligible masses beyond it.
         for &(place, mass) in self.point_masses {
             let above = edges.partition_point(|&edge| edge < place);
             match moments.get_mut(above) {
                 Some(moments) => moments[0] += mass,
-                None => moments[above - 1][1] += mass,
+                None => moments.last_mut().expect("an element")[1] += mass,
             }
         }
         let series = implicit_step(&cells, moments, false).iter().map(Basis::series).collect();
@@ -80,8 +81,8 @@ impl Resolvent<'_> {
     }
 
     /// Spectral vanishing viscosity (E. Tadmor, SIAM J. Numer. Anal. 26, 30 (1989)): diffusion of the highest functions only,
-    /// where drift carries more than diffusion across an element. Without it rounding makes a mode of alternating signs,
-    /// which is carried against the drift undamped. The density has these functions to its truncation error only.
+    /// in proportion to the drift. Without it, where drift outweighs diffusion across an element, rounding makes a mode of
+    /// alternating signs, which is carried against the drift undamped. The density has these functions to its truncation error only.
     fn add_viscosity(&self, operator: &mut Matrix, ends: &[f64]) {
         const HIGHEST: usize = 4;
         let drift = self.field.diffusion * (self.field.slope)(0.5 * (ends[0] + ends[1])).abs();
