@@ -27,20 +27,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 /// What takes more is refused wrongly.
 const MOST: f64 = 1.2;
 
-/// A machine without memory.
-struct Full;
-
-impl Monitor for Full {
-    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    fn memory(&self) -> u64 {
-        0
-    }
-}
-
-/// A machine with little memory.
+/// A machine with so many bytes of memory.
 struct Small(u64);
 
 impl Monitor for Small {
@@ -83,7 +70,7 @@ fn pulls() {
     let model = ensemble(&gaussian(1.0, 0.1), 200);
     let positions: Vec<f64> = (0..2_000_000).map(|i| 1e-6 * f64::from(i)).collect();
     let pull = |monitor: &mut dyn Monitor| model.pull_with(&positions, &Snapshots::default(), monitor);
-    holds("a pull", most(|| drop(pull(&mut ()).unwrap())), needed(pull(&mut Full)));
+    holds("a pull", most(|| drop(pull(&mut ()).unwrap())), needed(pull(&mut Small(0))));
 }
 
 fn blocks() {
@@ -91,7 +78,7 @@ fn blocks() {
     let slips = [Slip::Overdamped, Slip::Reset, Slip::Arrest, Slip::Inertial { mass: 1.0, damping: 0.0 }];
     for law in [gaussian(1.0, 0.05), weibull(0.5, 1.0)] {
         let model = ensemble(&law, size);
-        let said = needed(model.population_with(&mut Full));
+        let said = needed(model.population_with(&mut Small(0)));
         for slip in slips {
             let taken = most(|| {
                 let mut population = model.population().unwrap();
@@ -109,7 +96,7 @@ fn blocks_in_time() {
     let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 }), ..Rules::default() };
     let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let model = Ensemble::new(contacts, initial(&point(0.0)), 1 << 16, 1, Disorder::Annealed).unwrap();
-    let said = needed(model.in_time_with(&mut Full));
+    let said = needed(model.in_time_with(&mut Small(0)));
     let slide = History::new(vec![Piece { velocity: 0.1, duration: 20.0 }]).unwrap();
     let taken = most(|| {
         let contacts = model.in_time().unwrap();
@@ -133,7 +120,7 @@ fn lattices() {
                 let mut lattice = make(&mut ()).unwrap();
                 lattice.run(Until::Drive(2.5), &mut |_| ()).unwrap();
             });
-            holds("a lattice", taken, needed(make(&mut Full)));
+            holds("a lattice", taken, needed(make(&mut Small(0))));
         }
     }
 }

@@ -22,8 +22,8 @@ const NOTHING: f64 = 1e-13;
 /// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ with C the mean of P_c: exponentially distributed ages.
 ///
 /// Equivalently (1 − (C/v)L)P_c = P_ci with L the operator of [`ThresholdFokkerPlanck`]: one backward Euler
-/// step, on adaptive spectral elements ([`Resolvent`]). For thresholds of c.v.
-/// up to 3 the first two moments are right to 3e-11.
+/// step, on adaptive spectral elements ([`Resolvent`]). The first two moments of broad thresholds fulfil their
+/// equations to 3e-11; the error is not estimated.
 #[derive(Debug, Clone, Copy)]
 pub struct Closure<'a> {
     /// Diffusion of thresholds.
