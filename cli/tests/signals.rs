@@ -3,6 +3,8 @@
 
 mod support;
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
@@ -29,6 +31,15 @@ contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
 contacts.count = 1024
 initial.rectangular = { min = 0.0, max = 0.5 }
 interface = { cells = [32, 32], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2, catalogue_from = 1e4 }
+drive = { distance = 1e4, points = 11 }
+";
+
+/// The same with 256 times as many contacts, whose state has some megabytes.
+const LARGE: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.count = 262144
+initial.rectangular = { min = 0.0, max = 0.5 }
+interface = { cells = [512, 512], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2, catalogue_from = 1e4 }
 drive = { distance = 1e4, points = 11 }
 ";
 
@@ -186,6 +197,43 @@ fn a_run_with_checkpoints_keeps_one_first_also_where_a_signal_comes_twice() {
         let told = "interrupted: no results were written; --resume continues from out/events.checkpoint.";
         assert!(said.contains(told), "{signals:?}: {said}");
     }
+}
+
+/// The checkpoint goes to a pipe, so that the signal comes in the middle of it.
+#[test]
+fn a_checkpoint_that_is_being_written_is_given_up_for_the_one_before() {
+    let folder = Folder::new();
+    folder.write("large.toml", LARGE);
+    let child = spawn(&mut folder.asperity(&["run", "large.toml", "--checkpoint", "1h"]));
+    at_work(&child, 0.2);
+    assert_eq!(ended_by(child, &["INT"]).status.code(), Some(130));
+    let before = folder.path().join("out/large.checkpoint.0");
+    let kept = std::fs::read(&before).unwrap();
+    // Many times what a pipe holds: the run waits for its reader.
+    assert!(kept.len() > 4 << 20, "{} bytes", kept.len());
+    let script =
+        r#"mkfifo out/large.checkpoint.$$.partial; exec "$0" run large.toml --checkpoint 1 --resume"#;
+    let mut shell = Command::new("sh");
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_asperity")]).current_dir(folder.path());
+    let child = spawn(&mut shell);
+    let pipe = folder.path().join(format!("out/large.checkpoint.{}.partial", child.id()));
+    wait_until(&child, |_| pipe.exists(), "there is no pipe");
+    let mut reader = File::open(&pipe).unwrap();
+    reader.read_exact(&mut [0]).unwrap();
+    send(&child, &["INT"]);
+    // The run receives the signal while it waits.
+    std::thread::sleep(Duration::from_millis(200));
+    let rest = std::io::copy(&mut reader, &mut std::io::sink()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("--resume continues from out/large.checkpoint.0"),
+        "{}",
+        errors(&output)
+    );
+    assert!(rest < kept.len() as u64 / 2, "{rest} of {} bytes", kept.len());
+    assert_eq!(std::fs::read(&before).unwrap(), kept);
+    assert!(!pipe.exists());
 }
 
 /// A checkpoint that cannot be written, to a pipe that nobody reads, holds the run up for good.

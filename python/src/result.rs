@@ -1,6 +1,8 @@
 //! Computing scenarios and reading results.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use asperity::monitor::Monitor;
 use asperity::scenario::Scenario;
@@ -17,7 +19,7 @@ use pyo3::types::{PyDict, PyString};
 use crate::argument::{Argument, Optional as _, Whole};
 use crate::pickle::{self, Reduced, damaged};
 use crate::record::Record;
-use crate::watch::{detached, watched_on};
+use crate::watch::{detached, watched_on, watched_writing};
 use crate::{convert, error, typed, values};
 
 /// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
@@ -285,8 +287,10 @@ pub fn run(
         return object(py, watched_on(threads, progress, py, compute)?);
     };
     output::check(&folder).map_err(error::files)?;
-    let mut kept = checkpoints(&input.scenario, &folder, checkpoint, resume)?;
-    let outcome = watched_on(threads, progress, py, |monitor| {
+    let stop = Arc::new(AtomicBool::new(false));
+    let kept = checkpoints(&input.scenario, &folder, checkpoint, resume)?;
+    let mut kept = kept.map(|kept| kept.interrupted_by(stop.clone()));
+    let outcome = watched_writing(threads, &stop, progress, py, |monitor| {
         let checkpoints = kept.as_mut().map(|kept| kept as &mut dyn task::Checkpoints);
         asperity_runner::run_with(&input.scenario, Storage { checkpoints, columns: None }, monitor)
     });

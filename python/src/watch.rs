@@ -74,16 +74,17 @@ impl Monitor for Relay<'_> {
     }
 }
 
-/// Runs `work` on so many threads of its own.
+/// Runs `work` on so many threads of its own. `stop` is set as soon as it is to end.
 fn on_threads<T: Send>(
     number: usize,
+    stop: &AtomicBool,
     watch: &mut Watch,
     work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
 ) -> PyResult<Result<T>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(number).build();
     let pool = pool.map_err(|refused| PyRuntimeError::new_err(format!("threads: {refused}")))?;
-    let (done, stop) = (AtomicU64::new(0), AtomicBool::new(false));
-    let mut relay = Relay { done: &done, stop: &stop, memory: watch.memory };
+    let done = AtomicU64::new(0);
+    let mut relay = Relay { done: &done, stop, memory: watch.memory };
     let (send, receive) = mpsc::sync_channel(1);
     pool.in_place_scope(|scope| {
         // A panic drops the sender, and goes on where the scope ends.
@@ -119,19 +120,46 @@ pub fn watched_on<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
 ) -> PyResult<T> {
+    match checked(threads)? {
+        None => concluded(progress, |watch| Ok(detached(py, || work(watch)))),
+        Some(number) => concluded(progress, |watch| {
+            py.detach(|| on_threads(number, &AtomicBool::new(false), watch, work))
+        }),
+    }
+}
+
+/// The same for work that cannot ask its monitor while it writes a file, and looks at `stop` instead: it always has threads of its
+/// own, so that this thread hears of signals all the time.
+pub fn watched_writing<T: Send>(
+    threads: Option<Whole>,
+    stop: &AtomicBool,
+    progress: Option<Bound<'_, PyAny>>,
+    py: Python<'_>,
+    work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
+) -> PyResult<T> {
+    let number = checked(threads)?.unwrap_or_else(rayon::current_num_threads);
+    concluded(progress, |watch| py.detach(|| on_threads(number, stop, watch, work)))
+}
+
+/// The requested number of threads, if it is a sensible one.
+fn checked(threads: Option<Whole>) -> PyResult<Option<usize>> {
     let threads = threads.map(|number| number.get("threads")).transpose()?;
     if let Some(number) = threads {
         asperity_runner::threads::check(number)
             .map_err(|expected| error::invalid("threads", expected, number))?;
     }
+    Ok(threads)
+}
+
+/// Does `work` under a watch, and returns its result, or what was raised meanwhile.
+fn concluded<T>(
+    progress: Option<Bound<'_, PyAny>>,
+    work: impl FnOnce(&mut Watch) -> PyResult<Result<T>>,
+) -> PyResult<T> {
     let progress = progress.map(|wish| listener(wish)).transpose()?.flatten();
     let memory = memory::in_environment().map_err(PyValueError::new_err)?;
     let mut watch = Watch { progress, memory, called: Instant::now(), most: 0.0, raised: None };
-    let outcome = match threads {
-        None => detached(py, || work(&mut watch)),
-        Some(number) => py.detach(|| on_threads(number, &mut watch, work))?,
-    };
-    match (outcome, watch.raised.take()) {
+    match (work(&mut watch)?, watch.raised.take()) {
         (Err(Error::Stopped), Some(raised)) => Err(raised),
         (Err(other), _) => Err(error::core(other)),
         (Ok(done), _) => {

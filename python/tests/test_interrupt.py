@@ -1,5 +1,6 @@
 """Ctrl-C stops long computations soon, and other threads run meanwhile."""
 
+import os
 import signal
 import threading
 import time
@@ -92,6 +93,52 @@ def listening() -> Iterator[None]:
 def test_ctrl_c_stops_soon(work: Callable[[], object]) -> None:
     # On a machine that does other things, the best of some.
     assert any(delay(work) < SOON for _ in range(5))
+
+
+@pytest.mark.usefixtures("listening")
+def test_a_checkpoint_that_is_being_written_is_given_up_for_the_one_before(tmp_path: Path) -> None:
+    scenario = {
+        "contacts": {"thresholds": asp.Gaussian(1.0, 0.1), "count": 1 << 18},
+        "initial": {"rectangular": {"min": 0.0, "max": 0.5}},
+        "interface": {
+            "cells": [512, 512],
+            "contacts": "one",
+            "coupling": {"neighbours": {"stiffness": 0.2}},
+            "connection": 0.2,
+            "catalogue_from": 1e4,
+        },
+        "drive": {"distance": 1e4, "points": 11},
+    }
+
+    def stop(_: float) -> None:
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        asp.run(scenario, folder=tmp_path / "out", checkpoint="1h", progress=stop)
+    before = tmp_path / "out.checkpoint.0"
+    kept = before.read_bytes()
+    # The next one goes to a pipe, which holds a small part of it, so that the signal comes while it is written.
+    pipe = tmp_path / f"out.checkpoint.{os.getpid()}.partial"
+    os.mkfifo(pipe)
+    rest: list[int] = []
+
+    def read() -> None:
+        main = threading.main_thread().ident
+        assert main is not None
+        with pipe.open("rb") as file:
+            file.read(1)
+            signal.pthread_kill(main, signal.SIGINT)
+            time.sleep(0.5)
+            rest.append(len(file.read()))
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    with pytest.raises(KeyboardInterrupt):
+        asp.run(scenario, folder=tmp_path / "out", checkpoint=1, resume=True)
+    reader.join()
+    assert rest[0] < len(kept) / 2
+    assert before.read_bytes() == kept
+    assert not pipe.exists()
 
 
 def test_other_threads_run_meanwhile() -> None:
