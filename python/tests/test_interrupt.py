@@ -117,7 +117,7 @@ def test_a_checkpoint_that_is_being_written_is_given_up_for_the_one_before(tmp_p
         asp.run(scenario, folder=tmp_path / "out", checkpoint="1h", progress=stop)
     before = tmp_path / "out.checkpoint.0"
     kept = before.read_bytes()
-    # The next one goes to a pipe, which holds a small part of it, so that the signal comes while it is written.
+    # The next one goes to a pipe, which holds a small part of it: the signal comes while it is written.
     pipe = tmp_path / f"out.checkpoint.{os.getpid()}.partial"
     os.mkfifo(pipe)
     rest: list[int] = []
