@@ -43,7 +43,8 @@ pub fn moving(
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional, &watch)?
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {
-            let thresholds = Closure { maturing: &maturing, velocity }.law(&mut &watch)?;
+            let closure = Closure { maturing: &maturing, reforming: &contacts.reforming, velocity };
+            let thresholds = closure.law(&mut &watch)?;
             athermal_within(&Contacts { thresholds, ..contacts.clone() }, starts, conditional, &watch)
         }
         (None, _) if !thermal => athermal_within(contacts, starts, conditional, &watch),

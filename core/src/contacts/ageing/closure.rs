@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::ThresholdFokkerPlanck;
+use super::fokker_planck::points;
 use crate::Result;
 use crate::law::{Breakpoint, Series, SharedLaw};
 use crate::monitor::{Monitor, Watch};
@@ -19,7 +20,10 @@ const OF_MOMENT: f64 = 1e-12;
 /// width of the distributions, P_c = P_ci.
 const NOTHING: f64 = 1e-13;
 
-/// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ with C the mean of P_c: exponentially distributed ages.
+/// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ with C/v the mean life of contacts: exponentially distributed ages.
+///
+/// Contacts re-form at stretches r ~ R and break at thresholds of P_c above them: with S the survival function of P_c, C =
+/// ∫R(r) ∫_r^∞ S(x)/S(r) dx dr, the mean way of a contact. That is ⟨h⟩ − ⟨r⟩ where R is below all thresholds.
 ///
 /// Equivalently (1 − (C/v)L)P_c = P_ci with L the operator of [`ThresholdFokkerPlanck`]: one backward Euler
 /// step, on adaptive spectral elements ([`Resolvent`]). The first two moments of broad thresholds fulfil their
@@ -28,6 +32,8 @@ const NOTHING: f64 = 1e-13;
 pub struct Closure<'a> {
     /// Diffusion of thresholds.
     pub maturing: &'a ThresholdFokkerPlanck,
+    /// R, the distribution of stretches at which contacts re-form.
+    pub reforming: &'a SharedLaw,
     /// Velocity v.
     pub velocity: f64,
 }
@@ -64,26 +70,26 @@ impl Closure<'_> {
             field: Field { slope: &|h| slope.at(h), diffusion: self.maturing.diffusion, loss: None },
             tolerance: &tolerance,
         };
-        let (density, mean) = self.solved(&resolvent, &watch);
+        let (density, way) = self.solved(&resolvent, &watch);
         watch.check()?;
-        Ok(Arc::new(self.series(density, mean)?))
+        Ok(Arc::new(self.series(density, way)?))
     }
 
-    /// The density, and its mean C, which the time constant of the equation contains: the root of ⟨h⟩ = C.
+    /// The density, and the mean way C of its contacts, which the time constant of the equation contains: a root.
     fn solved(&self, resolvent: &Resolvent<'_>, watch: &Watch<'_>) -> (Elements, f64) {
         let edges = RefCell::new(resolvent.edges());
-        let solve = |mean: f64| {
+        let solve = |way: f64| {
             // A solution begins with the elements of the one before.
-            let solved = resolvent.after(mean / self.velocity, edges.take());
+            let solved = resolvent.after(way / self.velocity, edges.take());
             edges.replace(solved.edges.clone());
             solved
         };
-        let excess = |mean: f64| {
+        let starts = self.starts();
+        let excess = |way: f64| {
             if watch.stops() {
                 return 0.0;
             }
-            let [mass, first] = solve(mean).sums(|h| [1.0, h]);
-            first / mass - mean
+            mean_way(&solve(way), &starts) - way
         };
         // Means of thresholds of all ages lie between, or near, those of the two distributions.
         let ends = [self.maturing.newborn_law().mean(), self.maturing.mature_law().mean()];
@@ -94,12 +100,24 @@ impl Closure<'_> {
         while excess(high) > 0.0 && high < self.maturing.support.1 {
             high *= 2.0;
         }
-        let mean = brent_root(excess, low, high, 0.0).unwrap_or(low);
-        (solve(mean), mean)
+        let way = brent_root(excess, low, high, 0.0).unwrap_or(low);
+        (solve(way), way)
     }
 
-    /// The distribution with this density and the mean C.
-    fn series(&self, density: Elements, mean: f64) -> Result<Series> {
+    /// R as points (stretch, weight).
+    fn starts(&self) -> Vec<(f64, f64)> {
+        let (law, cuts) = (self.reforming.as_ref(), self.maturing.breakpoints(1.0));
+        let atoms = law.atoms().into_iter().map(|atom| (atom.position, atom.weight));
+        if law.zones().is_empty() {
+            return atoms.collect();
+        }
+        let cuts: Vec<f64> = cuts.iter().map(|b| b.position).chain([self.maturing.support.0]).collect();
+        let ends = (law.quantile(0.0), law.upper_quantile(0.0).min(self.maturing.support.1));
+        atoms.chain(points(law, &cuts, ends)).collect()
+    }
+
+    /// The distribution with this density, whose contacts have the mean way C.
+    fn series(&self, density: Elements, way: f64) -> Result<Series> {
         /// Elements with less of the mass, and of the second moment, do not show in any result; the support ends at the
         /// outermost ones with more.
         const SHOWN: f64 = 1e-15;
@@ -114,11 +132,23 @@ impl Closure<'_> {
             boundaries: density.edges[first..=last + 1].to_vec(),
             coefficients: density.series[first..=last].to_vec(),
         };
-        let spread = mean * self.maturing.diffusion / self.velocity;
+        let spread = way * self.maturing.diffusion / self.velocity;
         let (start, end) = (density.boundaries[0], density.end());
         let ends = [(start, density.value(start)), (end, -density.value_in(last - first, end))];
         let jumps = ends.map(|(position, amplitude)| Breakpoint { position, exponent: 0.0, amplitude });
         let breakpoints = self.maturing.breakpoints(spread).into_iter().chain(jumps).collect();
         Series::solved(density, breakpoints)
     }
+}
+
+/// C, from points (r, weight) of R.
+fn mean_way(density: &Elements, starts: &[(f64, f64)]) -> f64 {
+    /// Fraction of contacts above a stretch below which rounding tells nothing of where they break.
+    const FEWEST: f64 = 1e-13;
+    let whole: f64 = starts.iter().map(|start| start.1).sum();
+    let of = |&(start, weight): &(f64, f64)| {
+        let [above, way] = density.sums_above(start, |h| [1.0, h - start]);
+        if above > FEWEST { weight * way / above } else { 0.0 }
+    };
+    starts.iter().map(of).sum::<f64>() / whole
 }

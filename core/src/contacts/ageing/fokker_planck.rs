@@ -270,7 +270,7 @@ fn between(mut places: Vec<f64>, (low, high): (f64, f64)) -> Vec<f64> {
 
 /// Gauss points (position, mass) of the density of a distribution between two positions, accurate also for
 /// products with functions that are not smooth at `cuts`.
-fn points<'a>(
+pub(super) fn points<'a>(
     law: &'a dyn Law,
     cuts: &[f64],
     (low, high): (f64, f64),

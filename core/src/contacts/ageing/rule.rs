@@ -44,8 +44,8 @@ pub enum AgeingRule<D> {
         time: f64,
     },
     /// The mean-field closure of the coupled equations for Q and P_c in steady sliding: P_c = ∫₀^∞ e^{−τ}
-    /// P_c^{Smol}(t = τC/v) dτ with C the mean of P_c, i.e. exponentially distributed ages. It is no rule for
-    /// a single contact.
+    /// P_c^{Smol}(t = τC/v) dτ with C/v the mean life of contacts, i.e. exponentially distributed ages. It is no
+    /// rule for a single contact.
     MeanField {
         /// P_cf.
         mature: D,
