@@ -6,19 +6,6 @@ const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.
 const area = /** @type {HTMLTextAreaElement} */ (byId("text"));
 const scrubber = /** @type {HTMLInputElement} */ (byId("position"));
 
-const state = {
-  text: EXAMPLES["Stick-slip"],
-  /** @type {Map<string, string | null>} */
-  changes: new Map(),
-  position: 1,
-  /** @type {Partial<Answer>} */
-  shown: {},
-  /** @type {{position: number[], force: number[], columns: string[]} | null} */
-  measured: null,
-  /** What is wrong with the link by which the page was opened. */
-  note: "",
-};
-
 /** @param {string} message */
 function fail(message) {
   byId("errors").hidden = !message;
@@ -56,6 +43,7 @@ function receive(answer, request, milliseconds) {
   }
   if (invalid || !answer.scenario) return;
   Object.assign(state.shown, answer);
+  units = answer.units ?? {};
   if (!request.preview && !answer.block) delete state.shown.block;
   if (!request.preview && !answer.task) delete state.shown.task;
   if (!request.preview && !answer.critical_stiffness) delete state.shown.critical_stiffness;
@@ -65,8 +53,6 @@ function receive(answer, request, milliseconds) {
   if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...details(answer.scenario)]);
 }
 
-const distance = () => state.shown.force?.position.at(-1) ?? 12;
-const stiffness = () => state.shown.scenario?.block?.stiffness;
 /** What takes longer than a preview: the map where thresholds have a width, and the motion or the task. @param {any} scenario @returns {Part[]} */
 function details(scenario) {
   const [law] = /** @type {any[]} */ (Object.values(scenario.contacts.thresholds ?? {}));
@@ -74,120 +60,6 @@ function details(scenario) {
   const motion = scenario.block && scenario.drive ? ["block"] : scenario.pull || scenario.drive ? [] : ["task"];
   return law?.std > 0 && !motion.includes("task") ? ["critical_stiffness", ...motion] : motion;
 }
-
-/** Which variables of a task are drawn: across, up, their labels, and whether the axes are logarithmic. @type {[string, string, string, string, boolean, boolean][]} */
-const TASKS = [
-  ["velocity", "kinetic_friction", "velocity", "kinetic friction", true, false],
-  ["hold", "static_friction", "time of the hold", "static friction", true, false],
-  ["wave_number", "spectrum", "wave number q", "spectrum of the force", true, true],
-  ["time", "force", "time", "friction force", false, false],
-  ["drive", "spring_force", "load-point displacement", "spring force", false, false],
-];
-
-/** Draws the motion of the block, or the task where it is another one. */
-function showMotion() {
-  const kind = TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
-  charts.block.element.hidden = !kind;
-  if (!kind) return;
-  const [x, y, across, up, ...logarithmic] = kind;
-  charts.block.reshape({ x: across, y: up, logarithmic: /** @type {[boolean, boolean]} */ (logarithmic), lines: [{ label: up, color: "blue" }] });
-  charts.block.set([traced(x), traced(y)]);
-}
-
-/** @param {string} name */
-const traced = (name) => (state.shown.block ?? state.shown.task)?.record.variables.find((variable) => variable.name === name)?.values ?? [];
-/** @param {Extended | undefined} value */
-const finite = (value) => (typeof value === "number" && value > 0 ? value : null);
-
-/** The distributions of the contacts. @type {["thresholds" | "reforming" | "initial", string, string][]} */
-const LAWS = [["thresholds", "blue", "<i>P</i><sub>c</sub>"], ["reforming", "green", "<i>R</i>"], ["initial", "orange", "<i>Q</i><sub>ini</sub>"]];
-
-/** @param {Pen} pen @param {Density} density @param {string} name @param {number} top */
-function stems(pen, { at, weights }, name, top) {
-  at.forEach((x, i) => {
-    pen.line([[x, 0], [x, top * weights[i]]], name, { width: 2.5 });
-    pen.dot(x, top * weights[i], name, { radius: 3 });
-  });
-}
-
-/** @type {Record<"force" | "laws" | "block" | "stretches" | "map", Chart>} */
-const charts = {
-  force: new Chart("force", {
-    x: "position X of the slider", y: "friction force F", lines: [{ label: "<i>F</i>(<i>X</i>)", color: "blue" }, { label: "<i>F</i><sub>k</sub>", color: "green", dash: [6, 4] }],
-    scrub,
-    marks(plot, pen) {
-      const { force, block } = state.shown;
-      if (!force) return;
-      const { position, force_std: std } = force;
-      if (std) {
-        const edge = (/** @type {number} */ sign) => position.map((x, i) => /** @type {[number, number]} */ ([x, force.force[i] + sign * std[i]]));
-        pen.area([...edge(1), ...edge(-1).reverse()], "band");
-      }
-      const first = block?.summary.first_instability;
-      const k = stiffness();
-      if (first && k) pen.line([[first.position, first.force], [first.position + first.force / k, 0]], "orange", { dash: [3, 3] });
-      if (force.static_friction) pen.dot(force.static_friction.position, force.static_friction.value, "blue");
-      state.measured?.position.forEach((x, i) => pen.dot(x, state.measured?.force[i] ?? 0, "ink", { radius: 1.5 }));
-      const top = plot.scales.y.max ?? 1;
-      pen.line([[state.position, 0], [state.position, top]], "quiet", { width: 1 });
-    },
-  }),
-  laws: new Chart("laws", {
-    x: "stretch x", y: "probability density", lines: LAWS.map(([, color, label]) => ({ label, color })),
-    marks(plot, pen) {
-      const top = plot.scales.y.max ?? 1;
-      for (const [name, of] of LAWS) if (state.shown.stretches) stems(pen, state.shown.stretches[name], of, 0.9 * top);
-    },
-    handles() {
-      const law = state.shown.scenario?.contacts.thresholds;
-      const [family, { mean, std }] = Object.entries(law ?? { none: {} })[0];
-      if (!(mean > 0)) return [];
-      const key = `contacts.thresholds.${family}`;
-      const height = 0.5 * (charts.laws.plot.scales.y.max ?? 1);
-      const mover = { x: mean, y: height, label: "mean", move: (/** @type {number} */ x) => x > 0 && change(`${key}.mean`, toml(rounded(x))) };
-      const wider = { x: mean + std, y: height / 2, label: "std", move: (/** @type {number} */ x) => x > mean && change(`${key}.std`, toml(rounded(x - mean))) };
-      return std > 0 ? [mover, wider] : [mover];
-    },
-  }),
-  block: new Chart("block", {
-    x: "load-point displacement", y: "spring force", lines: [{ label: "spring force", color: "blue" }],
-    marks(_, pen) {
-      const forces = traced("event_force_before");
-      traced("event_drive").forEach((x, i) => pen.dot(x, forces[i], "orange", { radius: 3 }));
-    },
-  }),
-  stretches: new Chart("stretches", {
-    x: "stretch x", y: "probability density", lines: [{ label: "<i>Q</i>(<i>x</i>; <i>X</i>)", color: "blue" }, { label: "<i>Q</i><sub>s</sub>, in steady sliding", color: "green", dash: [6, 4] }],
-    marks(plot, pen) {
-      const { stretches } = state.shown;
-      const top = 0.9 * (plot.scales.y.max ?? 1);
-      if (stretches) stems(pen, stretches.density, "blue", top);
-    },
-  }),
-  map: new Chart("map", {
-    x: "standard deviation σ of the thresholds", y: "stiffness K", logarithmic: [true, true], lines: [{ label: "<i>K</i><sub>c</sub>(σ)", color: "blue" }],
-    marks(plot, pen) {
-      const curve = state.shown.critical_stiffness;
-      if (!curve) return;
-      const points = curve.width.map((width, i) => /** @type {[number, number | null]} */ ([width, finite(curve.critical_stiffness[i])]));
-      const known = /** @type {[number, number][]} */ (points.filter((point) => point[1] !== null));
-      if (!known.length) return;
-      const floor = plot.scales.y.min ?? 1e-6;
-      pen.area([...known, [known[known.length - 1][0], floor], [known[0][0], floor]], "slip");
-      pen.text(known[0][0] * 1.15, floor * 2, "stick-slip");
-    },
-    handles() {
-      const [family, { std }] = Object.entries(state.shown.scenario?.contacts.thresholds ?? { none: {} })[0];
-      const k = stiffness();
-      if (!(std > 0 && k > 0 && state.shown.critical_stiffness)) return [];
-      const move = (/** @type {number} */ x, /** @type {number} */ y) => {
-        state.changes.set("block.stiffness", toml(rounded(y)));
-        change(`contacts.thresholds.${family}.std`, toml(rounded(x)));
-      };
-      return [{ x: std, y: k, label: "here", move }];
-    },
-  }),
-};
 
 const editors = [
   { of: new LawEditor("thresholds", "contacts.thresholds", change), law: (/** @type {any} */ scenario) => scenario.contacts.thresholds },
@@ -289,7 +161,7 @@ async function measured(file) {
     state.measured = readCurve(await file.text());
     byId("status").textContent = `${state.measured.position.length} readings: ${state.measured.columns.join(" and ")}`;
     fail("");
-    charts.force.redraw();
+    charts.force.plot.redraw(false);
   } catch (error) {
     fail(`${file?.name}: ${error instanceof Error ? error.message : error}`);
   }

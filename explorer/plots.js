@@ -1,85 +1,134 @@
-// Plots: a curve chart of uPlot with marks drawn over it, points to drag, and files of its picture and its numbers.
+// Plots: curves of uPlot with marks over them and points to drag, and files of their pictures and of their numbers.
 "use strict";
 
 /** @param {string} name */
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
-/** A label with italics and subscripts. @param {string} html */
-function formatted(html) {
-  const made = document.createElement("span");
-  made.innerHTML = html;
-  return made;
-}
+/** The labels of the units of quantities. @type {Record<string, string>} */
+let units = {};
+
+/** Words with the unit of a quantity. @param {Named} of */
+const labelled = ([words, quantity]) => ((units[quantity] ?? "1") === "1" ? words : `${words} (${units[quantity]})`);
+
+/** @param {string} text */
+const escaped = (text) => text.replace(/[&<>"]/g, (letter) => `&#${letter.charCodeAt(0)};`);
+
+/** A label in HTML as plain text, such as F_s. @param {string} html */
+const plain = (html) => html.replace(/<sub>/g, "_").replace(/<[^>]*>/g, "");
 
 /** @param {Blob} blob @param {string} name */
 function download(blob, name) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** Draws marks in the coordinates of a plot. */
-class Pen {
-  /** @param {uPlot} plot */
-  constructor(plot) {
-    this.plot = plot;
-    this.context = plot.ctx;
-    this.scale = devicePixelRatio;
+/** The canvas of a plot. Lines are paths of SVG, here and in `Svg`. @implements {Surface} */
+class Canvas {
+  /** @param {CanvasRenderingContext2D} context */
+  constructor(context) {
+    this.context = context;
   }
-  /** @param {number} x @param {number} y @returns {[number, number]} */
-  at(x, y) {
-    return [this.plot.valToPos(x, "x", true), this.plot.valToPos(y, "y", true)];
+  /** @type {Surface["path"]} */
+  path(d, { stroke, fill, width = 1.5, dash = [] }) {
+    const path = new Path2D(d);
+    this.context.fillStyle = color(fill ?? "");
+    if (fill) this.context.fill(path);
+    Object.assign(this.context, { strokeStyle: color(stroke ?? ""), lineWidth: width });
+    this.context.setLineDash(dash);
+    if (stroke) this.context.stroke(path);
   }
-  /** @param {[number, number][]} points @param {string} name @param {{dash?: number[], width?: number}} [how] */
-  line(points, name, { dash = [], width = 1.5 } = {}) {
-    const { context } = this;
-    context.beginPath();
-    points.forEach(([x, y]) => context.lineTo(...this.at(x, y)));
-    context.strokeStyle = color(name);
-    context.lineWidth = width * this.scale;
-    context.setLineDash(dash.map((length) => length * this.scale));
-    context.stroke();
-    context.setLineDash([]);
+  /** @type {Surface["text"]} */
+  text(x, y, words) {
+    Object.assign(this.context, { fillStyle: color("ink"), font: "11px system-ui, sans-serif", textAlign: "left" });
+    this.context.fillText(words, x, y);
   }
-  /** @param {[number, number][]} points @param {string} name */
-  area(points, name) {
-    const { context } = this;
-    context.beginPath();
-    points.forEach(([x, y]) => context.lineTo(...this.at(x, y)));
-    context.fillStyle = color(name);
-    context.fill();
-  }
-  /** @param {number} x @param {number} y @param {string} name @param {{radius?: number, hollow?: boolean}} [how] */
-  dot(x, y, name, { radius = 4, hollow = false } = {}) {
-    const { context } = this;
-    context.beginPath();
-    context.arc(...this.at(x, y), radius * this.scale, 0, 2 * Math.PI);
-    context.lineWidth = 1.5 * this.scale;
-    context.strokeStyle = color(name);
-    context.fillStyle = color(hollow ? "paper" : name);
-    context.fill();
-    context.stroke();
-  }
-  /** @param {number} x @param {number} y @param {string} text @param {CanvasTextAlign} [align] */
-  text(x, y, text, align = "left") {
-    const { context } = this;
-    const [left, top] = this.at(x, y);
-    context.fillStyle = color("quiet");
-    context.font = `${12 * this.scale}px system-ui, sans-serif`;
-    context.textAlign = align;
-    context.fillText(text, left, top);
+  /** @type {Surface["picture"]} */
+  picture(picture, [left, top, width, height]) {
+    this.context.imageSmoothingEnabled = false;
+    this.context.drawImage(picture, left, top, width, height);
   }
 }
 
-/** The numbers at the ticks of an axis; those between the labels of a logarithmic one are null. @param {(number | null)[]} places */
-const ticks = (places) =>
-  places.map((place) => {
-    if (place === null) return "";
-    const size = Math.abs(place);
-    return size > 0 && (size < 1e-3 || size >= 1e5) ? place.toExponential() : String(Number(place.toPrecision(6)));
-  });
+/** The text of an SVG. @implements {Surface} */
+class Svg {
+  constructor() {
+    /** @type {string[]} */
+    this.parts = [];
+  }
+  /** @type {Surface["path"]} */
+  path(d, { stroke, fill, width = 1.5, dash = [] }) {
+    const [outside, inside] = [stroke, fill].map((name) => (name ? color(name) : "none"));
+    this.parts.push(`<path d="${d}" fill="${inside}" stroke="${outside}" stroke-width="${width}" stroke-dasharray="${dash.join(" ")}"/>`);
+  }
+  /** @type {Surface["text"]} */
+  text(x, y, words, { anchor = "start", turn = 0 } = {}) {
+    const inside = escaped(words).replace(/_(\w+)/g, '<tspan dy="3" font-size="8">$1</tspan><tspan dy="-3">\u200b</tspan>');
+    this.parts.push(`<text transform="translate(${x} ${y}) rotate(${turn})" text-anchor="${anchor}" fill="${color("ink")}">${inside}</text>`);
+  }
+  /** @type {Surface["picture"]} */
+  picture(picture, [left, top, width, height]) {
+    const place = `x="${left}" y="${top}" width="${width}" height="${height}" preserveAspectRatio="none"`;
+    this.parts.push(`<image ${place} style="image-rendering: pixelated" href="${picture.toDataURL()}"/>`);
+  }
+  /** @param {string} title @param {number} width @param {number} height */
+  file(title, width, height) {
+    const size = `width="${width}" height="${height}" viewBox="0 0 ${width} ${height}"`;
+    const head = `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="system-ui, sans-serif" font-size="11"><title>${escaped(title)}</title>`;
+    return [head, `<rect width="${width}" height="${height}" fill="${color("paper")}"/>`, ...this.parts, "</svg>", ""].join("\n");
+  }
+}
+
+/** Draws marks in the coordinates of a plot. */
+class Pen {
+  /** @param {uPlot} plot @param {Surface} surface */
+  constructor(plot, surface) {
+    this.plot = plot;
+    this.surface = surface;
+    const [left, top, width, height] = [plot.bbox.left, plot.bbox.top, plot.bbox.width, plot.bbox.height].map((length) => length / uPlot.pxRatio);
+    this.box = { left, top, width, height, right: left + width, bottom: top + height };
+  }
+  /** @param {"x" | "y"} scale @param {number} value */
+  place(scale, value) {
+    return this.plot.valToPos(value, scale, true) / uPlot.pxRatio;
+  }
+  /** A path through points; it is interrupted by those without a place. @param {(readonly [number, number | null | undefined])[]} points */
+  through(points) {
+    let step = "M";
+    const to = (/** @type {readonly [number, number | null | undefined]} */ [x, y]) => {
+      const [left, top] = [this.place("x", x), this.place("y", y ?? NaN)];
+      const there = Number.isFinite(left) && Number.isFinite(top);
+      const part = there ? `${step}${left.toFixed(2)} ${top.toFixed(2)}` : "";
+      step = there ? "L" : "M";
+      return part;
+    };
+    return points.map(to).join("");
+  }
+  /** @param {(readonly [number, number | null | undefined])[]} points @param {string} stroke @param {{dash?: number[], width?: number}} [how] */
+  line(points, stroke, how) {
+    this.surface.path(this.through(points), { stroke, ...how });
+  }
+  /** @param {[number, number][]} points @param {string} fill */
+  area(points, fill) {
+    this.surface.path(`${this.through(points)}Z`, { fill });
+  }
+  /** @param {number} x @param {number} y @param {string} stroke @param {{radius?: number, hollow?: boolean}} [how] */
+  dot(x, y, stroke, { radius = 4, hollow = false } = {}) {
+    const [left, top] = [this.place("x", x), this.place("y", y)];
+    const half = `a${radius} ${radius} 0 1 0`;
+    if (Number.isFinite(left + top)) this.surface.path(`M${left - radius} ${top}${half} ${2 * radius} 0${half} ${-2 * radius} 0`, { stroke, fill: hollow ? "paper" : stroke });
+  }
+  /** @param {number} x @param {number} y @param {string} words */
+  text(x, y, words) {
+    this.surface.text(this.place("x", x), this.place("y", y), words);
+  }
+}
+
+/** The number at a tick of an axis. @param {number} place */
+function tick(place) {
+  const size = Math.abs(place);
+  return size > 0 && (size < 1e-3 || size >= 1e5) ? place.toExponential() : String(Number(place.toPrecision(6)));
+}
 
 class Chart {
   /** @param {string} id @param {Shape} shape */
@@ -89,14 +138,13 @@ class Chart {
     this.element = /** @type {HTMLElement} */ (document.getElementById(id));
     /** @type {uPlot.AlignedData} */
     this.data = [[], ...shape.lines.map(() => [])];
+    /** The places of numbers on the axes, as they are drawn. @type {{x: number[], y: number[]}} */
+    this.places = { x: [], y: [] };
     /** @type {uPlot} */
     this.plot = this.make();
-    this.addExports();
+    this.addFiles();
     new ResizeObserver(() => this.plot.setSize(this.size())).observe(this.element);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      this.plot.destroy();
-      this.plot = this.make();
-    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.reshape({}));
   }
 
   size() {
@@ -105,38 +153,45 @@ class Chart {
 
   /** @returns {uPlot} */
   make() {
-    const { x, y, lines, logarithmic, marks } = this.shape;
-    const axis = (/** @type {string} */ label) => ({
-      label, values: (/** @type {uPlot} */ _, /** @type {(number | null)[]} */ places) => ticks(places), labelSize: 18, labelFont: "12px system-ui, sans-serif", font: "11px system-ui, sans-serif", size: 34,
+    const { lines, logarithmic } = this.shape;
+    const axis = (/** @type {"x" | "y"} */ key, /** @type {number} */ size) => ({
+      size, label: () => labelled(this.shape[key]), labelSize: 18, labelFont: "12px system-ui, sans-serif", font: "11px system-ui, sans-serif",
       stroke: () => color("ink"), grid: { stroke: () => color("faint"), width: 0.5 }, ticks: { stroke: () => color("faint"), width: 0.5 },
+      // Those between the numbers of a logarithmic axis are null.
+      values: (/** @type {uPlot} */ _, /** @type {(number | null)[]} */ places) => {
+        this.places[key] = places.filter((place) => place !== null);
+        return places.map((place) => (place === null ? "" : tick(place)));
+      },
     });
     const scale = (/** @type {boolean | undefined} */ log) => ({ time: false, ...(log ? { distr: /** @type {3} */ (3) } : {}) });
-    const drawn = marks ? [(/** @type {uPlot} */ plot) => this.clipped(plot, marks)] : [];
+    const label = (/** @type {string} */ html) => /** @type {any} */ (Object.assign(document.createElement("span"), { innerHTML: html }));
     const plot = new uPlot({
       ...this.size(),
       scales: { x: scale(logarithmic?.[0]), y: scale(logarithmic?.[1]) },
-      axes: [axis(x), { ...axis(y), size: 48 }],
+      axes: [axis("x", 34), axis("y", 48)],
       series: [{}, ...lines.map((line) => ({
-        label: /** @type {any} */ (formatted(line.label)), stroke: () => color(line.color), width: 1.75, dash: line.dash, points: { show: false }, spanGaps: false,
+        label: label(line.label), stroke: () => color(line.color), width: 1.75, dash: line.dash, points: { show: false }, spanGaps: false,
       }))],
       cursor: { drag: { x: false, y: false }, points: { show: false } },
       legend: { show: lines.length > 1, live: false },
-      hooks: { draw: drawn },
+      hooks: { draw: [(/** @type {uPlot} */ plot) => this.drawMarks(plot)] },
     }, this.data, this.element);
     this.addDragging(plot);
     return plot;
   }
 
-  /** @param {uPlot} plot @param {(plot: uPlot, pen: Pen) => void} marks */
-  clipped(plot, marks) {
-    const { left, top, width, height } = plot.bbox;
-    plot.ctx.save();
-    plot.ctx.beginPath();
-    plot.ctx.rect(left, top, width, height);
-    plot.ctx.clip();
-    marks(plot, new Pen(plot));
-    for (const { x, y } of this.shape.handles?.() ?? []) new Pen(plot).dot(x, y, "orange", { radius: 5, hollow: true });
-    plot.ctx.restore();
+  /** @param {uPlot} plot */
+  drawMarks(plot) {
+    const { ctx, bbox: { left, top, width, height } } = plot;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(left, top, width, height);
+    ctx.clip();
+    ctx.scale(uPlot.pxRatio, uPlot.pxRatio);
+    const pen = new Pen(plot, new Canvas(ctx));
+    this.shape.marks?.(pen);
+    for (const { x, y } of this.shape.handles?.() ?? []) pen.dot(x, y, "orange", { radius: 5, hollow: true });
+    ctx.restore();
   }
 
   /** @param {uPlot.AlignedData} data */
@@ -145,17 +200,11 @@ class Chart {
     this.plot.setData(data);
   }
 
-  /** Draws other variables. @param {Shape} shape */
+  /** Draws other variables. @param {Partial<Shape>} shape */
   reshape(shape) {
-    if (shape.x === this.shape.x && shape.y === this.shape.y) return;
     Object.assign(this.shape, shape);
-    this.data = [[], ...shape.lines.map(() => [])];
     this.plot.destroy();
     this.plot = this.make();
-  }
-
-  redraw() {
-    this.plot.redraw(false);
   }
 
   /** @param {uPlot} plot */
@@ -191,24 +240,57 @@ class Chart {
     plot.over.addEventListener("pointerup", () => (moving = null));
   }
 
-  addExports() {
-    const box = document.createElement("div");
-    box.className = "export";
-    const button = (/** @type {string} */ label, /** @type {() => void} */ action) => {
-      const made = document.createElement("button");
-      made.textContent = label;
-      made.setAttribute("aria-label", `${label} of ${this.element.querySelector("figcaption")?.textContent}`);
-      made.onclick = action;
-      box.append(made);
-    };
-    button("PNG", () => this.plot.ctx.canvas.toBlob((blob) => blob && download(blob, `${this.id}.png`)));
-    button("CSV", () => download(new Blob([this.csv()], { type: "text/csv" }), `${this.id}.csv`));
+  /** The buttons that save the plot. */
+  addFiles() {
+    const title = this.element.querySelector("figcaption")?.textContent ?? "";
+    const box = Object.assign(document.createElement("div"), { className: "export" });
+    const files = { SVG: { type: "image/svg+xml", text: () => this.svg(title) }, CSV: { type: "text/csv", text: () => this.csv() } };
+    for (const [name, { type, text }] of Object.entries(files)) {
+      const button = Object.assign(document.createElement("button"), { textContent: name, ariaLabel: `${name} of ${title}` });
+      button.onclick = () => download(new Blob([text()], { type }), `${this.id}.${name.toLowerCase()}`);
+      box.append(button);
+    }
     this.element.append(box);
   }
 
+  /** The picture as it is: axes and lines, which uPlot draws on the screen, and marks. @param {string} title */
+  svg(title) {
+    const { plot, shape, data, places } = this;
+    const svg = new Svg();
+    const pen = new Pen(plot, svg);
+    const { left, top, right, bottom, width, height } = pen.box;
+    for (const x of places.x) {
+      svg.path(`M${pen.place("x", x)} ${top}V${bottom}`, { stroke: "faint", width: 0.5 });
+      svg.text(pen.place("x", x), bottom + 16, tick(x), { anchor: "middle" });
+    }
+    for (const y of places.y) {
+      svg.path(`M${left} ${pen.place("y", y)}H${right}`, { stroke: "faint", width: 0.5 });
+      svg.text(left - 6, pen.place("y", y) + 4, tick(y), { anchor: "end" });
+    }
+    svg.text(left + width / 2, bottom + 36, labelled(shape.x), { anchor: "middle" });
+    svg.text(12, top + height / 2, labelled(shape.y), { anchor: "middle", turn: -90 });
+    svg.parts.push(`<clipPath id="plot"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#plot)">`);
+    const points = (/** @type {number} */ line) => Array.from(data[0], (x, i) => /** @type {const} */ ([x, data[line][i]]));
+    shape.lines.forEach((line, i) => pen.line(points(i + 1), line.color, { dash: line.dash, width: 1.75 }));
+    shape.marks?.(pen);
+    svg.parts.push("</g>");
+    let start = left;
+    for (const { label, color, dash } of shape.lines) {
+      svg.path(`M${start} ${plot.height + 6}h20`, { stroke: color, dash, width: 1.75 });
+      svg.text(start + 26, plot.height + 10, plain(label));
+      start += 50 + 6 * plain(label).length;
+    }
+    return svg.file(title, plot.width, plot.height + 24);
+  }
+
+  /** The numbers in all their digits: the lines, then what else is drawn. */
   csv() {
-    const names = [this.shape.x, ...this.shape.lines.map((line) => formatted(line.label).textContent)];
-    const rows = Array.from(this.data[0], (_, i) => this.data.map((/** @type {ArrayLike<number | null | undefined>} */ column) => column[i] ?? "").join(","));
-    return [names.map((name) => `"${name}"`).join(","), ...rows, ""].join("\n");
+    const { x, y, lines, more } = this.shape;
+    /** @type {[string, ArrayLike<number | null | undefined>][]} */
+    const columns = [[labelled(x), this.data[0]], ...lines.map((line, i) => /** @type {[string, any]} */ ([labelled([plain(line.label), y[1]]), this.data[i + 1]]))];
+    columns.push(...(more?.() ?? []).map(([name, values]) => /** @type {[string, number[]]} */ ([labelled(name), values])));
+    const rows = Math.max(...columns.map((column) => column[1].length));
+    const head = columns.map(([name]) => `"${name.replace(/"/g, '""')}"`).join(",");
+    return [head, ...Array.from({ length: rows }, (_, i) => columns.map((column) => column[1][i] ?? "").join(",")), ""].join("\n");
   }
 }

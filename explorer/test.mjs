@@ -163,6 +163,90 @@ test("each control changes the text and the numbers", () =>
     assert.match(await text(tab), /slip = "reset"/);
   }));
 
+/** The text of the file that a button saves. */
+async function saved(tab, button) {
+  const [file] = await Promise.all([tab.waitForEvent("download"), tab.getByRole("button", { name: button, exact: true }).click()]);
+  return readFileSync(await file.path(), "utf8");
+}
+
+/** The columns of a file of numbers, by their names; they end where cells are empty. */
+function columns(csv) {
+  const [head, ...rows] = csv.trimEnd().split("\n");
+  const cells = rows.map((row) => row.split(","));
+  return new Map(JSON.parse(`[${head}]`).map((name, i) => [name, cells.map((row) => row[i]).filter((cell) => cell !== "").map(Number)]));
+}
+
+/** What is written in a picture, and its curves, as numbers by the places of the ticks on its axes. */
+const read = (tab, svg, logarithmic) =>
+  tab.evaluate(([svg, logarithmic]) => {
+    const picture = new DOMParser().parseFromString(svg, "image/svg+xml");
+    if (picture.querySelector("parsererror")) throw new Error(picture.textContent);
+    const texts = [...picture.querySelectorAll("text")].map((text) => {
+      const [, x, y] = /translate\((\S+) (\S+)\)/.exec(text.getAttribute("transform"));
+      return { words: text.textContent, anchor: text.getAttribute("text-anchor"), x: Number(x), y: Number(y) };
+    });
+    const scale = (anchor, place, log) => {
+      const of = texts.filter((text) => text.anchor === anchor && text.words !== "" && Number.isFinite(Number(text.words)));
+      const [first, last] = [of[0], of.at(-1)];
+      const [low, high] = [first, last].map(({ words }) => (log ? Math.log(Number(words)) : Number(words)));
+      const share = (at) => low + ((high - low) * (at - place(first))) / (place(last) - place(first));
+      return (at) => (log ? Math.exp(share(at)) : share(at));
+    };
+    // Numbers at the vertical axis stand 4 below their ticks.
+    const [x, y] = [scale("middle", (text) => text.x, logarithmic[0]), scale("end", (text) => text.y - 4, logarithmic[1])];
+    const curves = [...picture.querySelectorAll('path[stroke-width="1.75"]')].map((path) => path.getAttribute("d")).filter((d) => d.includes("L"));
+    const points = (d) => d.slice(1).split(/[ML]/).map((point) => point.split(" ").map(Number)).map(([left, top]) => [x(left), y(top), x(left + 0.01), y(top - 0.01)]);
+    return { words: texts.map((text) => text.words), curves: curves.map(points), title: picture.querySelector("title").textContent };
+  }, [svg, logarithmic]);
+
+/** Both files of a figure: the curves of the picture are those of the numbers. @returns the columns */
+async function files(tab, title, logarithmic = [false, false]) {
+  const numbers = columns(await saved(tab, `CSV of ${title}`));
+  const svg = await saved(tab, `SVG of ${title}`);
+  assert.equal(svg.match(/https?:[^"]*/g).join(), "http://www.w3.org/2000/svg");
+  const { words, curves, title: own } = await read(tab, svg, logarithmic);
+  assert.equal(own, title);
+  const [[across, x], ...others] = numbers;
+  assert.ok(words.includes(across), `${across} ${words}`);
+  curves.forEach((points, i) => {
+    const y = others[i][1];
+    const drawn = x.map((_, j) => j).filter((j) => y[j] !== undefined);
+    assert.equal(points.length, drawn.length, `${title}: ${others[i][0]}`);
+    points.forEach(([left, up, right, top], j) => {
+      // Places in a picture have two digits after the point.
+      assert.ok(Math.abs(left - x[drawn[j]]) <= 1.1 * Math.abs(right - left) && Math.abs(up - y[drawn[j]]) <= 1.1 * Math.abs(top - up), `${title}: ${others[i][0]} at ${left}`);
+    });
+  });
+  return { numbers, words, curves: curves.length };
+}
+
+test("each plot is saved as a picture and as the numbers that it shows", () =>
+  inBrowser(async (tab) => {
+    await tab.fill("#text", `${await text(tab)}\n[units]\nlength = "µm"\nforce = "mN"\n`);
+    await settled(tab);
+    const { force, stretches, block, critical_stiffness: curve } = await shown(tab);
+    const traced = (name) => block.record.variables.find((variable) => variable.name === name).values;
+    const found = await files(tab, "Friction force");
+    assert.equal(found.curves, 2);
+    assert.ok(["position X of the slider (µm)", "friction force F (mN)"].every((label) => found.words.includes(label)), found.words.join());
+    assert.deepEqual(found.numbers.get("position X of the slider (µm)"), force.position);
+    assert.deepEqual(found.numbers.get("F(X) (mN)"), force.force);
+    assert.deepEqual(found.numbers.get("F_k (mN)"), force.position.map(() => force.kinetic_friction));
+    assert.deepEqual(found.numbers.get("standard deviation of F (mN)"), force.force_std);
+    assert.deepEqual(found.numbers.get("F_s (mN)"), [force.static_friction.value]);
+    const laws = await files(tab, "Distributions");
+    assert.deepEqual(laws.numbers.get("P_c (1/µm)"), stretches.thresholds.values);
+    assert.deepEqual(laws.numbers.get("point masses of R (µm)"), [0]);
+    const motion = await files(tab, "Motion of the slider");
+    assert.deepEqual(motion.numbers.get("force of the spring (mN)"), traced("spring_force"));
+    assert.deepEqual(motion.numbers.get("force before (mN)"), traced("event_force_before"), [...motion.numbers.keys()].join());
+    const at = await files(tab, "Stretches at X");
+    assert.deepEqual(at.numbers.get("Q(x; X) (1/µm)"), stretches.density.values);
+    assert.deepEqual(at.numbers.get("position X (µm)"), [stretches.position]);
+    const map = await files(tab, "Stick-slip below Kc", [true, true]);
+    assert.deepEqual(map.numbers.get("K_c(σ) (mN/µm)"), curve.critical_stiffness);
+  }));
+
 test("points are dragged in the plots", () =>
   inBrowser(async (tab) => {
     const place = (name, index) =>

@@ -8,7 +8,8 @@ type EngineRequest = { text: string; changes: Change[]; parts: Part[]; position:
 type Extended = number | string;
 type Place = { position: number; value: number };
 type Density = { values: number[]; at: number[]; weights: number[] };
-type Computed = { summary: Sliding; record: { variables: { name: string; values: number[] }[] } };
+type Computed = { summary: Sliding; record: { variables: Variable[] } };
+type Variable = { name: string; long_name: string; quantity: string; values: number[] };
 type Sliding = {
   regime: string; reason: string; slips: number; period?: number; mean_drop?: number;
   first_instability?: { drive: number; position: number; force: number };
@@ -22,7 +23,7 @@ type StretchDistributions = {
   density: Density; steady: Density; thresholds: Density; reforming: Density; initial: Density;
 };
 type Answer = {
-  text: string; scenario?: any; failures?: string[];
+  text: string; scenario?: any; units?: Record<string, string>; failures?: string[];
   invalid?: { key: string; message: string; help: string | null; line: number | null };
   force?: ForceCurve; stretches?: StretchDistributions; block?: Computed; task?: Computed;
   critical_stiffness?: { width: number[]; critical_stiffness: Extended[] };
@@ -37,15 +38,26 @@ type Engine = {
 /** Called with the key of a scenario and its new value as TOML. */
 type Changed = (key: string, value: string | null) => void;
 
+/** Words, and the quantity whose unit they have; "number" has none. */
+type Named = [words: string, quantity: string];
 type Line = { label: string; color: string; dash?: number[] };
 type Handle = { x: number; y: number; label: string; move: (x: number, y: number) => void };
 type Shape = {
-  /** Labels of the horizontal and the vertical axis. */
-  x: string; y: string;
+  /** What the horizontal and the vertical axis measure. */
+  x: Named; y: Named;
   lines: Line[];
   /** Whether the horizontal and the vertical axis are logarithmic. */
   logarithmic?: [boolean, boolean];
-  marks?: (plot: uPlot, pen: Pen) => void;
+  marks?: (pen: Pen) => void;
+  /** What the marks show, for the file of numbers. */
+  more?: () => [Named, number[]][];
   handles?: () => Handle[];
   scrub?: (x: number) => void;
 };
+/** What marks are drawn on, in pixels of the page. */
+interface Surface {
+  /** A path in the words of SVG; colours are names of the style. */
+  path(d: string, how: { stroke?: string; fill?: string; width?: number; dash?: number[] }): void;
+  text(x: number, y: number, words: string, how?: { anchor?: string; turn?: number }): void;
+  picture(picture: HTMLCanvasElement, box: [left: number, top: number, width: number, height: number]): void;
+}

@@ -1,5 +1,7 @@
 //! What the engine answers.
 
+use std::collections::BTreeMap;
+
 use asperity::master::Extremum;
 use asperity::record::Record;
 use asperity::scenario::Scenario;
@@ -15,6 +17,9 @@ pub struct Answer {
     /// The scenario with every default written out; absent if it is invalid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<Box<Scenario>>,
+    /// The label of the unit of each quantity; 1 without a unit.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub units: BTreeMap<&'static str, String>,
     /// Why the scenario is invalid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub invalid: Option<Invalid>,

@@ -1,6 +1,7 @@
 //! Answers to requests, with what the last ones have solved.
 
 use asperity::monitor::Monitor;
+use asperity::record::Quantity;
 use asperity::scenario::{Drive, Scenario};
 use asperity::{Error, Result, task};
 use asperity_runner::input;
@@ -63,6 +64,8 @@ impl Engine {
                 Err(error) => answer.failures.push(sentence(part, &error)),
             }
         }
+        let label = |quantity: Quantity| (quantity.name(), input.scenario.units.label(quantity));
+        answer.units = Quantity::ALL.map(label).into();
         answer.scenario = Some(Box::new(input.scenario));
         answer
     }

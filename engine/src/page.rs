@@ -19,13 +19,14 @@ pub enum Server {
 }
 
 /// The scripts, in the order in which they run. uPlot draws the curves.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     shipped!("uplot/uPlot.iife.min.js"),
     shipped!("engine.js"),
     shipped!("csv.js"),
     shipped!("examples.js"),
     shipped!("plots.js"),
     shipped!("controls.js"),
+    shipped!("figures.js"),
     shipped!("app.js"),
 ];
 const STYLES: [&str; 2] = [shipped!("uplot/uPlot.min.css"), shipped!("explorer.css")];

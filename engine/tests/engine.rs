@@ -137,6 +137,14 @@ fn the_block_moves_as_its_task_says() {
 }
 
 #[test]
+fn units_are_labelled() {
+    let text = format!("{TEXT}[units]\nlength = \"µm\"\nforce = \"mN\"\n");
+    let units = answer(&Request { text, ..request(&[]) }).units;
+    assert_eq!((units["length"].as_str(), units["stiffness"].as_str()), ("µm", "mN/µm"));
+    assert_eq!((units["per_length"].as_str(), units["number"].as_str()), ("1/µm", "1"));
+}
+
+#[test]
 fn an_invalid_scenario_is_located() {
     let wrong = TEXT.replace("std = 0.2", "std = -0.2");
     let answer =
