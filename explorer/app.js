@@ -2,7 +2,6 @@
 // and everything is drawn from the answer.
 "use strict";
 
-const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 const area = /** @type {HTMLTextAreaElement} */ (byId("text"));
 const scrubber = /** @type {HTMLInputElement} */ (byId("position"));
 
@@ -14,16 +13,21 @@ function fail(message) {
 
 /** Asks for a preview; the answer to it asks for the full accuracy. */
 function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretches"]) {
-  const changes = () => [...state.changes].map(([key, value]) => ({ key, value }));
-  engine.ask(() => ({ text: state.text, changes: changes(), parts, position: state.position, preview }));
+  engine.ask(() => ({ text: state.text, changes: [...state.changes.values()], parts, position: state.position, preview }));
 }
 
-/** @type {Changed} */
-function change(key, value) {
-  state.changes.set(key, value);
+/** Puts a change in the place of an older one of the same thing. @param {string} what @param {Change} change */
+function put(what, change) {
+  state.changes.set(what, change);
   state.note = "";
   update();
 }
+
+/** @param {string} key @param {string | null} value as TOML */
+const change = (key, value) => put(key, { key, value });
+
+/** @param {string} key @param {LawChange} law */
+const reshape = (key, law) => put(`${key} ${"move" in law ? law.move.node : Object.keys(law)[0]}`, { key, law });
 
 /** @param {number} x */
 function scrub(x) {
@@ -31,12 +35,19 @@ function scrub(x) {
   update();
 }
 
+/** Shows how far the work is where it takes longer than half a second. @param {number | null} fraction @param {number} milliseconds */
+function progressed(fraction, milliseconds) {
+  const bar = /** @type {HTMLProgressElement} */ (byId("progress"));
+  bar.hidden = fraction === null || milliseconds < 500;
+  bar.value = fraction ?? 0;
+}
+
 /** @param {Answer} answer @param {EngineRequest} request @param {number} milliseconds */
 function receive(answer, request, milliseconds) {
   const { invalid } = answer;
   const where = invalid?.line ? `line ${invalid.line}: ` : "";
   fail([state.note, invalid && where + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n"));
-  for (const { key, value } of request.changes) if (state.changes.get(key) === value) state.changes.delete(key);
+  for (const [what, change] of state.changes) if (request.changes.includes(change)) state.changes.delete(what);
   if (request.text === state.text) {
     state.text = answer.text;
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
@@ -49,7 +60,7 @@ function receive(answer, request, milliseconds) {
   if (!request.preview && !answer.critical_stiffness) delete state.shown.critical_stiffness;
   show(request.preview);
   const cost = `${milliseconds.toFixed(0)} ms`;
-  byId("status").textContent = request.preview ? `preview, ${cost}; the full accuracy is computed …` : `full accuracy, ${cost}`;
+  byId("status").textContent = request.preview ? `preview, ${cost} …` : `full accuracy, ${cost}`;
   if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...details(answer.scenario)]);
 }
 
@@ -57,23 +68,19 @@ function receive(answer, request, milliseconds) {
 function details(scenario) {
   const [law] = /** @type {any[]} */ (Object.values(scenario.contacts.thresholds ?? {}));
   /** @type {Part[]} */
-  const motion = scenario.block && scenario.drive ? ["block"] : scenario.pull || scenario.drive ? [] : ["task"];
+  const motion = scenario.interface ? ["task"] : scenario.block && scenario.drive ? ["block"] : scenario.pull || scenario.drive ? [] : ["task"];
   return law?.std > 0 && !motion.includes("task") ? ["critical_stiffness", ...motion] : motion;
 }
 
-const editors = [
-  { of: new LawEditor("thresholds", "contacts.thresholds", change), law: (/** @type {any} */ scenario) => scenario.contacts.thresholds },
-  { of: new LawEditor("reforming", "contacts.reforming", change), law: (/** @type {any} */ scenario) => scenario.contacts.reforming },
-  { of: new LawEditor("initial", "initial", change), law: (/** @type {any} */ scenario) => scenario.initial },
+const editors = LAWS.map(({ name, key }) => ({ key, editor: new LawEditor(name, key) }));
+/** The numbers that have a slider, where the scenario has them. @type {[string, string][]} */
+const NUMBERS = [
+  ["block.stiffness", "<i>K</i>"], ["contacts.count", "<i>N</i><sub>c</sub>"], ["contacts.stiffness", "⟨<i>k</i>⟩"], ["drive.distance", "distance"], ["drive.velocity", "velocity"],
+  ["contacts.temperature.energy", "<i>T</i>"], ["contacts.ageing.logarithmic.growth", "ageing"],
+  ["interface.connection", "<i>K</i><sub>0</sub>"], ["interface.coupling.neighbours.stiffness", "<i>K</i><sub>int</sub>"], ["interface.disorder.std", "disorder"],
 ];
-const slider = byId("slider");
-const rows = [
-  { of: new NumberRow(slider, "block.stiffness", "<i>K</i>", change), value: (/** @type {any} */ scenario) => scenario.block?.stiffness },
-  { of: new NumberRow(slider, "contacts.count", "<i>N</i><sub>c</sub>", change), value: (/** @type {any} */ scenario) => scenario.contacts.count },
-  { of: new NumberRow(slider, "contacts.stiffness", "⟨<i>k</i>⟩", change), value: (/** @type {any} */ scenario) => scenario.contacts.stiffness },
-  { of: new NumberRow(slider, "drive.distance", "distance", change), value: (/** @type {any} */ scenario) => scenario.drive?.distance },
-];
-const slip = new SlipRule(slider, change);
+const rows = NUMBERS.map(([key, label]) => ({ key, row: new NumberRow(byId("slider"), key, label) }));
+const slip = new SlipRule(byId("slider"));
 
 /** A number with the digits that are right. @param {Extended | undefined | null} value @param {number} error */
 function digits(value, error) {
@@ -85,36 +92,39 @@ function digits(value, error) {
 
 /** @param {number} error relative error of forces */
 function numbers(error) {
-  const { force, block } = state.shown;
+  const { force, block, task } = state.shown;
   const sliding = block?.summary;
+  const catalogue = task?.summary.catalogue;
   const found = /** @type {[string, Extended | undefined | null, number][]} */ ([
     ["static friction <i>F</i><sub>s</sub>", force?.static_friction?.value ?? "not reached", error],
     ["at <i>X</i><sub>s</sub>", force?.static_friction?.position, Math.sqrt(error)],
     ["kinetic friction <i>F</i><sub>k</sub>", force?.kinetic_friction, error],
     ["relaxation length <i>X</i>*", force?.relaxation_length, Math.sqrt(error)],
     ["critical stiffness <i>K</i><sub>c</sub>", force?.critical_stiffness, 10 * error],
-    ["sliding", sliding?.regime ?? "no [block]", 0],
-    ["slips", sliding ? String(sliding.slips) : null, 0],
-    ["period", sliding?.period, 1e-6],
-    ["mean force drop", sliding?.mean_drop, 1e-6],
   ]);
+  if (sliding) found.push(["sliding", sliding.regime, 0], ["slips", String(sliding.slips), 0], ["period", sliding.period, 1e-6], ["mean force drop", sliding.mean_drop, 1e-6]);
+  if (catalogue) found.push(["events", String(catalogue.events), 0], ["cells of the largest", String(catalogue.largest?.cells ?? "—"), 0]);
   byId("numbers").innerHTML = found.map(([name, value, wrong]) => `<tr><td>${name}</td><td>${digits(value, wrong)}</td></tr>`).join("");
 }
 
 /** @param {boolean} preview */
 function show(preview) {
+  const sheet = (byId("plots").dataset.sheet = sheetOf(state.shown.scenario));
+  texts[sheet] = state.text;
+  for (const button of sheets) button.setAttribute("aria-current", button.dataset.sheet === sheet ? "page" : "false");
   const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
-  for (const { of, law } of editors) of.show(law(scenario));
-  for (const { of, value } of rows) of.show(value(scenario));
+  for (const { key, editor } of editors) editor.show(valueAt(key));
+  for (const { key, row } of rows) row.show(valueAt(key));
   slip.show(scenario.block?.slip);
   if (force) charts.force.set([force.position, force.force, force.position.map(() => force.kinetic_friction)]);
   if (stretches) {
-    charts.laws.set([stretches.law_stretch, ...LAWS.map(([name]) => stretches[name].values)]);
+    charts.laws.set([stretches.law_stretch, ...LAWS.map(({ name }) => stretches[name].values)]);
     charts.stretches.set([stretches.stretch, stretches.density.values, stretches.steady.values]);
     scrubber.value = String(Math.round((1000 * state.position) / distance()));
     byId("at").textContent = `X = ${rounded(state.position)}`;
   }
   showMotion();
+  showChain();
   charts.map.element.hidden = !curve;
   charts.map.set(curve ? [curve.width, curve.critical_stiffness.map(finite)] : [[], []]);
   numbers(preview ? 1e-4 : Math.max(force?.accuracy ?? 0, 1e-12));
@@ -135,14 +145,29 @@ byId("play").onclick = () => {
   byId("play").textContent = playing === undefined ? "Play" : "Stop";
 };
 
-const examples = /** @type {HTMLSelectElement} */ (byId("examples"));
-examples.append(...Object.keys(EXAMPLES).map((name) => Object.assign(element("option"), { value: name, textContent: name })));
-examples.onchange = () => {
-  state.text = area.value = EXAMPLES[examples.value];
+/** The scenarios to begin with, the first of each sheet first. */
+const examples = [.../** @type {NodeListOf<HTMLScriptElement>} */ (document.querySelectorAll("script.example"))];
+const chosen = /** @type {HTMLSelectElement} */ (byId("examples"));
+chosen.append(...options(examples.map((example) => example.title)));
+
+/** Replaces the scenario. @param {string} text */
+function begin(text) {
+  state.text = area.value = text.trimStart();
   state.changes.clear();
   state.note = "";
   update();
-};
+}
+chosen.onchange = () => begin(examples[chosen.selectedIndex].text);
+
+/** The sheet of a scenario. @param {any} scenario */
+const sheetOf = (scenario) => (scenario.interface ? "chain" : scenario.velocity_curve || scenario.hold_curve || scenario.protocol ? "time" : "slider");
+/** The last text of each sheet. @type {Record<string, string>} */
+const texts = {};
+const sheets = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#sheets button"))];
+for (const sheet of sheets) {
+  const name = sheet.dataset.sheet ?? "";
+  sheet.onclick = () => begin(texts[name] ?? examples.find((example) => example.dataset.sheet === name)?.text ?? "");
+}
 
 byId("save").onclick = () => download(new Blob([state.text], { type: "application/toml" }), "scenario.toml");
 /** @param {string} text @param {string} what */
@@ -177,7 +202,7 @@ document.body.ondrop = (event) => {
 
 /** @type {{engine: "browser" | "command" | "notebook", scenario?: string | null}} */
 const settings = JSON.parse(byId("settings").textContent ?? "");
-const FIRST = settings.scenario ?? EXAMPLES["Stick-slip"];
+const FIRST = settings.scenario ?? examples[0].text.trimStart();
 // A link to a page of a command or a notebook ends with it.
 byId("link").hidden = settings.engine !== "browser";
 
@@ -194,7 +219,7 @@ function linked() {
 /** @type {Requests} */
 let engine;
 Promise.resolve({ browser: browserEngine, command: commandEngine, notebook: notebookEngine }[settings.engine]()).then((found) => {
-  engine = new Requests(found, receive, fail);
+  engine = new Requests(found, receive, fail, progressed);
   state.text = area.value = linked();
   update();
 }, (error) => fail(`The engine did not start: ${error}`));

@@ -13,7 +13,7 @@ const [, , module, output] = process.argv;
 if (!module || !output) throw new Error("usage: node build.mjs ENGINE.wasm OUTPUT.html");
 
 const style = ["uplot/uPlot.min.css", "explorer.css"].map(here).join("");
-const scripts = ["uplot/uPlot.iife.min.js", "engine.js", "csv.js", "examples.js", "plots.js", "controls.js", "figures.js", "app.js"].map(here);
+const scripts = ["uplot/uPlot.iife.min.js", "engine.js", "csv.js", "plots.js", "controls.js", "figures.js", "app.js"].map(here);
 const policy = [
   "default-src 'none'",
   `script-src 'wasm-unsafe-eval' ${scripts.map(hash).join(" ")} blob:`,

@@ -1,49 +1,89 @@
 // Engines, each a function that promises the answer to a request, and the order of the requests to them.
 "use strict";
 
+/** Milliseconds after which work that nobody waits for is ended: a new thread has nothing of what the old one has solved. */
+const PATIENCE = 300;
+
 /** The engine in this page: WebAssembly in a thread of its own. @returns {Promise<Engine>} */
 async function browserEngine() {
   const stored = (/** @type {string} */ id) => document.getElementById(id)?.textContent ?? "";
   const packed = Uint8Array.from(atob(stored("engine").trim()), (letter) => letter.charCodeAt(0));
-  const module = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-  const worker = new Worker(URL.createObjectURL(new Blob([stored("worker")], { type: "text/javascript" })));
-  const exchange = (/** @type {{module: ArrayBuffer} | {request: EngineRequest}} */ message) =>
+  const unpacked = new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip")));
+  const module = await WebAssembly.compile(await unpacked.arrayBuffer());
+  const source = URL.createObjectURL(new Blob([stored("worker")], { type: "text/javascript" }));
+  const start = () => {
+    const worker = new Worker(source);
+    worker.postMessage({ module });
+    return worker;
+  };
+  let worker = start();
+  /** @type {Engine["compute"]} */
+  const exchange = (request, signal, progress) =>
     new Promise((resolve, reject) => {
-      worker.onmessage = ({ data }) => (data.failure ? reject(new Error(data.failure)) : resolve(data.answer));
+      signal.throwIfAborted();
+      const begun = performance.now();
+      /** @type {number | undefined} */
+      let end;
+      signal.onabort = () => {
+        end = setTimeout(() => {
+          worker.terminate();
+          worker = start();
+          reject(new Error("given up"));
+        }, PATIENCE + begun - performance.now());
+      };
+      worker.onmessage = ({ data: { fraction, answer, failure } }) => {
+        if (fraction !== undefined) return progress(fraction);
+        clearTimeout(end);
+        if (answer) resolve(answer);
+        else reject(new Error(failure));
+      };
       worker.onerror = (event) => reject(new Error(event.message));
-      worker.postMessage(message);
+      worker.postMessage({ request });
     });
-  await exchange({ module });
-  return { compute: (request) => exchange({ request }), givesUp: false };
+  /** @type {Promise<any>} */
+  let last = Promise.resolve();
+  return { compute: (...asked) => (last = last.catch(() => {}).then(() => exchange(...asked))), givesUp: true };
 }
 
 /** The command that has sent this page. @returns {Engine} */
 function commandEngine() {
   const [, token] = location.pathname.split("/");
-  const headers = { "content-type": "application/octet-stream", "asperity-token": token, "asperity-session": crypto.randomUUID() };
+  const session = { "content-type": "application/octet-stream", "asperity-token": token, "asperity-session": crypto.randomUUID() };
   let number = 0;
-  const compute = async (/** @type {EngineRequest} */ request, /** @type {AbortSignal} */ signal) => {
-    const sent = fetch("/compute", { method: "POST", headers: { ...headers, "asperity-number": String(++number) }, body: JSON.stringify(request), signal });
-    const response = await sent.catch(() => Promise.reject(new Error("asperity explore does not answer: it has ended")));
-    if (!response.ok) throw new Error(await response.text());
-    return response.json();
+  /** @type {Engine["compute"]} */
+  const compute = async (request, signal, progress) => {
+    const sent = { method: "POST", headers: { ...session, "asperity-number": String(++number) }, signal };
+    const asking = setInterval(async () => {
+      const told = await fetch("/progress", sent).catch(() => null);
+      if (told?.ok) progress((await told.json()).progress);
+    }, 300);
+    try {
+      const answered = fetch("/compute", { ...sent, body: JSON.stringify(request) });
+      const response = await answered.catch(() => Promise.reject(new Error("asperity explore does not answer: it has ended")));
+      if (!response.ok) throw new Error(await response.text());
+      return await response.json();
+    } finally {
+      clearInterval(asking);
+    }
   };
   return { compute, givesUp: true };
 }
 
 /** The notebook in which this page is a frame. @returns {Engine} */
 function notebookEngine() {
-  /** @type {Map<number, (answer: Answer) => void>} */
+  /** @type {Map<number, {resolve: (answer: Answer) => void, progress: (fraction: number) => void}>} */
   const asked = new Map();
   let number = 0;
-  addEventListener("message", ({ source, data }) => {
+  addEventListener("message", ({ source, data: { number, progress, answer } }) => {
     if (source !== parent) return;
-    asked.get(data.number)?.(data.answer);
-    asked.delete(data.number);
+    if (!answer) return asked.get(number)?.progress(progress);
+    asked.get(number)?.resolve(answer);
+    asked.delete(number);
   });
-  const compute = (/** @type {EngineRequest} */ request) =>
-    new Promise((/** @type {(answer: Answer) => void} */ resolve) => {
-      asked.set(++number, resolve);
+  /** @type {Engine["compute"]} */
+  const compute = (request, _, progress) =>
+    new Promise((resolve) => {
+      asked.set(++number, { resolve, progress });
       parent.postMessage({ number, request }, "*");
     });
   return { compute, givesUp: false };
@@ -55,8 +95,9 @@ class Requests {
    * @param {Engine} engine
    * @param {(answer: Answer, request: EngineRequest, milliseconds: number) => void} received
    * @param {(message: string) => void} failed
+   * @param {(fraction: number | null, milliseconds: number) => void} progressed hears of null at the end
    */
-  constructor(engine, received, failed) {
+  constructor(engine, received, failed, progressed) {
     this.engine = engine;
     /** @type {EngineRequest | null} */
     this.working = null;
@@ -65,6 +106,7 @@ class Requests {
     this.giveUp = new AbortController();
     this.received = received;
     this.failed = failed;
+    this.progressed = progressed;
   }
 
   /** @param {() => EngineRequest} request made once it is sent, from what is known by then */
@@ -84,14 +126,17 @@ class Requests {
     this.waiting = null;
     this.giveUp = new AbortController();
     const begun = performance.now();
+    const own = () => this.working === request;
+    this.progressed(null, 0);
     try {
-      const answer = await this.engine.compute(request, this.giveUp.signal);
-      if (this.working === request) this.received(answer, request, performance.now() - begun);
+      const answer = await this.engine.compute(request, this.giveUp.signal, (fraction) => own() && this.progressed(fraction, performance.now() - begun));
+      if (own()) this.received(answer, request, performance.now() - begun);
     } catch (error) {
-      if (this.working === request) this.failed(error instanceof Error ? error.message : String(error));
+      if (own()) this.failed(error instanceof Error ? error.message : String(error));
     }
-    if (this.working !== request) return;
+    if (!own()) return;
     this.working = null;
+    this.progressed(null, 0);
     this.next();
   }
 }

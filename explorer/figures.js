@@ -1,9 +1,11 @@
 // The figures: what each shows of the last answer, and what is dragged in it.
 "use strict";
 
+const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
 const state = {
   text: "",
-  /** @type {Map<string, string | null>} */
+  /** Changes that the text does not have yet, by what they change. @type {Map<string, Change>} */
   changes: new Map(),
   position: 1,
   /** @type {Partial<Answer>} */
@@ -15,10 +17,17 @@ const state = {
 };
 
 const distance = () => state.shown.force?.position.at(-1) ?? 12;
-const stiffness = () => state.shown.scenario?.block?.stiffness;
+const stiffness = () => valueAt("block.stiffness");
 
-/** The distributions of the contacts. @type {["thresholds" | "reforming" | "initial", string, string][]} */
-const LAWS = [["thresholds", "blue", "<i>P</i><sub>c</sub>"], ["reforming", "green", "<i>R</i>"], ["initial", "orange", "<i>Q</i><sub>ini</sub>"]];
+/** The distributions of the contacts. @type {{name: "thresholds" | "reforming" | "initial", key: string, color: string, label: string}[]} */
+const LAWS = [
+  { name: "thresholds", key: "contacts.thresholds", color: "blue", label: "<i>P</i><sub>c</sub>" },
+  { name: "reforming", key: "contacts.reforming", color: "green", label: "<i>R</i>" },
+  { name: "initial", key: "initial", color: "orange", label: "<i>Q</i><sub>ini</sub>" },
+];
+
+/** The value at a key of the scenario. @param {string} key @returns {any} */
+const valueAt = (key) => key.split(".").reduce((table, name) => table?.[name], state.shown.scenario);
 
 /** Which variables of a task are drawn: across, up, and whether the axes are logarithmic. @type {[string, string, boolean, boolean][]} */
 const TASKS = [
@@ -27,6 +36,7 @@ const TASKS = [
   ["wave_number", "spectrum", true, true],
   ["time", "force", false, false],
   ["drive", "spring_force", false, false],
+  ["drive", "force", false, false],
 ];
 
 /** @param {string} name */
@@ -49,7 +59,52 @@ function stems(pen, { at, weights }, name) {
 const masses = (label, density) =>
   density?.at.length ? [[[`point masses of ${plain(label)}`, "length"], density.at], [["their weights", "number"], density.weights]] : [];
 
-/** @type {Record<"force" | "laws" | "motion" | "stretches" | "map", Chart>} */
+/** The density of a distribution as it is drawn. @param {"thresholds" | "reforming" | "initial"} name @param {number} x */
+function height(name, x) {
+  const { law_stretch: stretch = [], [name]: law } = state.shown.stretches ?? {};
+  const after = Math.max(stretch.findIndex((other) => other >= x), 1);
+  const [a, b] = [law?.values[after - 1] ?? 0, law?.values[after] ?? 0];
+  return a + ((b - a) * (x - stretch[after - 1])) / (stretch[after] - stretch[after - 1]);
+}
+
+/** What is dragged on the curve of a distribution: its nodes, its mean and one standard deviation from it, or its point. @returns {Handle[]} */
+function handles(/** @type {typeof LAWS[number]} */ { name, key }) {
+  const law = valueAt(key);
+  const { stretch, density } = polygon(law);
+  const highest = density.indexOf(Math.max(...density));
+  const scale = height(name, stretch[highest]) / density[highest];
+  const nodes = stretch.map((x, node) => ({
+    x, y: scale * density[node], remove: () => reshape(key, { remove: node }),
+    move: (/** @type {number} */ x, /** @type {number} */ y) => reshape(key, { move: { node, stretch: rounded(x), density: y } }),
+  }));
+  const [family, { mean, std, at }] = Object.entries(law ?? { none: {} })[0];
+  const to = (/** @type {string} */ parameter, /** @type {number} */ value) => value > 0 && change(`${key}.${family}.${parameter}`, toml(rounded(value)));
+  const across = (/** @type {number} */ x, /** @type {(x: number) => void} */ move) => ({ x, y: height(name, x), move });
+  if (mean > 0) nodes.push(/** @type {any} */ (across(mean, (x) => to("mean", x))));
+  if (mean > 0 && std > 0) nodes.push(/** @type {any} */ (across(mean + std, (x) => to("std", x - mean))));
+  if (at > 0) nodes.push(/** @type {any} */ ({ x: at, y: 0.9 * (charts.laws.plot.scales.y.max ?? 1), move: (/** @type {number} */ x) => to("at", x) }));
+  return nodes;
+}
+
+/** The forces along a chain at its drives or times; none where cells are no chain. */
+function chain() {
+  const along = traced("map_time").length ? "time" : "drive";
+  const [at, cells, force] = [traced(`map_${along}`), traced("cell"), variable("cell_force")];
+  return force && cells.length ? { along, at, cells: cells.length, values: force.values } : undefined;
+}
+
+/** The events in which a twentieth of the chain or more slipped: where, and the first and the last of these cells. */
+function spans() {
+  const [events, cells] = [traced("slipped_event"), traced("slipped_cell")];
+  /** @type {Map<number, number[]>} */
+  const slipped = new Map();
+  events.forEach((event, i) => slipped.set(event, [...(slipped.get(event) ?? []), cells[i]]));
+  const large = [...slipped].filter(([, all]) => all.length >= traced("cell").length / 20);
+  const at = traced(`event_${chain()?.along}`);
+  return large.map(([event, all]) => ({ at: at[event - 1], first: Math.min(...all), last: Math.max(...all) }));
+}
+
+/** @type {Record<"force" | "laws" | "chain" | "motion" | "stretches" | "map", Chart>} */
 const charts = {
   force: new Chart("force", {
     x: ["position X of the slider", "length"], y: ["friction force F", "force"],
@@ -83,20 +138,34 @@ const charts = {
     },
   }),
   laws: new Chart("laws", {
-    x: ["stretch x", "length"], y: ["probability density", "per_length"], lines: LAWS.map(([, color, label]) => ({ label, color })),
+    x: ["stretch x", "length"], y: ["probability density", "per_length"], lines: LAWS,
     marks(pen) {
-      for (const [name, of] of LAWS) if (state.shown.stretches) stems(pen, state.shown.stretches[name], of);
+      for (const { name, color } of LAWS) if (state.shown.stretches) stems(pen, state.shown.stretches[name], color);
     },
-    more: () => LAWS.flatMap(([name, , label]) => masses(label, state.shown.stretches?.[name])),
-    handles() {
-      const law = state.shown.scenario?.contacts.thresholds;
-      const [family, { mean, std }] = Object.entries(law ?? { none: {} })[0];
-      if (!(mean > 0)) return [];
-      const key = `contacts.thresholds.${family}`;
-      const height = 0.5 * (charts.laws.plot.scales.y.max ?? 1);
-      const mover = { x: mean, y: height, label: "mean", move: (/** @type {number} */ x) => x > 0 && change(`${key}.mean`, toml(rounded(x))) };
-      const wider = { x: mean + std, y: height / 2, label: "std", move: (/** @type {number} */ x) => x > mean && change(`${key}.std`, toml(rounded(x - mean))) };
-      return std > 0 ? [mover, wider] : [mover];
+    more: () => LAWS.flatMap(({ name, label }) => masses(label, state.shown.stretches?.[name])),
+    handles: () => LAWS.flatMap(handles),
+    add(x) {
+      const drawn = LAWS.find(({ key }) => polygon(valueAt(key)).stretch.length);
+      if (drawn) reshape(drawn.key, { add: rounded(x) });
+    },
+  }),
+  chain: new Chart("chain", {
+    x: ["drive", "length"], y: ["cell", "number"], lines: [],
+    field: () => {
+      const { at, cells, values } = chain() ?? { at: [0, 1], cells: 1, values: [0, 0] };
+      return { at, cells, values, of: /** @type {Named} */ (["force of a cell", "force"]) };
+    },
+    marks(pen) {
+      for (const { at, first, last } of spans()) pen.line([[at, first], [at, last + 1]], "ink", { width: 1.25 });
+    },
+    more() {
+      const { at, cells, values, along } = chain() ?? { at: [], cells: 0, values: [], along: "drive" };
+      const events = spans();
+      const quantity = along === "time" ? "time" : "length";
+      return [
+        [[along, quantity], values.map((_, i) => at[Math.floor(i / cells)])], [["cell", "number"], values.map((_, i) => i % cells)], [["force of a cell", "force"], values],
+        [[`${along} of a large event`, quantity], events.map((event) => event.at)], [["its first cell", "number"], events.map((event) => event.first)], [["its last cell", "number"], events.map((event) => event.last)],
+      ];
     },
   }),
   motion: new Chart("motion", {
@@ -130,14 +199,14 @@ const charts = {
       pen.text(known[0][0] * 1.15, floor * 2, "stick-slip");
     },
     handles() {
-      const [family, { std }] = Object.entries(state.shown.scenario?.contacts.thresholds ?? { none: {} })[0];
+      const [family, { std }] = Object.entries(valueAt("contacts.thresholds") ?? { none: {} })[0];
       const k = stiffness();
       if (!(std > 0 && k > 0 && state.shown.critical_stiffness)) return [];
       const move = (/** @type {number} */ x, /** @type {number} */ y) => {
-        state.changes.set("block.stiffness", toml(rounded(y)));
+        change("block.stiffness", toml(rounded(y)));
         change(`contacts.thresholds.${family}.std`, toml(rounded(x)));
       };
-      return [{ x: std, y: k, label: "here", move }];
+      return [{ x: std, y: k, move }];
     },
   }),
 };
@@ -152,4 +221,14 @@ function showMotion() {
   const shape = { x: named(x), y: named(y), lines: [{ label: named(y)[0], color: "blue" }], logarithmic: /** @type {[boolean, boolean]} */ (logarithmic) };
   if (charts.motion.shape.x[0] !== shape.x[0] || charts.motion.shape.y[0] !== shape.y[0]) charts.motion.reshape(shape);
   charts.motion.set([traced(x), traced(y)]);
+}
+
+/** Draws the forces along a chain. */
+function showChain() {
+  const found = chain();
+  charts.chain.element.hidden = !found;
+  if (!found) return;
+  const { along, at, cells } = found;
+  charts.chain.shape.x = [along, along === "time" ? "time" : "length"];
+  charts.chain.set([[at[0], at[at.length - 1]], [0, cells]]);
 }

@@ -39,9 +39,13 @@ class Canvas {
     if (stroke) this.context.stroke(path);
   }
   /** @type {Surface["text"]} */
-  text(x, y, words) {
-    Object.assign(this.context, { fillStyle: color("ink"), font: "11px system-ui, sans-serif", textAlign: "left" });
-    this.context.fillText(words, x, y);
+  text(x, y, words, { anchor = "start", turn = 0 } = {}) {
+    this.context.save();
+    this.context.translate(x, y);
+    this.context.rotate((turn * Math.PI) / 180);
+    Object.assign(this.context, { fillStyle: color("ink"), font: "11px system-ui, sans-serif", textAlign: anchor === "middle" ? "center" : anchor });
+    this.context.fillText(words, 0, 0);
+    this.context.restore();
   }
   /** @type {Surface["picture"]} */
   picture(picture, [left, top, width, height]) {
@@ -69,7 +73,7 @@ class Svg {
   /** @type {Surface["picture"]} */
   picture(picture, [left, top, width, height]) {
     const place = `x="${left}" y="${top}" width="${width}" height="${height}" preserveAspectRatio="none"`;
-    this.parts.push(`<image ${place} style="image-rendering: pixelated" href="${picture.toDataURL()}"/>`);
+    this.parts.push(`<image ${place} image-rendering="pixelated" href="${picture.toDataURL()}"/>`);
   }
   /** @param {string} title @param {number} width @param {number} height */
   file(title, width, height) {
@@ -124,6 +128,26 @@ class Pen {
   }
 }
 
+/** Colours of a field from low to high, those of viridis. */
+const FIELD = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+
+/** @param {number} share from 0 to 1 */
+function fieldColor(share) {
+  const place = Math.min(share * (FIELD.length - 1), FIELD.length - 1.001);
+  const [low, high] = [FIELD[Math.floor(place)], FIELD[Math.floor(place) + 1]];
+  return [...low.map((part, i) => part + (high[i] - part) * (place % 1)), 255];
+}
+
+/** A picture of so many pixels, each of the colour of a share. @param {number} width @param {number} height @param {(x: number, y: number) => number} share */
+function pixels(width, height, share) {
+  const picture = Object.assign(document.createElement("canvas"), { width, height });
+  const context = picture.getContext("2d");
+  const image = new ImageData(width, height);
+  for (let y = 0; y < height; y++) for (let x = 0; x < width; x++) image.data.set(fieldColor(share(x, y)), 4 * (y * width + x));
+  context?.putImageData(image, 0, 0);
+  return picture;
+}
+
 /** The number at a tick of an axis. @param {number} place */
 function tick(place) {
   const size = Math.abs(place);
@@ -148,14 +172,14 @@ class Chart {
   }
 
   size() {
-    return { width: Math.max(200, this.element.clientWidth), height: 215 };
+    return { width: Math.max(200, this.element.clientWidth), height: this.shape.field ? 280 : 215 };
   }
 
   /** @returns {uPlot} */
   make() {
-    const { lines, logarithmic } = this.shape;
+    const { lines, logarithmic, field } = this.shape;
     const axis = (/** @type {"x" | "y"} */ key, /** @type {number} */ size) => ({
-      size, label: () => labelled(this.shape[key]), labelSize: 18, labelFont: "12px system-ui, sans-serif", font: "11px system-ui, sans-serif",
+      size, label: () => labelled(this.shape[key]), labelSize: 18, labelFont: "11px system-ui, sans-serif", font: "11px system-ui, sans-serif",
       stroke: () => color("ink"), grid: { stroke: () => color("faint"), width: 0.5 }, ticks: { stroke: () => color("faint"), width: 0.5 },
       // Those between the numbers of a logarithmic axis are null.
       values: (/** @type {uPlot} */ _, /** @type {(number | null)[]} */ places) => {
@@ -163,7 +187,9 @@ class Chart {
         return places.map((place) => (place === null ? "" : tick(place)));
       },
     });
-    const scale = (/** @type {boolean | undefined} */ log) => ({ time: false, ...(log ? { distr: /** @type {3} */ (3) } : {}) });
+    /** A field reaches from edge to edge. @type {uPlot.Scale.Range} */
+    const exact = (_, low, high) => [low, high];
+    const scale = (/** @type {boolean | undefined} */ log) => ({ time: false, ...(field ? { range: exact } : log ? { distr: /** @type {3} */ (3) } : {}) });
     const label = (/** @type {string} */ html) => /** @type {any} */ (Object.assign(document.createElement("span"), { innerHTML: html }));
     const plot = new uPlot({
       ...this.size(),
@@ -171,7 +197,8 @@ class Chart {
       axes: [axis("x", 34), axis("y", 48)],
       series: [{}, ...lines.map((line) => ({
         label: label(line.label), stroke: () => color(line.color), width: 1.75, dash: line.dash, points: { show: false }, spanGaps: false,
-      }))],
+      })), ...(field ? [{ width: 0, points: { show: false } }] : [])],
+      padding: [null, field ? 66 : null, null, null],
       cursor: { drag: { x: false, y: false }, points: { show: false } },
       legend: { show: lines.length > 1, live: false },
       hooks: { draw: [(/** @type {uPlot} */ plot) => this.drawMarks(plot)] },
@@ -182,16 +209,32 @@ class Chart {
 
   /** @param {uPlot} plot */
   drawMarks(plot) {
-    const { ctx, bbox: { left, top, width, height } } = plot;
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(left, top, width, height);
-    ctx.clip();
-    ctx.scale(uPlot.pxRatio, uPlot.pxRatio);
+    const { ctx } = plot;
     const pen = new Pen(plot, new Canvas(ctx));
+    ctx.save();
+    ctx.scale(uPlot.pxRatio, uPlot.pxRatio);
+    this.drawField(pen);
+    ctx.beginPath();
+    ctx.rect(pen.box.left, pen.box.top, pen.box.width, pen.box.height);
+    ctx.clip();
     this.shape.marks?.(pen);
     for (const { x, y } of this.shape.handles?.() ?? []) pen.dot(x, y, "orange", { radius: 5, hollow: true });
     ctx.restore();
+  }
+
+  /** Draws the field, each place by the last values before it, and the scale of its colours. @param {Pen} pen */
+  drawField({ surface, box: { left, top, right, bottom, width, height } }) {
+    const field = this.shape.field?.();
+    if (!field) return;
+    const { at, cells, values, of } = field;
+    const [low, high] = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+    const row = (/** @type {number} */ x) => Math.max(at.findIndex((place) => place > at[0] + ((at[at.length - 1] - at[0]) * (x + 0.5)) / 600), 1) - 1;
+    const rows = Array.from({ length: 600 }, (_, x) => row(x));
+    surface.picture(pixels(600, cells, (x, y) => (values[rows[x] * cells + cells - 1 - y] - low) / (high - low || 1)), [left, top, width, height]);
+    surface.picture(pixels(1, 64, (_, y) => 1 - y / 63), [right + 10, top, 10, height]);
+    surface.text(right + 24, bottom, low.toPrecision(3));
+    surface.text(right + 24, top + 8, high.toPrecision(3));
+    surface.text(right + 34, top + height / 2, labelled(of), { anchor: "middle", turn: -90 });
   }
 
   /** @param {uPlot.AlignedData} data */
@@ -209,7 +252,7 @@ class Chart {
 
   /** @param {uPlot} plot */
   addDragging(plot) {
-    const nearest = (/** @type {PointerEvent} */ event) => {
+    const nearest = (/** @type {MouseEvent} */ event) => {
       const far = (/** @type {Handle} */ { x, y }) => Math.hypot(plot.valToPos(x, "x") - event.offsetX, plot.valToPos(y, "y") - event.offsetY);
       const handles = this.shape.handles?.() ?? [];
       return handles.filter((handle) => far(handle) < 16).sort((a, b) => far(a) - far(b))[0];
@@ -238,6 +281,11 @@ class Chart {
       moving?.(event);
     });
     plot.over.addEventListener("pointerup", () => (moving = null));
+    plot.over.addEventListener("dblclick", (event) => {
+      const handle = nearest(event);
+      if (handle) handle.remove?.();
+      else this.shape.add?.(axis("x")(event.offsetX / plot.over.clientWidth));
+    });
   }
 
   /** The buttons that save the plot. */
@@ -269,6 +317,7 @@ class Chart {
     }
     svg.text(left + width / 2, bottom + 36, labelled(shape.x), { anchor: "middle" });
     svg.text(12, top + height / 2, labelled(shape.y), { anchor: "middle", turn: -90 });
+    this.drawField(pen);
     svg.parts.push(`<clipPath id="plot"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#plot)">`);
     const points = (/** @type {number} */ line) => Array.from(data[0], (x, i) => /** @type {const} */ ([x, data[line][i]]));
     shape.lines.forEach((line, i) => pen.line(points(i + 1), line.color, { dash: line.dash, width: 1.75 }));
@@ -285,9 +334,9 @@ class Chart {
 
   /** The numbers in all their digits: the lines, then what else is drawn. */
   csv() {
-    const { x, y, lines, more } = this.shape;
+    const { x, y, lines, more, field } = this.shape;
     /** @type {[string, ArrayLike<number | null | undefined>][]} */
-    const columns = [[labelled(x), this.data[0]], ...lines.map((line, i) => /** @type {[string, any]} */ ([labelled([plain(line.label), y[1]]), this.data[i + 1]]))];
+    const columns = field ? [] : [[labelled(x), this.data[0]], ...lines.map((line, i) => /** @type {[string, any]} */ ([labelled([plain(line.label), y[1]]), this.data[i + 1]]))];
     columns.push(...(more?.() ?? []).map(([name, values]) => /** @type {[string, number[]]} */ ([labelled(name), values])));
     const rows = Math.max(...columns.map((column) => column[1].length));
     const head = columns.map(([name]) => `"${name.replace(/"/g, '""')}"`).join(",");

@@ -1,6 +1,10 @@
 // What the engine is asked and what it answers, as in `engine/src/request.rs` and `answer.rs`; and the shapes of plots.
 
-type Change = { key: string; value: string | null };
+/** A change of a distribution: another family, or a node of a polygon that is moved, added or removed. */
+type LawChange =
+  | { family: string } | { move: { node: number; stretch: number; density: number } } | { add: number | null } | { remove: number };
+/** A key of the scenario, and its new value as TOML or what changes in the distribution that is there. */
+type Change = { key: string; value?: string | null; law?: LawChange };
 type Part = "force" | "stretches" | "critical_stiffness" | "block" | "task";
 type EngineRequest = { text: string; changes: Change[]; parts: Part[]; position: number; preview: boolean };
 
@@ -12,6 +16,7 @@ type Computed = { summary: Sliding; record: { variables: Variable[] } };
 type Variable = { name: string; long_name: string; quantity: string; values: number[] };
 type Sliding = {
   regime: string; reason: string; slips: number; period?: number; mean_drop?: number;
+  catalogue?: { events: number; largest?: { cells: number } };
   first_instability?: { drive: number; position: number; force: number };
 };
 type ForceCurve = {
@@ -30,18 +35,18 @@ type Answer = {
 };
 
 type Engine = {
-  compute: (request: EngineRequest, giveUp: AbortSignal) => Promise<Answer>;
+  /** `progress` hears now and then of the fraction that is done. */
+  compute: (request: EngineRequest, giveUp: AbortSignal, progress: (fraction: number) => void) => Promise<Answer>;
   /** Whether it gives up what it computes once another request comes. */
   givesUp: boolean;
 };
 
-/** Called with the key of a scenario and its new value as TOML. */
-type Changed = (key: string, value: string | null) => void;
-
 /** Words, and the quantity whose unit they have; "number" has none. */
 type Named = [words: string, quantity: string];
 type Line = { label: string; color: string; dash?: number[] };
-type Handle = { x: number; y: number; label: string; move: (x: number, y: number) => void };
+type Handle = { x: number; y: number; move: (x: number, y: number) => void; remove?: () => void };
+/** Values of cells, row by row, where each row begins, and what they are. */
+type Field = { at: number[]; cells: number; values: number[]; of: Named };
 type Shape = {
   /** What the horizontal and the vertical axis measure. */
   x: Named; y: Named;
@@ -53,6 +58,10 @@ type Shape = {
   more?: () => [Named, number[]][];
   handles?: () => Handle[];
   scrub?: (x: number) => void;
+  /** Called where the plot is clicked twice. */
+  add?: (x: number) => void;
+  /** What is drawn in colours over both axes, instead of lines. */
+  field?: () => Field;
 };
 /** What marks are drawn on, in pixels of the page. */
 interface Surface {

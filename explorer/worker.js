@@ -3,6 +3,14 @@
 
 /** @type {{memory: WebAssembly.Memory, request_buffer(length: number): number, answer_request(): number, answer_buffer(): number} | undefined} */
 let compiled;
+let told = 0;
+
+/** Says how far the work is, ten times in a second. @param {number} fraction */
+function progress(fraction) {
+  if (performance.now() < told + 100) return;
+  told = performance.now();
+  postMessage({ fraction });
+}
 
 /** @param {unknown} request */
 function answer(request) {
@@ -16,15 +24,10 @@ function answer(request) {
   return JSON.parse(new TextDecoder().decode(new Uint8Array(compiled.memory.buffer, found, length)));
 }
 
-addEventListener("message", async ({ data }) => {
+addEventListener("message", ({ data }) => {
   try {
-    if (data.module) {
-      const { instance } = await WebAssembly.instantiate(data.module);
-      compiled = /** @type {any} */ (instance.exports);
-      postMessage({ ready: true });
-    } else {
-      postMessage({ answer: answer(data.request) });
-    }
+    if (data.module) compiled = /** @type {any} */ (new WebAssembly.Instance(data.module, { page: { progress } }).exports);
+    else postMessage({ answer: answer(data.request) });
   } catch (error) {
     postMessage({ failure: String(error) });
   }

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asperity_engine::Engine;
 use support::{Folder, errors, scenarios};
@@ -236,6 +236,7 @@ fn requests_from_elsewhere_are_refused() {
     let pages = [
         ("/", own.clone(), 404),
         ("/compute", own.clone(), 405),
+        ("/progress", own.clone(), 405),
         (&format!("/{wrong}/"), own.clone(), 404),
         (&format!("/{token}"), own.clone(), 404),
         (&format!("/{token}/../../../etc/passwd"), own.clone(), 404),
@@ -374,6 +375,31 @@ fn four_pages_compute_and_a_closed_one_makes_room() {
     assert!(status(503, &mut looks), "a fifth page was never refused");
     drop(busy.pop());
     assert!(status(200, &mut looks), "a closed page kept its place");
+}
+
+#[test]
+fn the_progress_of_long_work_is_told() {
+    let explorer = Explorer::start(&Folder::new(), &[]);
+    let progress = |session: &str| {
+        let request = String::from_utf8(post(&explorer.headers(session), "")).unwrap();
+        let reply = explorer.send(request.replace("/compute", "/progress").as_bytes());
+        assert_eq!(reply.status, 200, "{}", reply.text());
+        reply.json()["progress"].as_f64().unwrap()
+    };
+    let _long = explorer.ask("a", &body(LONG, &["task"]));
+    let started = Instant::now();
+    let mut told = vec![0.0];
+    // Three different fractions, rising.
+    while told.len() < 4 {
+        assert!(started.elapsed() < LONGEST, "{told:?}");
+        let now = progress("a");
+        if now != told[told.len() - 1] {
+            told.push(now);
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(told.is_sorted() && told[3] < 1.0, "{told:?}");
+    assert_eq!(progress("another"), 0.0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Answers to requests, with what the last ones have solved.
 
-use asperity::monitor::Monitor;
+use asperity::monitor::{Monitor, Part as Share};
 use asperity::record::Quantity;
 use asperity::scenario::{Drive, Scenario};
 use asperity::{Error, Result, task};
@@ -54,7 +54,13 @@ impl Engine {
             return Answer { invalid, text, ..Answer::default() };
         }
         let mut answer = Answer { text, ..Answer::default() };
+        // Progress is that of the parts that take long, each of which counts the same.
+        let share = 1.0 / request.parts.iter().filter(|part| part.is_long()).count().max(1) as f64;
+        let mut done = 0.0;
         for &part in &request.parts {
+            let own = if part.is_long() { share } else { 0.0 };
+            let monitor: &mut dyn Monitor = &mut Share::new(&mut *monitor, done, own);
+            done += own;
             match self.add(part, &input.scenario, (request, monitor), &mut answer) {
                 Ok(()) => {}
                 Err(Error::Stopped) => {

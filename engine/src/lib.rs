@@ -7,6 +7,7 @@
 pub mod answer;
 mod edit;
 mod engine;
+mod law_change;
 mod limits;
 pub mod page;
 pub mod request;
@@ -14,4 +15,5 @@ mod solved;
 mod width_curve;
 
 pub use engine::Engine;
+pub use law_change::LawChange;
 pub use limits::Limits;

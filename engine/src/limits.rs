@@ -15,6 +15,9 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// What a page may ask for: curves with more points than a screen shows, and interfaces of 512 × 512 cells.
+    pub const PAGE: Self = Self { points: 100_000, contacts: 100_000_000, cells: 262_144 };
+
     /// Refuses a scenario beyond the limits.
     ///
     /// # Errors

@@ -19,11 +19,10 @@ pub enum Server {
 }
 
 /// The scripts, in the order in which they run. uPlot draws the curves.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 7] = [
     shipped!("uplot/uPlot.iife.min.js"),
     shipped!("engine.js"),
     shipped!("csv.js"),
-    shipped!("examples.js"),
     shipped!("plots.js"),
     shipped!("controls.js"),
     shipped!("figures.js"),

@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::law_change::LawChange;
+
 /// A scenario, and what to compute of it.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,13 +25,17 @@ pub struct Request {
 }
 
 /// A value to replace in the text of a scenario.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Change {
     /// Its key, as `contacts.thresholds.gaussian.std`.
     pub key: String,
     /// The value as TOML; without one, the key is removed.
+    #[serde(default)]
     pub value: Option<String>,
+    /// Instead of a value, what changes in the distribution that is there.
+    #[serde(default)]
+    pub law: Option<LawChange>,
 }
 
 /// A part of an answer.
@@ -46,4 +52,11 @@ pub enum Part {
     Block,
     /// The task of the scenario, whatever it is.
     Task,
+}
+
+impl Part {
+    /// Whether it takes longer than a preview.
+    pub(crate) fn is_long(self) -> bool {
+        matches!(self, Self::CriticalStiffness | Self::Block | Self::Task)
+    }
 }

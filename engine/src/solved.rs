@@ -31,8 +31,10 @@ pub struct Solved {
 /// The scenario of a pull over as much of the contacts as `scenario` needs.
 pub fn pulled(scenario: &Scenario) -> Scenario {
     let (given, drive) = (scenario.pull.clone(), scenario.drive.as_ref());
+    // The load point of an interface goes much farther than its cells.
+    let slider = drive.filter(|_| scenario.interface.is_none());
     let pull = given.unwrap_or_else(|| scenario::Pull {
-        distance: drive.and_then(|drive| drive.distance).unwrap_or_else(|| reach(scenario)),
+        distance: slider.and_then(|drive| drive.distance).unwrap_or_else(|| reach(scenario)),
         velocity: velocity(scenario),
         start: drive.map_or_else(Default::default, |drive| drive.start),
         ..scenario::Pull::default()

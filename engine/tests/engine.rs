@@ -74,7 +74,8 @@ fn solutions_are_kept_and_give_what_new_ones_give() {
     let parts = [Part::Force, Part::Stretches, Part::CriticalStiffness];
     let all: Vec<_> = parts.iter().map(|&part| engine.answer(&request(&[part]), &mut ())).collect();
     // One change in between, and back.
-    let change = Change { key: "contacts.thresholds.gaussian.std".into(), value: Some("0.4".into()) };
+    let change =
+        Change { key: "contacts.thresholds.gaussian.std".into(), value: Some("0.4".into()), law: None };
     let changed = engine.answer(&Request { changes: vec![change], ..request(&[Part::Force]) }, &mut ());
     assert!(changed.text.contains("std = 0.4 } # narrow"), "{}", changed.text);
     assert_ne!(changed.force.unwrap().force, all[0].force.as_ref().unwrap().force);

@@ -24,7 +24,8 @@ export default {
     const ask = ({ source, data }) => source === frame.contentWindow && model.send({ view, ...data });
     const tell = (message) => {
       if (message.view !== view) return;
-      frame.contentWindow?.postMessage({ number: message.number, answer: JSON.parse(message.answer) }, "*");
+      const answer = message.answer && JSON.parse(message.answer);
+      frame.contentWindow?.postMessage({ number: message.number, progress: message.progress, answer }, "*");
     };
     addEventListener("message", ask);
     model.on("msg:custom", tell);
@@ -78,8 +79,13 @@ class Explorer:
 
     def _answer(self, _: Any, message: dict[str, Any], __: Any) -> None:
         """Answers a request of the page."""
-        answer = self._engine.answer(json.dumps(message["request"]))
-        self._widget.send({"view": message["view"], "number": message["number"], "answer": answer})
+        asked = {"view": message["view"], "number": message["number"]}
+
+        def tell(fraction: float) -> None:
+            self._widget.send({**asked, "progress": fraction})
+
+        answer = self._engine.answer(json.dumps(message["request"]), tell)
+        self._widget.send({**asked, "answer": answer})
         self._widget.scenario = json.loads(answer)["text"]
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:

@@ -21,9 +21,15 @@ impl Engine {
         Self(Mutex::default())
     }
 
-    /// The answer to a request.
-    fn answer(&self, py: Python<'_>, request: String) -> PyResult<String> {
-        let answer = watched(None, py, |monitor| {
+    /// The answer to a request; `progress` hears of the fraction that is done.
+    #[pyo3(signature = (request, progress: "_Progress" = None))]
+    fn answer(
+        &self,
+        py: Python<'_>,
+        request: String,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let answer = watched(progress, py, |monitor| {
             let mut engine = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             Ok(engine.answer_json(request.as_bytes(), monitor))
         });

@@ -23,8 +23,10 @@ def asked(explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch, **request: An
     widget = explorer._widget
     monkeypatch.setattr(widget, "send", sent.append)
     widget._handle_custom_msg({"view": "0.5", "number": 7, "request": request}, [])
-    (message,) = sent
-    assert (message["view"], message["number"]) == ("0.5", 7)
+    *progress, message = sent
+    assert all((told["view"], told["number"]) == ("0.5", 7) for told in sent)
+    fractions = [told["progress"] for told in progress]
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
     answer: dict[str, Any] = json.loads(message["answer"])
     return answer
 

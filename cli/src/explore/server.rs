@@ -9,7 +9,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asperity_engine::page::{self, page, policy};
-use asperity_engine::request;
 use http_body_util::{BodyExt as _, Full, LengthLimitError, Limited};
 use hyper::body::{Bytes, Incoming};
 use hyper::header::{
@@ -19,6 +18,7 @@ use hyper::header::{
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use serde_json::json;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 
@@ -31,8 +31,9 @@ pub const LARGEST: usize = 1_000_000;
 const ARRIVAL: Duration = Duration::from_secs(10);
 /// Connections at the same time: a browser keeps six.
 const CONNECTIONS: usize = 64;
-/// Where requests go.
+/// Where requests go, and questions how far the work on one is.
 const COMPUTE: &str = "/compute";
+const PROGRESS: &str = "/progress";
 
 /// What is known of the page that is served.
 pub struct Server {
@@ -95,14 +96,23 @@ impl Server {
             return if request.method() == Method::GET { self.page() } else { Ok(only("GET")) };
         }
         require(
-            path == COMPUTE,
+            [COMPUTE, PROGRESS].contains(&path),
             StatusCode::NOT_FOUND,
             "the page is at the address that asperity explore prints",
         )?;
         if request.method() != Method::POST {
             return Ok(only("POST"));
         }
-        self.compute(request).await
+        let (name, number) = self.sender(request.headers())?;
+        let answer = if path == PROGRESS {
+            json!({ "progress": self.sessions.progress(&name) }).to_string().into_bytes()
+        } else {
+            let request = serde_json::from_slice(&body(request).await?);
+            let words = |why| format!("the request is invalid: {why}");
+            let request = request.map_err(|why| Refusal::new(StatusCode::BAD_REQUEST, words(why)))?;
+            self.sessions.answer(&name, number, request).await?
+        };
+        Ok(response(StatusCode::OK, "application/json", "default-src 'none'", answer.into()))
     }
 
     /// Refuses requests that a page of another origin sends, or that a name of another host brought here.
@@ -127,8 +137,8 @@ impl Server {
         Ok(response(StatusCode::OK, "text/html; charset=utf-8", &policy, text.into()))
     }
 
-    async fn compute(&self, request: Request<Incoming>) -> Result<Response<Full<Bytes>>, Refusal> {
-        let headers = request.headers();
+    /// The session of a page that knows the token, and the number of its request.
+    fn sender(&self, headers: &HeaderMap) -> Result<(String, u64), Refusal> {
         let value = |name: &HeaderName| only_value(headers, name);
         let token = value(&HeaderName::from_static("asperity-token"));
         let known = token.is_some_and(|token| same(token, &self.token));
@@ -144,11 +154,7 @@ impl Server {
             value(&HeaderName::from_static("asperity-number")).and_then(|number| number.parse().ok());
         let words = "expected headers asperity-session, a name, and asperity-number, that of the request";
         let known = name.map(str::to_owned).zip(number);
-        let (name, number) = known.ok_or_else(|| Refusal::new(StatusCode::BAD_REQUEST, words))?;
-        let request: request::Request = serde_json::from_slice(&body(request).await?)
-            .map_err(|why| Refusal::new(StatusCode::BAD_REQUEST, format!("the request is invalid: {why}")))?;
-        let answer = self.sessions.answer(&name, number, request).await?;
-        Ok(response(StatusCode::OK, "application/json", "default-src 'none'", answer.into()))
+        known.ok_or_else(|| Refusal::new(StatusCode::BAD_REQUEST, words))
     }
 }
 

@@ -16,8 +16,6 @@ use super::refusal::Refusal;
 
 /// Engines that are kept.
 const MOST: usize = 4;
-/// What a page may ask for: curves with more points than a screen shows, and interfaces of 512 × 512 cells.
-const LIMITS: Limits = Limits { points: 100_000, contacts: 100_000_000, cells: 262_144 };
 
 /// The engines of the pages, the one used last at the end.
 pub struct Sessions {
@@ -30,6 +28,8 @@ struct Session {
     name: String,
     /// The number of the newest request.
     newest: AtomicU64,
+    /// The bits of the fraction that is done of the request at work.
+    done: AtomicU64,
     engine: Arc<tokio::sync::Mutex<Engine>>,
 }
 
@@ -49,6 +49,7 @@ impl Sessions {
         // This is dropped, too, once the sender closes the connection.
         let abandoned = Abandoned(Arc::default());
         let mut engine = session.engine.clone().lock_owned().await;
+        session.done.store(0, Ordering::Relaxed);
         let monitor = RequestMonitor {
             session,
             number,
@@ -63,6 +64,13 @@ impl Sessions {
         let words = "the engine has failed; this is a mistake of asperity";
         let failed = |_| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, words);
         tokio::task::spawn_blocking(work).await.map_err(failed)?
+    }
+
+    /// The fraction that is done of what the page `name` has asked for; 0 where nothing is at work.
+    pub fn progress(&self, name: &str) -> f64 {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let session = kept.iter().find(|session| session.name == name);
+        session.map_or(0.0, |session| f64::from_bits(session.done.load(Ordering::Relaxed)))
     }
 
     /// The session of a page. A new one takes the place of the one that has been idle for longest.
@@ -87,8 +95,8 @@ impl Sessions {
 
 impl Session {
     fn new(name: &str) -> Self {
-        let engine = Arc::new(tokio::sync::Mutex::new(Engine::limited(LIMITS)));
-        Self { name: name.into(), newest: AtomicU64::new(0), engine }
+        let engine = Arc::new(tokio::sync::Mutex::new(Engine::limited(Limits::PAGE)));
+        Self { name: name.into(), newest: AtomicU64::new(0), done: AtomicU64::new(0), engine }
     }
 }
 
@@ -138,7 +146,8 @@ impl RequestMonitor {
 }
 
 impl Monitor for RequestMonitor {
-    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        self.session.done.store(fraction.to_bits(), Ordering::Relaxed);
         let stops = self.is_given_up() || Instant::now() >= self.until;
         if stops { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

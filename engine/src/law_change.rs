@@ -1,0 +1,280 @@
+//! Changes of a distribution by hand: to another family of the same mean and width, or of a node of a polygon.
+
+use asperity::scenario::{Law, Tabulated};
+use serde::Deserialize;
+
+/// Nodes of a polygon that is drawn by hand.
+const MOST: usize = 12;
+/// Nodes of a polygon that takes the place of another distribution: four on either side of the mean.
+const FIRST: usize = 9;
+/// Standard deviations from the mean to the ends of such a polygon.
+const REACH: f64 = 2.5;
+/// Density at which one that is infinite at 0 is cut, per inverse of the standard deviation.
+const LARGEST: f64 = 100.0;
+/// Least distance of nodes, in the width of the polygon.
+const GAP: f64 = 1e-3;
+/// Coefficient of variation of a distribution that takes the place of one without a width.
+const WIDTH: f64 = 0.2;
+/// The name of polygons in scenarios.
+const POLYGON: &str = "tabulated";
+
+/// A change of a distribution.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LawChange {
+    /// The member of a parametric family with about the same mean and width, or the polygon through points of the density.
+    Family(String),
+    /// A node of a polygon goes elsewhere, between its neighbours; the density of the others keeps its form.
+    Move {
+        /// The node, from 0 on.
+        node: usize,
+        /// Its stretch, a length.
+        stretch: f64,
+        /// The density there, per length.
+        density: f64,
+    },
+    /// A node is added on the curve of the density, in the middle of the longest side unless a stretch is given.
+    Add(Option<f64>),
+    /// A node is removed.
+    Remove(usize),
+}
+
+/// The distribution after a change. `scale` is the mean of one whose own is 0. Parameters have four digits.
+///
+/// # Errors
+/// A change that the distribution does not allow, in words.
+pub fn changed(law: &Law, change: &LawChange, scale: f64) -> Result<Law, String> {
+    match change {
+        LawChange::Family(name) => family(law, name, scale),
+        LawChange::Move { node, stretch, density } => {
+            let mut polygon = Polygon::of(law)?;
+            polygon.check(*node)?;
+            polygon.move_node(*node, *stretch, *density);
+            Ok(polygon.law())
+        }
+        LawChange::Add(stretch) => {
+            let mut polygon = Polygon::of(law)?;
+            polygon.add(*stretch)?;
+            Ok(polygon.law())
+        }
+        LawChange::Remove(node) => {
+            let mut polygon = Polygon::of(law)?;
+            polygon.check(*node)?;
+            polygon.remove(*node)?;
+            Ok(polygon.law())
+        }
+    }
+}
+
+fn family(law: &Law, name: &str, scale: f64) -> Result<Law, String> {
+    let known = law.build().map_err(|error| error.to_string())?;
+    let mean = if known.mean() > 0.0 { known.mean() } else { scale };
+    let width = if known.std() > 0.0 { known.std() / mean } else { WIDTH };
+    if name == POLYGON {
+        let polygon = Polygon::through(|x| known.density(x), mean, width);
+        // Point masses have no density; a triangle is as wide.
+        let triangle = || Polygon::through(|x| 1.0 - (x / mean - 1.0).abs() / (REACH * width), mean, width);
+        return Ok(if known.atoms().is_empty() { polygon } else { triangle() }.law());
+    }
+    let families: Vec<&str> = Law::FAMILIES.iter().map(|family| family.name).collect();
+    let family = Law::FAMILIES.iter().find(|family| family.name == name);
+    let family = family.ok_or_else(|| format!("expected one of {}, got {name}", families.join(", ")))?;
+    Ok((family.member)(mean, width))
+}
+
+/// A density that is linear between nodes, of mass 1.
+struct Polygon {
+    nodes: Vec<(f64, f64)>,
+}
+
+impl Polygon {
+    /// The polygon that `law` is.
+    fn of(law: &Law) -> Result<Self, String> {
+        match law {
+            Law::Tabulated(Tabulated { stretch: Some(stretch), density: Some(density), .. })
+                if stretch.len() == density.len() && (2..=MOST).contains(&stretch.len()) =>
+            {
+                let nodes = stretch.iter().copied().zip(density.iter().copied()).collect();
+                Ok(Self { nodes }.normalised())
+            }
+            _ => Err(format!(
+                "expected a tabulated density of 2 to {MOST} nodes, which can be changed by hand"
+            )),
+        }
+    }
+
+    /// The polygon through points of a density around the mean; its ends are at 0.
+    fn through(density: impl Fn(f64) -> f64, mean: f64, width: f64) -> Self {
+        let low = mean * (1.0 - REACH * width).max(0.0);
+        let step = (mean * (1.0 + REACH * width) - low) / (FIRST - 1) as f64;
+        let node = |i: usize| {
+            let x = low + step * i as f64;
+            let end = (i == 0 && low > 0.0) || i + 1 == FIRST;
+            (x, if end { 0.0 } else { density(x).min(LARGEST / (mean * width)) })
+        };
+        Self { nodes: (0..FIRST).map(node).collect() }.normalised()
+    }
+
+    /// The node's share of the area per density: half of the sides at it.
+    fn base(&self, node: usize) -> f64 {
+        let x = |i: usize| self.nodes[i.min(self.nodes.len() - 1)].0;
+        0.5 * (x(node + 1) - x(node.saturating_sub(1)))
+    }
+
+    fn area(&self) -> f64 {
+        (0..self.nodes.len()).map(|i| self.base(i) * self.nodes[i].1).sum()
+    }
+
+    fn normalised(mut self) -> Self {
+        let area = self.area();
+        if area.is_finite() && area > 0.0 {
+            self.nodes.iter_mut().for_each(|node| node.1 /= area);
+        }
+        self
+    }
+
+    fn check(&self, node: usize) -> Result<(), String> {
+        let last = self.nodes.len() - 1;
+        if node <= last { Ok(()) } else { Err(format!("expected a node from 0 to {last}, got {node}")) }
+    }
+
+    /// The mass stays 1: what the node takes or leaves, the others leave or take in proportion.
+    fn move_node(&mut self, node: usize, stretch: f64, density: f64) {
+        let last = self.nodes.len() - 1;
+        let gap = GAP * (self.nodes[last].0 - self.nodes[0].0);
+        let low = if node == 0 { 0.0 } else { self.nodes[node - 1].0 + gap };
+        let high = if node == last { f64::MAX } else { self.nodes[node + 1].0 - gap };
+        self.nodes[node] = (stretch.max(low).min(high.max(low)), 0.0);
+        let others = self.area();
+        let most = if others > 0.0 { 1.0 - GAP } else { 1.0 };
+        let own = (density.max(0.0) * self.base(node)).min(most);
+        let factor = if others > 0.0 { (1.0 - own) / others } else { 1.0 };
+        self.nodes.iter_mut().for_each(|node| node.1 *= factor);
+        self.nodes[node].1 = if others > 0.0 { own } else { 1.0 } / self.base(node);
+    }
+
+    fn add(&mut self, stretch: Option<f64>) -> Result<(), String> {
+        if self.nodes.len() == MOST {
+            return Err(format!("a polygon that is drawn by hand has up to {MOST} nodes"));
+        }
+        let sides = self.nodes.windows(2).map(|side| (side[1].0 - side[0].0, 0.5 * (side[0].0 + side[1].0)));
+        let longest = sides.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |side| side.1);
+        let at = stretch.unwrap_or(longest).max(0.0);
+        let place = self.nodes.partition_point(|node| node.0 < at);
+        if self.nodes.get(place).is_some_and(|node| node.0 == at) {
+            return Err(format!("expected a stretch between two nodes, got that of a node, {at}"));
+        }
+        let density = match (place.checked_sub(1).map(|before| self.nodes[before]), self.nodes.get(place)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (at - a.0) / (b.0 - a.0),
+            _ => 0.0,
+        };
+        self.nodes.insert(place, (at, density));
+        Ok(())
+    }
+
+    fn remove(&mut self, node: usize) -> Result<(), String> {
+        let mass = |&i: &usize| i != node && self.nodes[i].1 > 0.0;
+        if self.nodes.len() == 2 || !(0..self.nodes.len()).any(|i| mass(&i)) {
+            return Err("a polygon keeps two nodes, one of them above 0".to_owned());
+        }
+        self.nodes.remove(node);
+        Ok(())
+    }
+
+    fn law(self) -> Law {
+        let (stretch, density) = self.normalised().nodes.into_iter().unzip();
+        let (stretch, density) = (Some(stretch), Some(density));
+        Law::Tabulated(Tabulated { stretch, density, ..Tabulated::default() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity::law::{Gaussian, Law as _};
+
+    use super::*;
+
+    fn polygon(nodes: &[(f64, f64)]) -> Law {
+        Polygon { nodes: nodes.to_vec() }.law()
+    }
+
+    fn nodes(law: &Law) -> Vec<(f64, f64)> {
+        Polygon::of(law).unwrap().nodes
+    }
+
+    /// Mass and mean by Simpson's rule on each side, which is exact for them.
+    fn moments(nodes: &[(f64, f64)]) -> (f64, f64) {
+        let sides = nodes.windows(2).map(|side| {
+            let ((a, p), (b, q)) = (side[0], side[1]);
+            let (middle, between) = (0.5 * (a + b), 0.5 * (p + q));
+            let rule = |f: [f64; 3]| (b - a) / 6.0 * (f[0] + 4.0 * f[1] + f[2]);
+            (rule([p, between, q]), rule([a * p, middle * between, b * q]))
+        });
+        sides.fold((0.0, 0.0), |sum, side| (sum.0 + side.0, sum.1 + side.1))
+    }
+
+    #[test]
+    fn a_polygon_through_a_density_is_near_it() {
+        let gaussian = Law::Gaussian { mean: 2.0, std: 0.2 };
+        let found = nodes(&changed(&gaussian, &LawChange::Family(POLYGON.into()), 1.0).unwrap());
+        let (mass, mean) = moments(&found);
+        assert!((mass - 1.0).abs() < 1e-12 && (mean - 2.0).abs() < 1e-12, "{mass} {mean}");
+        let exact = Gaussian::new(2.0, 0.2).unwrap();
+        for &(x, density) in &found[1..FIRST - 1] {
+            // The polygon leaves out 1.2 % beyond its ends, and what is above the chords.
+            assert!((density / exact.density(x) - 1.0).abs() < 0.03, "{x} {density}");
+        }
+        // Point masses become a triangle around them.
+        let point = changed(&Law::Point { at: 1.0 }, &LawChange::Family(POLYGON.into()), 1.0).unwrap();
+        assert!((moments(&nodes(&point)).1 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_node_goes_where_it_is_dragged_and_the_mass_stays() {
+        let law = polygon(&[(0.5, 0.0), (0.8, 1.0), (1.2, 2.0), (1.5, 0.0)]);
+        let before = nodes(&law);
+        let moved =
+            nodes(&changed(&law, &LawChange::Move { node: 2, stretch: 1.1, density: 1.3 }, 1.0).unwrap());
+        assert!((moved[2].0 - 1.1).abs() < 1e-12 && (moved[2].1 - 1.3).abs() < 1e-12, "{moved:?}");
+        assert!((moments(&moved).0 - 1.0).abs() < 1e-12);
+        assert_eq!((moved[0], moved[1].0, moved[3]), (before[0], 0.8, before[3]));
+        // It stays between its neighbours, at 0 or above, and leaves the others some mass.
+        let far =
+            nodes(&changed(&law, &LawChange::Move { node: 2, stretch: 9.0, density: -1.0 }, 1.0).unwrap());
+        assert!(far[2].0 < 1.5 && far[2].1 == 0.0 && (moments(&far).0 - 1.0).abs() < 1e-12, "{far:?}");
+        let high =
+            nodes(&changed(&law, &LawChange::Move { node: 2, stretch: 1.1, density: 1e9 }, 1.0).unwrap());
+        assert!(high[1].1 > 0.0 && (moments(&high).0 - 1.0).abs() < 1e-12, "{high:?}");
+        // The only node above 0 has all mass.
+        let triangle = polygon(&[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)]);
+        let same = nodes(
+            &changed(&triangle, &LawChange::Move { node: 1, stretch: 1.5, density: 3.0 }, 1.0).unwrap(),
+        );
+        assert!((same[1].0 - 1.5).abs() < 1e-12 && (same[1].1 - 1.0).abs() < 1e-12, "{same:?}");
+        assert!(changed(&law, &LawChange::Move { node: 4, stretch: 1.0, density: 1.0 }, 1.0).is_err());
+    }
+
+    #[test]
+    fn nodes_are_added_on_the_curve_and_removed() {
+        let law = polygon(&[(0.5, 0.0), (0.8, 1.0), (1.2, 2.0), (1.5, 0.0)]);
+        let before = nodes(&law);
+        let more = changed(&law, &LawChange::Add(None), 1.0).unwrap();
+        let found = nodes(&more);
+        assert_eq!((found.len(), found[2].0), (5, 1.0));
+        assert!((found[2].1 - 0.5 * (before[1].1 + before[2].1)).abs() < 1e-12);
+        let back = nodes(&changed(&more, &LawChange::Remove(2), 1.0).unwrap());
+        assert!(back.iter().zip(&before).all(|(a, b)| (a.0 - b.0).abs() + (a.1 - b.1).abs() < 1e-12));
+        // Beyond the ends the density is 0.
+        assert_eq!(nodes(&changed(&law, &LawChange::Add(Some(2.0)), 1.0).unwrap())[4], (2.0, 0.0));
+        assert!(changed(&law, &LawChange::Add(Some(0.5)), 1.0).unwrap_err().contains("between two nodes"));
+        let mut full = law;
+        for _ in 4..MOST {
+            full = changed(&full, &LawChange::Add(None), 1.0).unwrap();
+        }
+        assert!(changed(&full, &LawChange::Add(None), 1.0).unwrap_err().contains("up to 12 nodes"));
+        let two = polygon(&[(0.0, 1.0), (1.0, 1.0)]);
+        assert!(changed(&two, &LawChange::Remove(0), 1.0).unwrap_err().contains("two nodes"));
+        let one = polygon(&[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)]);
+        assert!(changed(&one, &LawChange::Remove(1), 1.0).is_err());
+    }
+}
