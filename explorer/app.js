@@ -53,11 +53,15 @@ function receive(answer, request, milliseconds) {
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
   }
   if (invalid || !answer.scenario) return;
+  // What was computed last is shown until the new is there, but not on another sheet.
+  const sheet = sheetOf(answer.scenario);
+  if (sheet !== byId("plots").dataset.sheet) state.shown = {};
   Object.assign(state.shown, answer);
   units = answer.units ?? {};
-  if (!request.preview && !answer.block) delete state.shown.block;
-  if (!request.preview && !answer.task) delete state.shown.task;
-  if (!request.preview && !answer.critical_stiffness) delete state.shown.critical_stiffness;
+  for (const part of /** @type {const} */ (["block", "task", "critical_stiffness"])) if (!request.preview && !answer[part]) delete state.shown[part];
+  byId("plots").dataset.sheet = sheet;
+  texts[sheet] = state.text;
+  for (const button of sheets) button.setAttribute("aria-current", button.dataset.sheet === sheet ? "page" : "false");
   show(request.preview);
   const cost = `${milliseconds.toFixed(0)} ms`;
   byId("status").textContent = request.preview ? `preview, ${cost} …` : `full accuracy, ${cost}`;
@@ -109,9 +113,6 @@ function numbers(error) {
 
 /** @param {boolean} preview */
 function show(preview) {
-  const sheet = (byId("plots").dataset.sheet = sheetOf(state.shown.scenario));
-  texts[sheet] = state.text;
-  for (const button of sheets) button.setAttribute("aria-current", button.dataset.sheet === sheet ? "page" : "false");
   const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
   for (const { key, editor } of editors) editor.show(valueAt(key));
   for (const { key, row } of rows) row.show(valueAt(key));

@@ -74,8 +74,9 @@ function notebookEngine() {
   /** @type {Map<number, {resolve: (answer: Answer) => void, progress: (fraction: number) => void}>} */
   const asked = new Map();
   let number = 0;
-  addEventListener("message", ({ source, data: { number, progress, answer } }) => {
+  addEventListener("message", ({ source, data }) => {
     if (source !== parent) return;
+    const { number, progress, answer } = data;
     if (!answer) return asked.get(number)?.progress(progress);
     asked.get(number)?.resolve(answer);
     asked.delete(number);

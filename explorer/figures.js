@@ -82,7 +82,7 @@ function handles(/** @type {typeof LAWS[number]} */ { name, key }) {
   const across = (/** @type {number} */ x, /** @type {(x: number) => void} */ move) => ({ x, y: height(name, x), move });
   if (mean > 0) nodes.push(/** @type {any} */ (across(mean, (x) => to("mean", x))));
   if (mean > 0 && std > 0) nodes.push(/** @type {any} */ (across(mean + std, (x) => to("std", x - mean))));
-  if (at > 0) nodes.push(/** @type {any} */ ({ x: at, y: 0.9 * (charts.laws.plot.scales.y.max ?? 1), move: (/** @type {number} */ x) => to("at", x) }));
+  if (at >= 0) nodes.push(/** @type {any} */ ({ x: at, y: 0.9 * (charts.laws.plot.scales.y.max ?? 1), move: (/** @type {number} */ x) => to("at", x) }));
   return nodes;
 }
 

@@ -411,6 +411,9 @@ test("a chain is shown in space and time", () =>
     assert.ok(places.every(([, value], i) => i === 0 || value > places[i - 1][1] - 1.5), "the picture is not that of the forces");
     assert.ok(places.at(-1)[1] - places[0][1] > 100);
     await tab.getByRole("button", { name: "Slider", exact: true }).click();
+    // Not even for the time of a preview is the chain on the other sheet.
+    await tab.waitForFunction(() => document.getElementById("plots").dataset.sheet === "slider");
+    assert.equal(await tab.isHidden("#chain"), true);
     await settled(tab);
     assert.equal(await text(tab), first);
     await agrees(tab);
