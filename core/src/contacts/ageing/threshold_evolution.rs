@@ -7,6 +7,7 @@ use super::ranks::{ContactAtThreshold, RankTable, RanksAtAge};
 use super::{Ageing, Contacts, SharedRanks, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
+use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, Nodal};
 use crate::numerics::logarithm::ln;
 use crate::{Error, Result};
@@ -308,19 +309,29 @@ impl ThresholdTrajectory<'_> {
         }
     }
 
-    /// h at sixteen ages; the loop of logarithmic ageing vectorises.
+    /// h at sixteen ages; the loops of logarithmic ageing and of ranks of Gaussians vectorise.
     #[inline(always)]
     pub(crate) fn thresholds(&self, ages: &Nodal) -> Nodal {
-        if let Self::Affine(strength, newborn) = self
-            && let Kind::Logarithmic { growth, time } = strength.kind
-        {
-            let (ages, mut out) = (*ages, [0.0; NODES]);
-            for i in 0..NODES {
-                out[i] = newborn * (1.0 + growth * ln(1.0 + ages[i] / time));
+        let Self::Affine(strength, h) = self else { return ages.map(|age| self.threshold(age)) };
+        let (ages, mut out) = (*ages, [0.0; NODES]);
+        match strength.kind {
+            Kind::Logarithmic { growth, time } => {
+                for i in 0..NODES {
+                    out[i] = h * (1.0 + growth * ln(1.0 + ages[i] / time));
+                }
             }
-            return out;
+            Kind::Gaussian { newborn, mature, time } => {
+                let excess = (newborn.std - mature.std) * (newborn.std + mature.std);
+                let z = (h - newborn.mean) / newborn.std;
+                for i in 0..NODES {
+                    let left = exp(-ages[i] / time);
+                    let std = (mature.std * mature.std + excess * left * left).sqrt();
+                    out[i] = (mature.mean + (newborn.mean - mature.mean) * left + z * std).max(0.0);
+                }
+            }
+            _ => out = ages.map(|age| self.threshold(age)),
         }
-        ages.map(|age| self.threshold(age))
+        out
     }
 }
 
