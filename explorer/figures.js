@@ -51,7 +51,7 @@ function stems(pen, { at, weights }, name) {
   const top = 0.9 * (pen.plot.scales.y.max ?? 1);
   at.forEach((x, i) => {
     pen.line([[x, 0], [x, top * weights[i]]], name, { width: 2.5 });
-    pen.dot(x, top * weights[i], name, { radius: 3 });
+    pen.dots([[x, top * weights[i]]], name, { radius: 3 });
   });
 }
 
@@ -121,8 +121,9 @@ const charts = {
       const first = block?.summary.first_instability;
       const k = stiffness();
       if (first && k) pen.line([[first.position, first.force], [first.position + first.force / k, 0]], "orange", { dash: [3, 3] });
-      if (force.static_friction) pen.dot(force.static_friction.position, force.static_friction.value, "blue");
-      state.measured?.position.forEach((x, i) => pen.dot(x, state.measured?.force[i] ?? 0, "ink", { radius: 1.5 }));
+      if (force.static_friction) pen.dots([[force.static_friction.position, force.static_friction.value]], "blue");
+      const { position: readings, force: read } = state.measured ?? { position: [], force: [] };
+      pen.dots(readings.map((x, i) => [x, read[i]]), "ink", { radius: 1.5 });
       pen.line([[state.position, 0], [state.position, pen.plot.scales.y.max ?? 1]], "quiet", { width: 1 });
     },
     more() {
@@ -172,7 +173,7 @@ const charts = {
     x: ["drive", "length"], y: ["spring force", "force"], lines: [{ label: "spring force", color: "blue" }],
     marks(pen) {
       const forces = traced("event_force_before");
-      traced("event_drive").forEach((x, i) => pen.dot(x, forces[i], "orange", { radius: 3 }));
+      pen.dots(traced("event_drive").map((x, i) => [x, forces[i]]), "orange", { radius: 3 });
     },
     more: () => ["event_drive", "event_force_before"].flatMap((name) => {
       const { long_name: words, quantity, values } = variable(name) ?? {};

@@ -23,57 +23,32 @@ function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** The canvas of a plot. Lines are paths of SVG, here and in `Svg`. @implements {Surface} */
-class Canvas {
-  /** @param {CanvasRenderingContext2D} context */
-  constructor(context) {
-    this.context = context;
-  }
-  /** @type {Surface["path"]} */
-  path(d, { stroke, fill, width = 1.5, dash = [] }) {
-    const path = new Path2D(d);
-    this.context.fillStyle = color(fill ?? "");
-    if (fill) this.context.fill(path);
-    Object.assign(this.context, { strokeStyle: color(stroke ?? ""), lineWidth: width });
-    this.context.setLineDash(dash);
-    if (stroke) this.context.stroke(path);
-  }
-  /** @type {Surface["text"]} */
-  text(x, y, words, { anchor = "start", turn = 0 } = {}) {
-    this.context.save();
-    this.context.translate(x, y);
-    this.context.rotate((turn * Math.PI) / 180);
-    Object.assign(this.context, { fillStyle: color("ink"), font: "11px system-ui, sans-serif", textAlign: anchor === "middle" ? "center" : anchor });
-    this.context.fillText(words, 0, 0);
-    this.context.restore();
-  }
-  /** @type {Surface["picture"]} */
-  picture(picture, [left, top, width, height]) {
-    this.context.imageSmoothingEnabled = false;
-    this.context.drawImage(picture, left, top, width, height);
-  }
-}
-
-/** The text of an SVG. @implements {Surface} */
+/** The text of an SVG, in pixels of the page. Colours are names of the style. */
 class Svg {
   constructor() {
     /** @type {string[]} */
     this.parts = [];
   }
-  /** @type {Surface["path"]} */
+  /** @param {string} d the path in the words of SVG @param {{stroke?: string, fill?: string, width?: number, dash?: number[]}} how */
   path(d, { stroke, fill, width = 1.5, dash = [] }) {
     const [outside, inside] = [stroke, fill].map((name) => (name ? color(name) : "none"));
     this.parts.push(`<path d="${d}" fill="${inside}" stroke="${outside}" stroke-width="${width}" stroke-dasharray="${dash.join(" ")}"/>`);
   }
-  /** @type {Surface["text"]} */
+  /** @param {number} x @param {number} y @param {string} words @param {{anchor?: string, turn?: number}} [how] */
   text(x, y, words, { anchor = "start", turn = 0 } = {}) {
     const inside = escaped(words).replace(/_(\w+)/g, '<tspan dy="3" font-size="8">$1</tspan><tspan dy="-3">\u200b</tspan>');
     this.parts.push(`<text transform="translate(${x} ${y}) rotate(${turn})" text-anchor="${anchor}" fill="${color("ink")}">${inside}</text>`);
   }
-  /** @type {Surface["picture"]} */
+  /** @param {string} picture its address @param {[left: number, top: number, width: number, height: number]} box */
   picture(picture, [left, top, width, height]) {
     const place = `x="${left}" y="${top}" width="${width}" height="${height}" preserveAspectRatio="none"`;
-    this.parts.push(`<image ${place} image-rendering="pixelated" href="${picture.toDataURL()}"/>`);
+    this.parts.push(`<image ${place} image-rendering="pixelated" href="${picture}"/>`);
+  }
+  /** Cuts what `draw` draws at a box. @param {string} id @param {Pen["box"]} box @param {() => void} draw */
+  within(id, { left, top, width, height }, draw) {
+    this.parts.push(`<clipPath id="${id}"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#${id})">`);
+    draw();
+    this.parts.push("</g>");
   }
   /** @param {string} title @param {number} width @param {number} height */
   file(title, width, height) {
@@ -85,10 +60,10 @@ class Svg {
 
 /** Draws marks in the coordinates of a plot. */
 class Pen {
-  /** @param {uPlot} plot @param {Surface} surface */
-  constructor(plot, surface) {
+  /** @param {uPlot} plot @param {Svg} svg */
+  constructor(plot, svg) {
     this.plot = plot;
-    this.surface = surface;
+    this.svg = svg;
     const [left, top, width, height] = [plot.bbox.left, plot.bbox.top, plot.bbox.width, plot.bbox.height].map((length) => length / uPlot.pxRatio);
     this.box = { left, top, width, height, right: left + width, bottom: top + height };
   }
@@ -110,21 +85,22 @@ class Pen {
   }
   /** @param {(readonly [number, number | null | undefined])[]} points @param {string} stroke @param {{dash?: number[], width?: number}} [how] */
   line(points, stroke, how) {
-    this.surface.path(this.through(points), { stroke, ...how });
+    this.svg.path(this.through(points), { stroke, ...how });
   }
   /** @param {[number, number][]} points @param {string} fill */
   area(points, fill) {
-    this.surface.path(`${this.through(points)}Z`, { fill });
+    this.svg.path(`${this.through(points)}Z`, { fill });
   }
-  /** @param {number} x @param {number} y @param {string} stroke @param {{radius?: number, hollow?: boolean}} [how] */
-  dot(x, y, stroke, { radius = 4, hollow = false } = {}) {
-    const [left, top] = [this.place("x", x), this.place("y", y)];
+  /** @param {[number, number][]} points @param {string} stroke @param {{radius?: number, hollow?: boolean}} [how] */
+  dots(points, stroke, { radius = 4, hollow = false } = {}) {
     const half = `a${radius} ${radius} 0 1 0`;
-    if (Number.isFinite(left + top)) this.surface.path(`M${left - radius} ${top}${half} ${2 * radius} 0${half} ${-2 * radius} 0`, { stroke, fill: hollow ? "paper" : stroke });
+    const places = points.map(([x, y]) => [this.place("x", x), this.place("y", y)]).filter((place) => place.every(Number.isFinite));
+    const circles = places.map(([left, top]) => `M${(left - radius).toFixed(2)} ${top.toFixed(2)}${half} ${2 * radius} 0${half} ${-2 * radius} 0`);
+    this.svg.path(circles.join(""), { stroke, fill: hollow ? "paper" : stroke });
   }
   /** @param {number} x @param {number} y @param {string} words */
   text(x, y, words) {
-    this.surface.text(this.place("x", x), this.place("y", y), words);
+    this.svg.text(this.place("x", x), this.place("y", y), words);
   }
 }
 
@@ -145,7 +121,7 @@ function pixels(width, height, share) {
   const image = new ImageData(width, height);
   for (let y = 0; y < height; y++) for (let x = 0; x < width; x++) image.data.set(fieldColor(share(x, y)), 4 * (y * width + x));
   context?.putImageData(image, 0, 0);
-  return picture;
+  return picture.toDataURL();
 }
 
 /** The number at a tick of an axis. @param {number} place */
@@ -164,6 +140,10 @@ class Chart {
     this.data = [[], ...shape.lines.map(() => [])];
     /** The places of numbers on the axes, as they are drawn. @type {{x: number[], y: number[]}} */
     this.places = { x: [], y: [] };
+    /** The picture of the last field. @type {{values: number[], picture: string} | null} */
+    this.painted = null;
+    this.marks = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    this.marks.setAttribute("class", "marks");
     /** @type {uPlot} */
     this.plot = this.make();
     this.addFiles();
@@ -207,34 +187,34 @@ class Chart {
     return plot;
   }
 
-  /** @param {uPlot} plot */
+  /** Draws the marks over the plot. @param {uPlot} plot */
   drawMarks(plot) {
-    const { ctx } = plot;
-    const pen = new Pen(plot, new Canvas(ctx));
-    ctx.save();
-    ctx.scale(uPlot.pxRatio, uPlot.pxRatio);
+    const pen = new Pen(plot, new Svg());
     this.drawField(pen);
-    ctx.beginPath();
-    ctx.rect(pen.box.left, pen.box.top, pen.box.width, pen.box.height);
-    ctx.clip();
-    this.shape.marks?.(pen);
-    for (const { x, y } of this.shape.handles?.() ?? []) pen.dot(x, y, "orange", { radius: 5, hollow: true });
-    ctx.restore();
+    pen.svg.within(`${this.id}-plot`, pen.box, () => {
+      this.shape.marks?.(pen);
+      pen.dots((this.shape.handles?.() ?? []).map(({ x, y }) => [x, y]), "orange", { radius: 5, hollow: true });
+    });
+    this.marks.innerHTML = pen.svg.parts.join("");
+    plot.over.before(this.marks);
   }
 
   /** Draws the field, each place by the last values before it, and the scale of its colours. @param {Pen} pen */
-  drawField({ surface, box: { left, top, right, bottom, width, height } }) {
+  drawField({ svg, box: { left, top, right, bottom, width, height } }) {
     const field = this.shape.field?.();
     if (!field) return;
     const { at, cells, values, of } = field;
     const [low, high] = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
     const row = (/** @type {number} */ x) => Math.max(at.findIndex((place) => place > at[0] + ((at[at.length - 1] - at[0]) * (x + 0.5)) / 600), 1) - 1;
-    const rows = Array.from({ length: 600 }, (_, x) => row(x));
-    surface.picture(pixels(600, cells, (x, y) => (values[rows[x] * cells + cells - 1 - y] - low) / (high - low || 1)), [left, top, width, height]);
-    surface.picture(pixels(1, 64, (_, y) => 1 - y / 63), [right + 10, top, 10, height]);
-    surface.text(right + 24, bottom, low.toPrecision(3));
-    surface.text(right + 24, top + 8, high.toPrecision(3));
-    surface.text(right + 34, top + height / 2, labelled(of), { anchor: "middle", turn: -90 });
+    if (this.painted?.values !== values) {
+      const rows = Array.from({ length: 600 }, (_, x) => row(x));
+      this.painted = { values, picture: pixels(600, cells, (x, y) => (values[rows[x] * cells + cells - 1 - y] - low) / (high - low || 1)) };
+    }
+    svg.picture(this.painted.picture, [left, top, width, height]);
+    svg.picture(pixels(1, 64, (_, y) => 1 - y / 63), [right + 10, top, 10, height]);
+    svg.text(right + 24, bottom, low.toPrecision(3));
+    svg.text(right + 24, top + 8, high.toPrecision(3));
+    svg.text(right + 34, top + height / 2, labelled(of), { anchor: "middle", turn: -90 });
   }
 
   /** @param {uPlot.AlignedData} data */
@@ -318,11 +298,11 @@ class Chart {
     svg.text(left + width / 2, bottom + 36, labelled(shape.x), { anchor: "middle" });
     svg.text(12, top + height / 2, labelled(shape.y), { anchor: "middle", turn: -90 });
     this.drawField(pen);
-    svg.parts.push(`<clipPath id="plot"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#plot)">`);
     const points = (/** @type {number} */ line) => Array.from(data[0], (x, i) => /** @type {const} */ ([x, data[line][i]]));
-    shape.lines.forEach((line, i) => pen.line(points(i + 1), line.color, { dash: line.dash, width: 1.75 }));
-    shape.marks?.(pen);
-    svg.parts.push("</g>");
+    svg.within("plot", pen.box, () => {
+      shape.lines.forEach((line, i) => pen.line(points(i + 1), line.color, { dash: line.dash, width: 1.75 }));
+      shape.marks?.(pen);
+    });
     let start = left;
     for (const { label, color, dash } of shape.lines) {
       svg.path(`M${start} ${plot.height + 6}h20`, { stroke: color, dash, width: 1.75 });

@@ -358,7 +358,6 @@ test("every scenario to begin with is computed, and shown on its sheet", () =>
     assert.ok(examples.length >= 5);
     for (const [title, sheet] of examples) {
       await tab.selectOption("#examples", title);
-      await status(tab, "preview");
       await settled(tab);
       assert.equal(await tab.isHidden("#errors"), true, await tab.textContent("#errors"));
       assert.equal(await tab.getAttribute("#plots", "data-sheet"), sheet);

@@ -63,10 +63,3 @@ type Shape = {
   /** What is drawn in colours over both axes, instead of lines. */
   field?: () => Field;
 };
-/** What marks are drawn on, in pixels of the page. */
-interface Surface {
-  /** A path in the words of SVG; colours are names of the style. */
-  path(d: string, how: { stroke?: string; fill?: string; width?: number; dash?: number[] }): void;
-  text(x: number, y: number, words: string, how?: { anchor?: string; turn?: number }): void;
-  picture(picture: HTMLCanvasElement, box: [left: number, top: number, width: number, height: number]): void;
-}
