@@ -452,6 +452,51 @@ test("long work tells its progress and is given up, in the page and by the comma
   await served((tab) => progresses(tab, LONG));
 });
 
+test("in the frame of a notebook the page hears of progress and answers", async () => {
+  const widget = readFileSync(new URL("../python/asperity/_explorer.py", import.meta.url), "utf8");
+  const script = /^SCRIPT = """(.*?)"""/ms.exec(widget)[1].replaceAll("\\\\", "\\");
+  const own = readFileSync(page, "utf8").replace('{"engine":"browser"}', '{"engine":"notebook","scenario":null}');
+  const scenario = 'contacts.thresholds.gamma = { mean = 1.0, std = 0.3 }\nblock.stiffness = 0.5\ndrive.distance = 5.0 # </script>\n';
+  const browser = await chromium.launch({ executablePath: browserAt, args: quiet });
+  try {
+    const tab = await browser.newPage();
+    const told = [];
+    tab.on("console", (message) => told.push(message.text()));
+    tab.on("pageerror", (error) => told.push(String(error)));
+    await tab.exposeFunction("kernel", async (request) => JSON.stringify(await native(request, 60000)));
+    await tab.evaluate(async ([script, page, scenario]) => {
+      const { default: widget } = await import(`data:text/javascript,${encodeURIComponent(script)}`);
+      let tell;
+      const send = async ({ view, number, request }) => {
+        if (!request.preview) {
+          tell({ view, number, progress: 0.25 });
+          await new Promise((resolve) => setTimeout(resolve, 1000));
+          tell({ view, number, progress: 0.5 });
+          await new Promise((resolve) => setTimeout(resolve, 1000));
+        }
+        tell({ view, number, answer: await kernel(request) });
+      };
+      const model = { get: (name) => ({ page, scenario })[name], send, on: (_, heard) => (tell = heard), off: () => {} };
+      widget.render({ model, el: document.body });
+      // What is none of the page's business.
+      document.querySelector("iframe").onload = ({ target }) => target.contentWindow.postMessage({ number: 7, progress: 0.1 }, "*");
+    }, [script, own, scenario]);
+    const frame = tab.frameLocator("iframe");
+    await frame.locator("#progress:not([hidden])").waitFor();
+    assert.equal(await frame.locator("#progress").evaluate((bar) => bar.value), 0.5);
+    await frame.locator('#status:has-text("full accuracy")').waitFor();
+    assert.equal(await frame.locator("#text").inputValue(), scenario);
+    assert.equal(await frame.locator("#progress").isHidden(), true);
+    const { force } = await native({ text: scenario, parts: ["force"] }, 60000);
+    const row = await frame.locator("#numbers tr:nth-child(3) td:last-child").textContent();
+    // The last digit shown may be the next one.
+    assert.ok(Math.abs(Number(row) - force.kinetic_friction) < 1e-9, row);
+    assert.deepEqual(told, []);
+  } finally {
+    await browser.close();
+  }
+});
+
 test("the text is the state: mistakes are located, and nothing is lost", () =>
   inBrowser(async (tab) => {
     const good = await text(tab);

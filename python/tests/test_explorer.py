@@ -26,7 +26,8 @@ def asked(explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch, **request: An
     *progress, message = sent
     assert all((told["view"], told["number"]) == ("0.5", 7) for told in sent)
     fractions = [told["progress"] for told in progress]
-    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
     answer: dict[str, Any] = json.loads(message["answer"])
     return answer
 
