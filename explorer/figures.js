@@ -95,13 +95,16 @@ function chain() {
 
 /** The events in which a twentieth of the chain or more slipped: where, and the first and the last of these cells. */
 function spans() {
-  const [events, cells] = [traced("slipped_event"), traced("slipped_cell")];
-  /** @type {Map<number, number[]>} */
-  const slipped = new Map();
-  events.forEach((event, i) => slipped.set(event, [...(slipped.get(event) ?? []), cells[i]]));
-  const large = [...slipped].filter(([, all]) => all.length >= traced("cell").length / 20);
-  const at = traced(`event_${chain()?.along}`);
-  return large.map(([event, all]) => ({ at: at[event - 1], first: Math.min(...all), last: Math.max(...all) }));
+  const found = chain();
+  if (!found) return [];
+  const [cells, at] = [traced("slipped_cell"), traced(`event_${found.along}`)];
+  /** @type {Map<number, {at: number, first: number, last: number, count: number}>} */
+  const events = new Map();
+  traced("slipped_event").forEach((event, i) => {
+    const { first, last, count } = events.get(event) ?? { first: Infinity, last: 0, count: 0 };
+    events.set(event, { at: at[event - 1], first: Math.min(first, cells[i]), last: Math.max(last, cells[i]), count: count + 1 });
+  });
+  return [...events.values()].filter(({ count }) => count >= found.cells / 20);
 }
 
 /** @type {Record<"force" | "laws" | "chain" | "motion" | "stretches" | "map", Chart>} */
