@@ -84,7 +84,12 @@ const NUMBERS = [
   ["interface.connection", "<i>K</i><sub>0</sub>"], ["interface.coupling.neighbours.stiffness", "<i>K</i><sub>int</sub>"], ["interface.disorder.std", "disorder"],
 ];
 const rows = NUMBERS.map(([key, label]) => ({ key, row: new NumberRow(byId("slider"), key, label) }));
-const slip = new SlipRule(byId("slider"));
+const slip = element("select", { id: "block.slip" });
+slip.append(...options(["reset", "overdamped", "arrest"]));
+slip.onchange = () => change("block.slip", JSON.stringify(slip.value));
+const slipRow = element("div", { class: "row wide" }, '<label for="block.slip">slip rule</label>');
+slipRow.append(slip);
+byId("slider").append(slipRow);
 
 /** A number with the digits that are right. @param {Extended | undefined | null} value @param {number} error */
 function digits(value, error) {
@@ -116,7 +121,8 @@ function show(preview) {
   const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
   for (const { key, editor } of editors) editor.show(valueAt(key));
   for (const { key, row } of rows) row.show(valueAt(key));
-  slip.show(scenario.block?.slip);
+  slipRow.hidden = !scenario.block?.slip;
+  slip.value = scenario.block?.slip;
   if (force) charts.force.set([force.position, force.force, force.position.map(() => force.kinetic_friction)]);
   if (stretches) {
     charts.laws.set([stretches.law_stretch, ...LAWS.map(({ name }) => stretches[name].values)]);

@@ -136,21 +136,3 @@ class LawEditor {
     this.nodes.show(polygon(law));
   }
 }
-
-/** The rule by which the slider slips. */
-class SlipRule {
-  /** @param {HTMLElement} parent */
-  constructor(parent) {
-    this.row = element("div", { class: "row wide" }, '<label for="block.slip">slip rule</label>');
-    this.select = element("select", { id: "block.slip" });
-    this.select.append(...options(["reset", "overdamped", "arrest"]));
-    this.select.onchange = () => change("block.slip", JSON.stringify(this.select.value));
-    this.row.append(this.select);
-    parent.append(this.row);
-  }
-  /** @param {unknown} slip */
-  show(slip) {
-    this.row.hidden = slip === undefined;
-    this.select.value = typeof slip === "string" ? slip : "";
-  }
-}

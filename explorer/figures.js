@@ -73,17 +73,16 @@ function handles(/** @type {typeof LAWS[number]} */ { name, key }) {
   const { stretch, density } = polygon(law);
   const highest = density.indexOf(Math.max(...density));
   const scale = height(name, stretch[highest]) / density[highest];
-  const nodes = stretch.map((x, node) => ({
-    x, y: scale * density[node], remove: () => reshape(key, { remove: node }),
-    move: (/** @type {number} */ x, /** @type {number} */ y) => reshape(key, { move: { node, stretch: rounded(x), density: y } }),
+  /** @type {Handle[]} */
+  const found = stretch.map((x, node) => ({
+    x, y: scale * density[node], remove: () => reshape(key, { remove: node }), move: (x, y) => reshape(key, { move: { node, stretch: rounded(x), density: y } }),
   }));
   const [family, { mean, std, at }] = Object.entries(law ?? { none: {} })[0];
   const to = (/** @type {string} */ parameter, /** @type {number} */ value) => value > 0 && change(`${key}.${family}.${parameter}`, toml(rounded(value)));
-  const across = (/** @type {number} */ x, /** @type {(x: number) => void} */ move) => ({ x, y: height(name, x), move });
-  if (mean > 0) nodes.push(/** @type {any} */ (across(mean, (x) => to("mean", x))));
-  if (mean > 0 && std > 0) nodes.push(/** @type {any} */ (across(mean + std, (x) => to("std", x - mean))));
-  if (at >= 0) nodes.push(/** @type {any} */ ({ x: at, y: 0.9 * (charts.laws.plot.scales.y.max ?? 1), move: (/** @type {number} */ x) => to("at", x) }));
-  return nodes;
+  if (mean > 0) found.push({ x: mean, y: height(name, mean), move: (x) => to("mean", x) });
+  if (mean > 0 && std > 0) found.push({ x: mean + std, y: height(name, mean + std), move: (x) => to("std", x - mean) });
+  if (at >= 0) found.push({ x: at, y: 0.9 * (charts.laws.plot.scales.y.max ?? 1), move: (x) => to("at", x) });
+  return found;
 }
 
 /** The forces along a chain at its drives or times; none where cells are no chain. */
