@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 50] = shipped![
+const SHIPPED: [Shipped; 51] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -39,6 +39,7 @@ const SHIPPED: [Shipped; 50] = shipped![
     "velocity-curve-ageing.toml",
     "velocity-curve-mean-field.toml",
     "velocity-step.toml",
+    "velocity-step-mean-field.toml",
     "slide-hold-slide.toml",
     "healing.toml",
     "creep.toml",

@@ -416,10 +416,8 @@ fn a_required_accuracy_is_reached_with_a_smaller_tolerance() {
 fn bad_input_is_refused() {
     let mean_field = Ageing::MeanField { mature: gaussian(1.0, 0.05), diffusion: 0.0025 };
     let initial = conditional(point(0.0));
-    let error =
-        Transport::new_with(contacts(gaussian(0.5, 0.1), ageing(mean_field)), &initial, 1e-4, &mut ())
-            .unwrap_err();
-    assert!(error.to_string().starts_with("ageing.mean_field: expected a rule for one contact"));
+    let error = Transport::new_with(contacts(point(1.0), ageing(mean_field)), &initial, 1e-4, &mut ());
+    assert!(error.unwrap_err().to_string().starts_with("thresholds: expected a law without point masses"));
     let athermal = contacts(gaussian(1.0, 0.1), Rules::default());
     assert!(Transport::new_with(athermal.clone(), &initial, 1.0, &mut ()).is_err());
     assert!(Transport::steady_with(&athermal, 0.0, 1e-4, &mut ()).is_err());

@@ -2415,10 +2415,11 @@ class MasterEquation(Model):
 
 @final
 class MeanField(Ageing):
-    """The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
-    and stretches. It is not a rule for a single contact.
+    """One distribution of thresholds that all contacts share, from the mean-field equations for thresholds and
+    stretches. It is not a rule for a single contact.
 
-    It cannot be combined with temperature, an ensemble, or a varying velocity.
+    Where the velocity varies, it is followed with the stretches of the contacts. It cannot be combined with
+    temperature or an ensemble.
 
     Parameters
     ----------
@@ -3996,7 +3997,8 @@ class Transport(Model):
     Raises
     ------
     ValueError
-        For invalid values, and for ageing by MeanField, which is not a rule for a single contact.
+        For invalid values, and for ageing by MeanField of thresholds with point masses, or with stiffnesses that
+        depend on them.
 
     Examples
     --------

@@ -239,10 +239,11 @@ impl Logarithmic {
     }
 }
 
-/// The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
-/// and stretches. It is not a rule for a single contact.
+/// One distribution of thresholds that all contacts share, from the mean-field equations for thresholds and
+/// stretches. It is not a rule for a single contact.
 ///
-/// It cannot be combined with temperature, an ensemble, or a varying velocity.
+/// Where the velocity varies, it is followed with the stretches of the contacts. It cannot be combined with
+/// temperature or an ensemble.
 ///
 /// Parameters
 /// ----------

@@ -177,7 +177,8 @@ pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, and for ageing by MeanField, which is not a rule for a single contact.
+///     For invalid values, and for ageing by MeanField of thresholds with point masses, or with stiffnesses that
+///     depend on them.
 ///
 /// Examples
 /// --------

@@ -250,6 +250,17 @@ def test_the_closure_of_steady_sliding_knows_no_first_loading() -> None:
         theory.pull(5.0)
 
 
+def test_contacts_that_share_thresholds_slide_on_with_the_friction_of_the_closure() -> None:
+    ageing = asp.MeanField(asp.Gaussian(1.0, 0.2), 0.04)
+    contacts = asp.Contacts(asp.Gaussian(0.6, 0.15), ageing=ageing)
+    friction = asp.velocity_curve(contacts, 1.0)
+    motion = asp.Transport(contacts, velocity=1.0, start="steady").follow([asp.Step(1.0, distance=1.0)])
+    # The default tolerance.
+    assert motion["force"][-1] == pytest.approx(friction, abs=1e-6)
+    result = asp.run({"contacts": contacts, "protocol": [{"velocity": 1.0, "distance": 1.0}]})
+    assert result.kinetic_friction[0] == pytest.approx(friction)
+
+
 def test_a_protocol_has_the_kinetic_friction_of_each_step() -> None:
     steps = [{"velocity": 1.0, "distance": 2.0}, {"hold": 1.0}, {"velocity": 0.1, "distance": 1.0}]
     result = asp.run({"contacts": GROWING, "protocol": steps})

@@ -403,3 +403,40 @@ fn a_block_beside_a_velocity_curve_tells_its_stability() {
     let header = "velocity,kinetic_friction,critical_stiffness,critical_stiffness_sliding,growth_rate,growth_frequency";
     assert_eq!(table.lines().next(), Some(header));
 }
+
+#[test]
+fn thresholds_that_all_share_heal_until_they_are_mature() {
+    let shared = "
+contacts.thresholds.gaussian = { mean = 0.6, std = 0.15 }
+contacts.ageing.mean_field = { mature.gaussian = { mean = 1.0, std = 0.2 }, diffusion = 0.04 }
+master_equation.tolerance = 1e-4
+";
+    let outcome =
+        run(&format!("{shared} hold_curve = {{ from = 0.1, to = 1e3, points = 5, velocity = 1.0 }}"));
+    let peaks = outcome.record.values("static_friction").unwrap();
+    assert!(peaks.windows(2).all(|pair| pair[1] > pair[0] - 1e-6), "{peaks:?}");
+    assert!(peaks[2] > peaks[0] + 0.05, "{peaks:?}");
+    // Thresholds mature at the rate 1: after 100 nothing changes any more, to a hundredth of the tolerance.
+    near(peaks[4], peaks[3], 1e-6);
+}
+
+#[test]
+fn cells_over_thresholds_that_all_share_are_driven_and_kept() {
+    let text = "
+contacts.thresholds.gaussian = { mean = 0.6, std = 0.15 }
+contacts.ageing.mean_field = { mature.gaussian = { mean = 1.0, std = 0.2 }, diffusion = 0.04 }
+master_equation.tolerance = 1e-3
+interface = { cells = [3], connection = 1.0, coupling.neighbours.stiffness = 1.0, slip = \"overdamped\", viscosity = 1.0 }
+drive = { distance = 8.0, velocity = 0.2, points = 81 }
+";
+    let outcome = run(text);
+    let forces = outcome.record.values("force").unwrap();
+    let friction = run("
+contacts.thresholds.gaussian = { mean = 0.6, std = 0.15 }
+contacts.ageing.mean_field = { mature.gaussian = { mean = 1.0, std = 0.2 }, diffusion = 0.04 }
+velocity_curve = { from = 0.2, to = 0.4, points = 2 }
+");
+    let friction = friction.record.values("kinetic_friction").unwrap()[0];
+    // Steady sliding in the end: the tolerance, of three cells.
+    near(forces[forces.len() - 1], 3.0 * friction, 6e-3);
+}

@@ -35,6 +35,11 @@ impl Walk<'_> {
         self.given("contacts.background_force") || self.given("contacts.background_coefficient")
     }
 
+    /// Whether thresholds have a density.
+    fn has_continuous_thresholds(&self) -> bool {
+        self.options.get("contacts.thresholds").is_some_and(|family| is_continuous(family))
+    }
+
     /// Whether contacts are coupled one by one.
     fn single(&self) -> bool {
         self.is("interface.contacts", "one")
@@ -154,7 +159,10 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
             family,
         ) => is_continuous(family),
         ("contacts.ageing", "mean_field") => {
-            matches!(task, "pull" | "velocity_curve") && !walk.given("contacts.temperature")
+            let equal =
+                !walk.given("contacts.stiffness_per_threshold") && !walk.is("contacts:alternative", "areas");
+            let moves = task == "protocol" && equal && walk.has_continuous_thresholds();
+            (moves || matches!(task, "pull" | "velocity_curve")) && !walk.given("contacts.temperature")
         }
         ("drive:alternative", "turning_points") => !(interface || in_time),
         ("drive:alternative", "force_to") => !(interface || in_time || walk.given("block")),

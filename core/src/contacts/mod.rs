@@ -7,10 +7,13 @@ mod stiffness;
 mod temperature;
 
 pub use crate::rate_dependent::FreeFriction;
+pub(crate) use ageing::{
+    AgeWeights, Label, MaturingTable, NodalLabels, Rank, ThresholdDensity, ThresholdTrajectory, mean_way,
+    starts,
+};
 pub use ageing::{
     Ageing, AgeingRule, Closure, SharedRanks, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge,
 };
-pub(crate) use ageing::{Label, NodalLabels, Rank, ThresholdTrajectory};
 pub use free_time::FreeTime;
 pub use stiffness::{Stiffness, StiffnessTable};
 pub use temperature::{Barrier, Temperature};
@@ -74,7 +77,7 @@ impl Rules {
         if let Some(temperature) = &self.temperature {
             temperature.check().map_err(|e| e.under("temperature"))?;
             if matches!(self.ageing, Some(Ageing::MeanField { .. })) {
-                let expected = "no temperature beside ageing.mean_field, a steady closure without a rule for one contact";
+                let expected = "no temperature beside ageing.mean_field, which has no rule for one contact";
                 return Err(Error::invalid(
                     "temperature",
                     expected,

@@ -166,9 +166,9 @@ pub fn sum_in_lanes(terms: &Nodal) -> f64 {
 
 /// Value at t of a Legendre series, by Clenshaw's recurrence.
 #[inline]
-pub fn series(coefficients: &Nodal, t: f64) -> f64 {
+pub fn series<const TERMS: usize>(coefficients: &[f64; TERMS], t: f64) -> f64 {
     let (mut next, mut last) = (0.0, 0.0);
-    for n in (1..NODES).rev() {
+    for n in (1..TERMS).rev() {
         let term = CLENSHAW[n].0 * t * next + (coefficients[n] - CLENSHAW[n].1 * last);
         (next, last) = (term, next);
     }

@@ -11,7 +11,7 @@ impl Task<'_> {
             temperatures(curve, &model.contacts)?;
         }
         if matches!(model.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
-            self.steady_alone(model)?;
+            self.shared_thresholds(model)?;
         }
         if matches!(self, Task::Protocol(_) | Task::HoldCurve(_) | Task::Creep(_))
             && model.interface.is_none()
@@ -34,27 +34,36 @@ impl Task<'_> {
         .map_err(|e| e.under(self.name()))
     }
 
-    /// Refuses tasks that a closure for steady sliding does not describe.
-    fn steady_alone(self, model: &Model) -> Result<()> {
+    /// Refuses tasks that do not follow the distribution of thresholds that contacts share, and contacts for which it is not
+    /// known.
+    fn shared_thresholds(self, model: &Model) -> Result<()> {
         let key = "contacts.ageing.mean_field";
-        if !matches!(self, Task::VelocityCurve(_)) {
-            let expected = "an ageing with a rule for each contact where sliding is not steady (smoluchowski, frozen_rank or logarithmic)";
-            return Err(Error::invalid(key, expected, format!("a steady closure with [{}]", self.name())));
+        if model.ensemble.is_some() {
+            let expected = format!("no ensemble beside {key}, which has no rule for one contact");
+            return Err(Error::invalid("ensemble", expected, "one"));
         }
-        if let Task::VelocityCurve(VelocityCurve { stability: true, .. }) = self {
-            let expected =
-                format!("no stability of sliding with {key}, a steady closure that answers to no change");
-            return Err(Error::invalid("velocity_curve.stability", expected, true));
-        }
-        match &model.ensemble {
-            None => Ok(()),
-            Some(_) => {
-                let expected =
-                    format!("no ensemble beside {key}, a steady closure without a rule for one contact");
-                Err(Error::invalid("ensemble", expected, "one"))
+        match self {
+            Task::VelocityCurve(VelocityCurve { stability: true, .. }) => {
+                let expected = format!("no stability of sliding with {key}");
+                Err(Error::invalid("velocity_curve.stability", expected, true))
+            }
+            Task::VelocityCurve(_) => Ok(()),
+            Task::Protocol(_) | Task::HoldCurve(_) => moving(&model.contacts),
+            Task::Drive(_) if model.interface.is_some() => moving(&model.contacts),
+            _ => {
+                let expected = "a task in which contacts that share thresholds are followed: [[protocol]], [hold_curve], [drive] with [interface], or [velocity_curve]";
+                Err(Error::invalid(key, expected, format!("[{}]", self.name())))
             }
         }
     }
+}
+
+/// Refuses contacts whose shared thresholds are not followed in time.
+fn moving(contacts: &Contacts) -> Result<()> {
+    contacts.have_equal_stiffness().map_err(Error::of_scenario)?;
+    let Some(atom) = contacts.thresholds.atoms().into_iter().next() else { return Ok(()) };
+    let expected = "a law without point masses beside contacts.ageing.mean_field in motion";
+    Err(Error::invalid("contacts.thresholds", expected, format!("one at {}", atom.position)))
 }
 
 impl Scenario {

@@ -79,19 +79,20 @@ fn combinations() -> Vec<Value> {
         refuses(all([steady.clone(), timed.clone(), key("ensemble")]), any(["block", "interface"].map(key))),
         implies(having("velocity_curve.temperatures", json!({ "minItems": 1 })), key("contacts.temperature")),
         refuses(
-            mean_field,
+            mean_field.clone(),
             any([
                 key("ensemble"),
                 key("contacts.temperature"),
                 key("pull"),
-                key("drive"),
-                key("protocol"),
-                key("protocol_file"),
-                key("hold_curve"),
+                all([key("drive"), not(key("interface"))]),
                 key("creep"),
                 key("stability"),
                 having("velocity_curve.stability", json!({ "const": true })),
             ]),
+        ),
+        refuses(
+            all([mean_field, any(["protocol", "protocol_file", "hold_curve", "interface"].map(key))]),
+            any(["contacts.stiffness_per_threshold", "contacts.areas"].map(key)),
         ),
         // Contacts that are coupled one by one, and cells of many.
         refuses(

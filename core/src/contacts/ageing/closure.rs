@@ -84,7 +84,7 @@ impl Closure<'_> {
             edges.replace(solved.edges.clone());
             solved
         };
-        let starts = self.starts();
+        let starts = starts(self.maturing, self.reforming);
         let excess = |way: f64| {
             if watch.stops() {
                 return 0.0;
@@ -102,18 +102,6 @@ impl Closure<'_> {
         }
         let way = brent_root(excess, low, high, 0.0).unwrap_or(low);
         (solve(way), way)
-    }
-
-    /// R as points (stretch, weight).
-    fn starts(&self) -> Vec<(f64, f64)> {
-        let (law, cuts) = (self.reforming.as_ref(), self.maturing.breakpoints(1.0));
-        let atoms = law.atoms().into_iter().map(|atom| (atom.position, atom.weight));
-        if law.zones().is_empty() {
-            return atoms.collect();
-        }
-        let cuts: Vec<f64> = cuts.iter().map(|b| b.position).chain([self.maturing.support.0]).collect();
-        let ends = (law.quantile(0.0), law.upper_quantile(0.0).min(self.maturing.support.1));
-        atoms.chain(points(law, &cuts, ends)).collect()
     }
 
     /// The distribution with this density, whose contacts have the mean way C.
@@ -141,8 +129,21 @@ impl Closure<'_> {
     }
 }
 
+/// R as points (stretch, weight), for integrals with thresholds that mature.
+pub(crate) fn starts(maturing: &ThresholdFokkerPlanck, reforming: &SharedLaw) -> Vec<(f64, f64)> {
+    let law = reforming.as_ref();
+    let atoms = law.atoms().into_iter().map(|atom| (atom.position, atom.weight));
+    if law.zones().is_empty() {
+        return atoms.collect();
+    }
+    let cuts = maturing.breakpoints(1.0).into_iter().map(|b| b.position);
+    let cuts: Vec<f64> = cuts.chain([maturing.support.0]).collect();
+    let ends = (law.quantile(0.0), law.upper_quantile(0.0).min(maturing.support.1));
+    atoms.chain(points(law, &cuts, ends)).collect()
+}
+
 /// C, from points (r, weight) of R.
-fn mean_way(density: &Elements, starts: &[(f64, f64)]) -> f64 {
+pub(crate) fn mean_way(density: &Elements, starts: &[(f64, f64)]) -> f64 {
     /// Fraction of contacts above a stretch below which rounding tells nothing of where they break.
     const FEWEST: f64 = 1e-13;
     let whole: f64 = starts.iter().map(|start| start.1).sum();

@@ -43,9 +43,9 @@ pub enum AgeingRule<D> {
         #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
         time: f64,
     },
-    /// The mean-field closure of the coupled equations for Q and P_c in steady sliding: P_c = ∫₀^∞ e^{−τ}
-    /// P_c^{Smol}(t = τC/v) dτ with C/v the mean life of contacts, i.e. exponentially distributed ages. It is no
-    /// rule for a single contact.
+    /// The coupled equations for Q and P_c: all contacts share one distribution of thresholds, ∂_t P_c = D∂_h[U' + ∂_h]P_c +
+    /// Γ(P_ci − P_c), Γ the rate at which contacts form per attached one. In steady sliding ages are exponentially distributed,
+    /// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ with C/v the mean life of contacts. It is no rule for a single contact.
     MeanField {
         /// P_cf.
         mature: D,

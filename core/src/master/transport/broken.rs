@@ -115,7 +115,7 @@ impl BrokenFraction {
     }
 
     /// N(t) − N(t₀) at a fraction of the duration.
-    fn at(self, s: f64) -> f64 {
+    pub(super) fn at(self, s: f64) -> f64 {
         4.0 * s * (1.0 - s) * self.middle + s * (2.0 * s - 1.0) * self.end
     }
 

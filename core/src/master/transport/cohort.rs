@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::broken::BrokenFraction;
 use super::model::{CohortModel, CohortThresholds};
-use super::path::{Path, Place, StepContext, StepPart};
+use super::path::{Path, Place, StepPart};
 use super::seeds::Seed;
+use super::step_context::StepContext;
 use crate::monitor::Watch;
 use crate::rate_dependent::StretchInterval;
 

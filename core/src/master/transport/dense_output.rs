@@ -161,7 +161,8 @@ impl<'a> DenseOutput<'a> {
 
     /// The point s.
     fn at(&self, s: f64, monitor: &mut dyn Monitor) -> Result<Node> {
-        let (broken, force) = self.attempt.partly(self.cohorts, self.path, s, monitor)?;
+        let (broken, force) =
+            self.attempt.partly((self.cohorts, self.trial.thresholds.as_ref()), self.path, s, monitor)?;
         let broken = broken + s * self.attempt.dropped + self.trial.formed.broken(s);
         Ok(self.node(s, force + self.trial.formed.force(s, self.born(s, broken)), broken))
     }

@@ -6,8 +6,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::path::{Path, Place, StepContext, StepPart};
+use super::path::{Path, Place, StepPart};
 use super::seeds::Seed;
+use super::step_context::StepContext;
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::monitor::{Monitor, Watch, fits};

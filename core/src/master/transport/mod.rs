@@ -13,12 +13,14 @@
 
 mod broken;
 mod cohort;
+mod contact_ages;
 mod dense_output;
 mod diffusing;
 mod fitted;
 mod formed;
 mod free_contacts;
 mod grid;
+mod mean_field;
 mod merging;
 mod model;
 mod moment_table;
@@ -29,9 +31,11 @@ mod ranked;
 mod required;
 mod response;
 mod seeds;
+mod shared_thresholds;
 mod stability;
 mod state;
 mod steady;
+mod step_context;
 mod step_control;
 mod survival_table;
 mod thermal;
@@ -40,7 +44,9 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::contacts::{Ageing, Contacts, FreeFriction, Initial, Rules, Start, ThresholdEvolution};
+use crate::contacts::{
+    Ageing, Contacts, FreeFriction, Initial, MaturingTable, Rules, Start, ThresholdEvolution,
+};
 use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
@@ -49,6 +55,7 @@ use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterva
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
+use contact_ages::{ContactAges, SharedStep};
 use dense_output::{DenseOutput, Reading, RequestedReadings, StepReadings};
 use diffusing::Diffusing;
 use model::CohortModel;
@@ -122,6 +129,8 @@ pub struct Transport {
     steady: Option<f64>,
     /// Times at which the rate of formation has a kink, because the breaking rate had one.
     kinks: Vec<f64>,
+    /// The ages of contacts, where they share one distribution of thresholds.
+    ages: Option<ContactAges>,
     /// A second solution with a larger tolerance, for the error estimate.
     rough: Option<Box<Self>>,
 }
@@ -160,7 +169,8 @@ impl Transport {
     /// Contacts at t = 0 and X = 0, all of age 0, as accurate as [`Transport::default_tolerance`].
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact.
+    /// Those of [`Contacts::check`]; `ageing.mean_field` of thresholds with point masses, or with stiffnesses that
+    /// depend on them.
     pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
         let tolerance = Self::default_tolerance(&contacts.rules);
         Self::new_with(contacts, initial, tolerance, &mut ())
@@ -179,21 +189,20 @@ impl Transport {
     ) -> Result<Self> {
         contacts.check(initial)?;
         contacts.have_no_stiffness_table()?;
-        let strength = strength(&contacts, monitor)?;
-        let mut starting =
-            |tolerance| Self::starting(&contacts, strength.clone(), initial, tolerance, monitor);
+        let rule = ThresholdRule::of(&contacts, monitor)?;
+        let mut starting = |tolerance| Self::starting(&contacts, rule.clone(), initial, tolerance, monitor);
         // The two solutions share the ranks of thresholds, whose table is expensive.
         Ok(starting(tolerance)?.beside(starting(rough(tolerance))?))
     }
 
     fn starting(
         contacts: &Contacts,
-        strength: Option<ThresholdEvolution>,
+        rule: ThresholdRule,
         initial: &Initial,
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mut transport = Self::empty(contacts, strength, tolerance, monitor)?;
+        let mut transport = Self::empty(contacts, rule, tolerance, monitor)?;
         let law = contacts.thresholds.as_ref();
         let held = |x: f64| match initial.start {
             Start::Conditional => 1.0,
@@ -201,6 +210,7 @@ impl Transport {
         };
         let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
+        transport.ages = transport.model.table().map(|_| ContactAges::newborn(held));
         transport.cohorts = Arc::new(transport.formed(&first, monitor)?);
         if initial.start == Start::Relaxed {
             transport.broken.add_simultaneous(0.0, 1.0 - held);
@@ -219,7 +229,7 @@ impl Transport {
 
     fn empty(
         contacts: &Contacts,
-        strength: Option<ThresholdEvolution>,
+        rule: ThresholdRule,
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
@@ -230,7 +240,7 @@ impl Transport {
         let stiffness = contacts.stiffness.unit();
         let mean = contacts.thresholds.mean();
         Ok(Self {
-            model: Arc::new(model(contacts, strength, &seeds, tolerance, monitor)?),
+            model: Arc::new(model(contacts, rule, &seeds, tolerance, monitor)?),
             seeds: seeds.into(),
             cells: cells.into(),
             stiffness: contacts.count * stiffness,
@@ -253,6 +263,7 @@ impl Transport {
             before: None,
             steady: None,
             kinks: Vec::new(),
+            ages: None,
             rough: None,
         })
     }
@@ -491,12 +502,18 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
-        let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
+        let shared = model.table().zip(self.ages.as_ref()).map(|(table, ages)| SharedStep {
+            table,
+            ages,
+            last: self.pace.last(),
+            tolerance: self.tolerance,
+        });
+        let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped, shared };
         // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
         monitor.cost(Cost::TransportedCohorts, trial.cohorts.len());
         let (before, formed) = (self.pace.last(), stage.broken.is_spread().then(|| trial.formed.fraction()));
-        if !self.pace.judge(path.duration, (trial.fraction, formed), trial.formed.deaths) {
+        if !self.pace.judge(path.duration, (trial.fraction, formed), trial.formed.deaths, trial.missed) {
             monitor.cost(Cost::RejectedTransportSteps, 1);
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
@@ -510,6 +527,10 @@ impl Transport {
             asked.read(elapsed, path.duration, &mut dense, monitor)?;
         }
         self.rate = trial.fraction.slope(path.duration, before);
+        if let (Some(ages), Some(table), Some(changes)) = (&mut self.ages, self.model.table(), &trial.changes)
+        {
+            ages.advance(changes, (contact_ages::closeness(self.tolerance), table.soon()));
+        }
         let free = self.free();
         self.broken.keep(self.time, path.duration, trial.fraction, trial.formed.mass());
         self.spent = self.spent.plus(1.0, trial.spent);
@@ -583,6 +604,9 @@ impl Transport {
                 self.spent.lost -= born.energy();
                 Arc::make_mut(&mut self.cohorts).push(born);
             }
+            if let Some(ages) = &mut self.ages {
+                ages.add(point_mass.mass);
+            }
         }
     }
 }
@@ -642,7 +666,7 @@ impl RateDependentContacts for Transport {
 
     /// Without the second solution, which only [`Transport::follow`] uses.
     fn copy(&self) -> Box<dyn RateDependentContacts> {
-        let Self { model, seeds, cells, cohorts, broken, pace, kinks, .. } = self;
+        let Self { model, seeds, cells, cohorts, broken, pace, kinks, ages, .. } = self;
         Box::new(Self {
             model: model.clone(),
             seeds: seeds.clone(),
@@ -651,6 +675,7 @@ impl RateDependentContacts for Transport {
             broken: broken.clone(),
             pace: pace.clone(),
             kinks: kinks.clone(),
+            ages: ages.clone(),
             before: None,
             rough: None,
             ..*self
@@ -710,32 +735,49 @@ fn rough(tolerance: f64) -> f64 {
     (ROUGH * tolerance).min(1e-2)
 }
 
-/// The thresholds as a function of age; `None` if they diffuse.
-fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<ThresholdEvolution>> {
-    match &contacts.rules.ageing {
-        Some(Ageing::MeanField { .. }) => {
-            let expected = "a rule for one contact: mean_field is the closure of steady sliding";
-            Err(Error::invalid("ageing.mean_field", expected, "a velocity that varies"))
+/// How thresholds change, known before the tolerance is: computed once for both solutions.
+#[derive(Debug, Clone)]
+enum ThresholdRule {
+    /// As a function of age.
+    OfAge(ThresholdEvolution),
+    /// They diffuse.
+    Diffusing,
+    /// All contacts share one distribution.
+    Shared(Arc<MaturingTable>),
+}
+
+impl ThresholdRule {
+    fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
+        match &contacts.rules.ageing {
+            Some(Ageing::MeanField { .. }) => mean_field::table(contacts, monitor).map(Self::Shared),
+            Some(Ageing::Smoluchowski { .. }) => Ok(Self::Diffusing),
+            _ => ThresholdEvolution::of_with(contacts, monitor).map(Self::OfAge),
         }
-        Some(Ageing::Smoluchowski { .. }) => Ok(None),
-        _ => ThresholdEvolution::of_with(contacts, monitor).map(Some),
     }
 }
 
 /// The rules of the thresholds of these contacts, which re-form at the seeds.
 fn model(
     contacts: &Contacts,
-    strength: Option<ThresholdEvolution>,
+    rule: ThresholdRule,
     seeds: &[Seed],
     tolerance: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<CohortModel> {
     report(monitor, 0.0)?;
-    if let Some(strength) = strength {
-        return Ok(CohortModel::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))));
+    match rule {
+        ThresholdRule::OfAge(strength) => {
+            Ok(CohortModel::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))))
+        }
+        ThresholdRule::Shared(table) => Ok(CohortModel::Shared(table)),
+        ThresholdRule::Diffusing => {
+            let scale = step_control::scale(contacts);
+            let diffusing = Diffusing::new(contacts, seeds, scale, tolerance, monitor)?;
+            Ok(CohortModel::Diffusing(Box::new(
+                diffusing.expect("thresholds that diffuse have a mature law"),
+            )))
+        }
     }
-    let diffusing = Diffusing::new(contacts, seeds, step_control::scale(contacts), tolerance, monitor)?;
-    Ok(CohortModel::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))
 }
 
 /// The seeds of re-formed contacts. Results depend on the stretch of formation as on the time of formation

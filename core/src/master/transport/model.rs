@@ -1,11 +1,16 @@
 //! The rules of the thresholds of a cohort.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::diffusing::{Diffusing, ThresholdMasses};
-use super::path::{Path, Place, StepContext, StepPart};
+use super::path::{Path, Place, StepPart};
 use super::ranked::{RankedThresholds, SurvivingRanks};
 use super::seeds::Seed;
+use super::shared_thresholds::SurvivingFraction;
+use super::step_context::StepContext;
+use crate::contacts::MaturingTable;
 use crate::monitor::Watch;
 
 /// The rules of the thresholds.
@@ -15,6 +20,8 @@ pub(super) enum CohortModel {
     Ranked(Box<RankedThresholds>),
     /// They diffuse.
     Diffusing(Box<Diffusing>),
+    /// All contacts share one distribution of them.
+    Shared(Arc<MaturingTable>),
 }
 
 /// The thresholds of a cohort.
@@ -22,6 +29,7 @@ pub(super) enum CohortModel {
 pub(super) enum CohortThresholds {
     Ranked(SurvivingRanks),
     Diffusing(ThresholdMasses),
+    Shared(SurvivingFraction),
 }
 
 impl CohortModel {
@@ -35,6 +43,7 @@ impl CohortModel {
         match self {
             Self::Ranked(ranks) => CohortThresholds::Ranked(ranks.newborn(seed)),
             Self::Diffusing(diffusing) => CohortThresholds::Diffusing(diffusing.newborn(seed, watch)),
+            Self::Shared(_) => CohortThresholds::Shared(SurvivingFraction::newborn(seed.stretch)),
         }
     }
 
@@ -43,6 +52,7 @@ impl CohortModel {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.fits(left),
             (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => diffusing.fits(masses),
+            (Self::Shared(_), CohortThresholds::Shared(_)) => true,
             _ => false,
         }
     }
@@ -63,6 +73,12 @@ impl CohortModel {
             }
             (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => {
                 diffusing.advance(place, masses, path, part, context)
+            }
+            (Self::Shared(_), CohortThresholds::Shared(left)) => {
+                let thresholds =
+                    context.thresholds.expect("a step of contacts that share thresholds has them");
+                left.advance(place, path, part, thresholds);
+                0.0
             }
             _ => unreachable!("cohorts are made by the model that moves them"),
         }
@@ -97,6 +113,11 @@ impl CohortModel {
                 let (distance, state, left) = ranks.merged((one, first.1), (two, second.1), part)?;
                 Some((distance, CohortThresholds::Ranked(state), left))
             }
+            (Self::Shared(_), CohortThresholds::Shared(one), CohortThresholds::Shared(two)) => {
+                let (distance, state) = one.merged(*two, part);
+                let distance = distance.max((first.1.stretch - second.1.stretch).abs());
+                Some((distance, CohortThresholds::Shared(state), state.left()))
+            }
             _ => None,
         }
     }
@@ -106,6 +127,7 @@ impl CohortModel {
         match self {
             Self::Ranked(ranks) => ranks.is_plain() && ranks.only_strengthen(),
             Self::Diffusing(_) => false,
+            Self::Shared(_) => true,
         }
     }
 
@@ -113,7 +135,7 @@ impl CohortModel {
     pub(super) fn has_atoms(&self) -> bool {
         match self {
             Self::Ranked(ranks) => ranks.has_atoms(),
-            Self::Diffusing(_) => false,
+            Self::Diffusing(_) | Self::Shared(_) => false,
         }
     }
 
@@ -122,6 +144,7 @@ impl CohortModel {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.measure(left, age),
             (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => diffusing.measure(masses),
+            (Self::Shared(_), CohortThresholds::Shared(left)) => (left.left(), left.left()),
             _ => unreachable!("cohorts are made by the model that moves them"),
         }
     }
@@ -156,6 +179,15 @@ impl CohortModel {
         match self {
             Self::Ranked(ranks) => ranks.cells(),
             Self::Diffusing(diffusing) => diffusing.cells(),
+            Self::Shared(_) => SHARED,
         }
     }
+
+    /// The thresholds of all ages, where contacts share one distribution.
+    pub(super) fn table(&self) -> Option<&MaturingTable> {
+        if let Self::Shared(table) = self { Some(table) } else { None }
+    }
 }
+
+/// Work of a step of a cohort of shared thresholds, in units of that of one whose S is tabulated.
+const SHARED: usize = 16;

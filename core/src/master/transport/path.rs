@@ -1,9 +1,6 @@
-//! The motion during a time step, and what cohorts need to follow it.
+//! The motion during a time step.
 
 use serde::{Deserialize, Serialize};
-
-use crate::monitor::Watch;
-use crate::numerics::diffusion::Workspace;
 
 /// Nodes of the two-point Gauss rule on [0, 1].
 pub(super) const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
@@ -23,18 +20,6 @@ impl Place {
     /// Whether all have one stretch.
     pub(super) fn is_point(&self) -> bool {
         self.below + self.above == 0.0
-    }
-}
-
-/// Work space of steps of cohorts, and the monitor that may stop them, after which they are invalid.
-pub(super) struct StepContext<'a, 'm> {
-    pub(super) room: Workspace,
-    pub(super) watch: &'a Watch<'m>,
-}
-
-impl<'a, 'm> StepContext<'a, 'm> {
-    pub(super) fn new(watch: &'a Watch<'m>) -> Self {
-        Self { room: Workspace::default(), watch }
     }
 }
 

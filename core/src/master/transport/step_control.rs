@@ -109,19 +109,21 @@ impl StepControl {
         self.formed = None;
     }
 
-    /// Whether a step is accurate enough; sets the duration of the next one.
+    /// Whether a step is accurate enough; sets the duration of the next one. `missed` is an error of third order in the duration
+    /// of the thresholds in it, as a fraction of contacts.
     pub(super) fn judge(
         &mut self,
         duration: f64,
         (fraction, formed): (BrokenFraction, Option<BrokenFraction>),
         deaths: EarlyBreaks,
+        missed: f64,
     ) -> bool {
         // The number of breaks is computed, not extrapolated; the difference from its extrapolation
         // measures how well a parabola in time describes it in this step.
         let last = self.last.map(|last| last.0).zip(self.formed);
         let of_formed = formed.map_or(0.0, |formed| extrapolation_error(last, duration, formed));
         let of_breaks = extrapolation_error(self.last, duration, fraction);
-        let extrapolation_error = of_breaks.max(of_formed) / self.extrapolation_error;
+        let extrapolation_error = of_breaks.max(of_formed).max(missed) / self.extrapolation_error;
         let curvature = fraction.end * deaths.curve().1.abs() / self.curvature;
         let early = deaths.early / MOST_DEATHS;
         // The extrapolation error is of third order in the duration, the curvature too.

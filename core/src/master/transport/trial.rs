@@ -7,10 +7,13 @@
 
 use super::broken::{BirthMoments, Broken, BrokenFraction, EarlyBreaks};
 use super::cohort::{Cohort, CohortForce, CohortStep, EnergyChange};
+use super::contact_ages::{SharedStep, StepChanges};
 use super::formed::FormedInStep;
 use super::model::CohortModel;
-use super::path::{GAUSS, Path, StepContext, StepPart};
+use super::path::{GAUSS, Path, StepPart};
 use super::seeds::Seed;
+use super::shared_thresholds::StepThresholds;
+use super::step_context::StepContext;
 use crate::Result;
 use crate::monitor::{Monitor, Watch};
 
@@ -25,6 +28,11 @@ pub(super) struct Trial {
     pub(super) middle_force: f64,
     /// Energies; those of formation are included in the losses.
     pub(super) spent: EnergyChange,
+    /// P_c in it, and what makes P_c of it, where contacts share it.
+    pub(super) thresholds: Option<StepThresholds>,
+    pub(super) changes: Option<StepChanges>,
+    /// An error of P_c inside it, as a fraction of contacts.
+    pub(super) missed: f64,
 }
 
 /// Amount of work of a thread between two checks whether the monitor has stopped.
@@ -33,6 +41,12 @@ const LEAST: usize = 4096;
 /// Sums over these cohorts.
 fn total(passed: &[CohortStep]) -> CohortStep {
     passed.iter().fold(CohortStep::default(), |sum, one| sum.plus(one))
+}
+
+/// The masses at the Gauss nodes ½ ± 1/(2√3) with this sum and first moment.
+pub(super) fn masses_at_nodes(mass: f64, moment: f64) -> [f64; 2] {
+    let tilt = 3.0_f64.sqrt() * moment;
+    [0.5 * mass - tilt, 0.5 * mass + tilt]
 }
 
 /// What does not change within a step.
@@ -44,15 +58,18 @@ pub(super) struct StepAttempt<'a> {
     pub(super) time: f64,
     /// Fraction removed as negligible that has not been counted.
     pub(super) dropped: f64,
+    /// Where contacts share one distribution of thresholds.
+    pub(super) shared: Option<SharedStep<'a>>,
 }
 
 impl StepAttempt<'_> {
-    /// The step along a path.
+    /// The step along a path, with P_c where contacts share it.
     ///
     /// # Errors
     /// Stopped by the monitor.
-    pub(super) fn attempt(
+    pub(super) fn attempt_with(
         &self,
+        thresholds: Option<&StepThresholds>,
         cohorts: &[Cohort],
         path: &Path,
         monitor: &mut dyn Monitor,
@@ -84,7 +101,7 @@ impl StepAttempt<'_> {
         if count <= chunk {
             // Few cohorts do not repay the start of a shared loop. Thresholds on panels are computed where they are first met,
             // which may take a tenth of a second for one cohort.
-            let context = &mut StepContext::new(&watch);
+            let context = &mut StepContext::new(&watch, thresholds);
             let asks = self.model.cells() > 1;
             (0..count).take_while(|_| !(asks && watch.stops())).for_each(|i| keep(step(context, i)));
         } else {
@@ -92,7 +109,8 @@ impl StepAttempt<'_> {
                 let from = number * chunk;
                 (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
             };
-            let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
+            let pieces =
+                watch.share(count.div_ceil(chunk), || StepContext::new(&watch, thresholds), piece)?;
             pieces.into_iter().flatten().for_each(keep);
         }
         watch.check()?;
@@ -109,16 +127,27 @@ impl StepAttempt<'_> {
             cohort.mass *= masses[i / seeds];
         }
         let spent = before.spent.plus(masses[0], early.spent).plus(masses[1], late.spent);
-        Ok(Trial { cohorts, fraction, formed, middle_force: before.passed.force, spent })
+        let middle_force = before.passed.force;
+        Ok(Trial {
+            cohorts,
+            fraction,
+            formed,
+            middle_force,
+            spent,
+            thresholds: None,
+            changes: None,
+            missed: 0.0,
+        })
     }
 
-    /// The breaks of these cohorts from the start of a step to a fraction of it, and their force there.
+    /// The breaks of these cohorts from the start of a step to a fraction of it, and their force there; with P_c in the whole
+    /// step where contacts share it.
     ///
     /// # Errors
     /// Stopped by the monitor.
     pub(super) fn partly(
         &self,
-        cohorts: &[Cohort],
+        (cohorts, thresholds): (&[Cohort], Option<&StepThresholds>),
         path: &Path,
         s: f64,
         monitor: &mut dyn Monitor,
@@ -135,7 +164,8 @@ impl StepAttempt<'_> {
             })
         };
         let watch = Watch::new(monitor);
-        let pieces = watch.share(cohorts.len().div_ceil(chunk), || StepContext::new(&watch), piece)?;
+        let pieces =
+            watch.share(cohorts.len().div_ceil(chunk), || StepContext::new(&watch, thresholds), piece)?;
         watch.check()?;
         Ok(pieces.into_iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
     }
@@ -166,9 +196,7 @@ impl StepAttempt<'_> {
         let known = self.broken.free_before(self.time, path.duration);
         for _ in 0..ROUNDS {
             let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, fraction, known);
-            // The masses at the Gauss nodes ½ ± 1/(2√3) with this sum and first moment.
-            let tilt = 3.0_f64.sqrt() * moment;
-            masses = [0.5 * mass - tilt, 0.5 * mass + tilt];
+            masses = masses_at_nodes(mass, moment);
             let by_middle = mass * (alpha / 8.0 + beta / 24.0) - 12.0 * moment * (alpha / 24.0 + beta / 64.0);
             let by_end = masses[0] * deaths.early + masses[1] * deaths.late;
             let next = before.plus(BrokenFraction { middle: by_middle, end: by_end }).rising();
