@@ -30,7 +30,15 @@ pub(crate) struct MaturingTable {
     /// End of the first panel.
     first: f64,
     /// For each panel the densities at its Gauss points.
-    panels: Vec<[Vec<Nodal>; NODES]>,
+    panels: Vec<[Column; NODES]>,
+}
+
+/// The density at one age, on the elements on which there is any.
+#[derive(Debug)]
+struct Column {
+    /// The first of them.
+    first: usize,
+    series: Vec<Nodal>,
 }
 
 /// The weight of each Gauss point of each panel in a mean over ages.
@@ -84,7 +92,7 @@ impl MaturingTable {
         edges.dedup_by(|b, a| *b - *a < least);
         let on = |density: &Elements| {
             watch.check()?;
-            Ok(density.on(&edges).series)
+            Ok(Column::of(density.on(&edges)))
         };
         let all = columns.iter().map(on).collect::<Result<Vec<_>>>()?;
         let mut all = all.into_iter();
@@ -98,7 +106,7 @@ impl MaturingTable {
     /// The largest truncation error of the masses of elements as polynomials in age on the first panel.
     fn truncation(&self) -> f64 {
         let of = |i: usize| {
-            let masses = self.panels[0].each_ref().map(|column| column[i][0]);
+            let masses = self.panels[0].each_ref().map(|column| column.mean(i));
             (self.edges[i + 1] - self.edges[i]) * tail(&RULE.coefficients(&masses))
         };
         (0..self.edges.len() - 1).map(of).fold(0.0, f64::max)
@@ -144,7 +152,7 @@ impl MaturingTable {
         let mut density = vec![[0.0; NODES]; self.edges.len() - 1];
         for (panel, weights) in self.panels.iter().zip(&weights.0) {
             for (column, &weight) in panel.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-                for (sum, series) in density.iter_mut().zip(column) {
+                for (sum, series) in density[column.first..].iter_mut().zip(&column.series) {
                     for n in 0..NODES {
                         sum[n] += weight * series[n];
                     }
@@ -152,6 +160,25 @@ impl MaturingTable {
             }
         }
         ThresholdDensity::new(self.edges.clone(), density)
+    }
+}
+
+impl Column {
+    fn of(density: Elements) -> Self {
+        /// Mass of an element that no result shows.
+        const NEGLIGIBLE: f64 = 1e-18;
+        let shown = |i: &usize| {
+            let largest = density.series[*i].iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+            density.width(*i) * largest > NEGLIGIBLE
+        };
+        let first = (0..density.count()).find(shown).unwrap_or(0);
+        let last = (0..density.count()).rfind(shown).unwrap_or(0);
+        Self { first, series: density.series[first..=last].to_vec() }
+    }
+
+    /// The mean density on an element.
+    fn mean(&self, i: usize) -> f64 {
+        i.checked_sub(self.first).and_then(|i| self.series.get(i)).map_or(0.0, |series| series[0])
     }
 }
 
@@ -302,7 +329,7 @@ mod tests {
         let maturing = ThresholdFokkerPlanck::new(gaussian(0.8, 0.08), gaussian(1.0, 0.05), 0.0025);
         let table = MaturingTable::new(maturing, &mut ()).unwrap();
         // Ornstein and Uhlenbeck: mean and variance relax at the rates 1 and 2.
-        for age in [0.0, 1e-3, 0.1, 0.5, 1.3, 4.0, 30.0, 1e9] {
+        for age in [0.0_f64, 1e-3, 0.1, 0.5, 1.3, 4.0, 30.0, 1e9] {
             let left = (-age).exp();
             let std = (0.05_f64.powi(2) + (0.08_f64.powi(2) - 0.05_f64.powi(2)) * left * left).sqrt();
             let exact = Gaussian::new(1.0 - 0.2 * left, std).unwrap();
