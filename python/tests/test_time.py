@@ -258,7 +258,7 @@ def test_contacts_that_share_thresholds_slide_on_with_the_friction_of_the_closur
     # The default tolerance.
     assert motion["force"][-1] == pytest.approx(friction, abs=1e-6)
     result = asp.run({"contacts": contacts, "protocol": [{"velocity": 1.0, "distance": 1.0}]})
-    assert result.kinetic_friction[0] == pytest.approx(friction)
+    assert np.asarray(result.kinetic_friction)[0] == pytest.approx(friction)
 
 
 def test_a_protocol_has_the_kinetic_friction_of_each_step() -> None:
