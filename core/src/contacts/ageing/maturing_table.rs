@@ -30,12 +30,12 @@ pub(crate) struct MaturingTable {
     /// End of the first panel.
     first: f64,
     /// For each panel the densities at its Gauss points.
-    panels: Vec<[Column; NODES]>,
+    panels: Vec<[DensityAtAge; NODES]>,
 }
 
 /// The density at one age, on the elements on which there is any.
 #[derive(Debug)]
-struct Column {
+struct DensityAtAge {
     /// The first of them.
     first: usize,
     series: Vec<Nodal>,
@@ -92,7 +92,7 @@ impl MaturingTable {
         edges.dedup_by(|b, a| *b - *a < least);
         let on = |density: &Elements| {
             watch.check()?;
-            Ok(Column::of(density.on(&edges)))
+            Ok(DensityAtAge::of(density.on(&edges)))
         };
         let all = columns.iter().map(on).collect::<Result<Vec<_>>>()?;
         let mut all = all.into_iter();
@@ -163,7 +163,7 @@ impl MaturingTable {
     }
 }
 
-impl Column {
+impl DensityAtAge {
     fn of(density: Elements) -> Self {
         /// Mass of an element that no result shows.
         const NEGLIGIBLE: f64 = 1e-18;
