@@ -52,7 +52,7 @@ export ASPERITY_LAB_DATA ?= $(abspath $(wildcard ../shared/data))
 # The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
 	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
-	cargo test $(tested)
+	$(PYTHON) .ci/rust_tests.py $(tested)
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready

@@ -230,9 +230,9 @@ fn motion_is_that_of_the_coupled_equations_in_finite_differences() {
 #[test]
 fn contacts_that_reform_stretched_and_late_follow_the_same_equations() {
     // Two velocities where contacts re-form at once; a delay of whole steps at one velocity.
-    let cases: [(f64, f64, &[(f64, f64)]); 2] =
-        [(0.2, 0.0, &[(1.0, 0.8), (0.2, 0.9)]), (0.1, 0.25, &[(0.8, 0.8), (0.8, 0.7), (0.8, 1.4)])];
-    for (reforming, delay, pieces) in cases {
+    let at_once: &[(f64, f64)] = &[(1.0, 0.8), (0.2, 0.9)];
+    let late: &[(f64, f64)] = &[(0.8, 0.8), (0.8, 0.7), (0.8, 1.4)];
+    for (reforming, delay, pieces) in [(0.2, 0.0, at_once), (0.1, 0.25_f64, late)] {
         let delayed = (200.0 * delay * pieces[0].0).round() as usize;
         let forces =
             |finer: usize| Differences::new(reforming, delayed * finer).refined(finer).forces(pieces, finer);
