@@ -2,11 +2,13 @@
 
     python .ci/rust_tests.py --package NAME ...
 
-The arguments are those of `cargo test`. Programs start in the order of the time they took last, which is kept
-in the target folder. What a program prints is shown when it fails; the examples in the documentation follow.
+The arguments are those of `cargo test` for packages and profiles. Programs start in the order of the time
+they took last, which is kept in the target folder; without that those of the command, which take longest,
+start first. What a program prints is shown when it fails; the examples in the documentation follow.
 """
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -59,7 +61,9 @@ def main() -> int:
     """Compiles and runs; 1 if a program failed."""
     arguments = sys.argv[1:]
     took = json.loads(TIMES.read_text()) if TIMES.exists() else {}
-    found = sorted(programs(arguments), key=lambda program: -took.get(program[0], 0.0))
+    # Cargo compiles the command last.
+    found = programs(arguments)[::-1]
+    found.sort(key=lambda program: -took.get(program[0], math.inf))
     if not found:
         print("cargo test has built no test program", file=sys.stderr)
         return 1
