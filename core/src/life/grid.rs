@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use super::cells::{NEGLIGIBLE, edges, with_atoms};
-use super::thermal_hazard::{Hazards, ThermalHazard};
+use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt};
 use crate::law::{Atom, Law, SharedLaw, Zone};
-use crate::numerics::legendre::{Nodal, RULE};
+use crate::numerics::legendre::{NODES, Nodal, RULE};
 
 /// P_c, divided into parts on which it is smooth.
 ///
@@ -16,6 +16,8 @@ use crate::numerics::legendre::{Nodal, RULE};
 pub(super) struct ThresholdGrid {
     law: SharedLaw,
     parts: Vec<GridPart>,
+    /// Ends and Gauss points of all parts and of their halves.
+    fixed: Vec<f64>,
     /// The point masses of P_c.
     atoms: Vec<Atom>,
     /// Whether integrands contain half powers of the distance to the lowest threshold.
@@ -28,6 +30,8 @@ struct GridPart {
     ends: [f64; 2],
     points: Nodal,
     weights: Nodal,
+    /// Index of its lower end among all fixed thresholds; its points and upper end follow.
+    place: usize,
     halves: Option<Box<[GridPart; 2]>>,
 }
 
@@ -38,15 +42,6 @@ pub(super) struct ThresholdGroup {
     pub(super) weight: f64,
     pub(super) broken: f64,
     pub(super) rate: f64,
-}
-
-/// The hazards of contacts at one advance.
-pub(super) trait HazardsAt {
-    /// A, and w/v now, of contacts with this fresh threshold.
-    fn hazards(&self, newborn: f64) -> Hazards;
-
-    /// The difference of the exponents of two fresh thresholds, now or at formation, whichever is larger.
-    fn apart(&self, newborn: [f64; 2]) -> f64;
 }
 
 /// A fresh threshold with its hazards.
@@ -90,36 +85,39 @@ impl ThresholdGrid {
         let parts: Vec<_> = edges.windows(2).map(|pair| [pair[0], pair[1]]).filter(inhabited).collect();
         let apart = |ends: [f64; 2]| thermal.map_or(0.0, |thermal| thermal.apart(ends, oldest));
         let halvings = (MOST_PARTS / parts.len().max(1)).max(1).ilog2();
-        let cutter = Cutter { law: law.as_ref(), apart: &apart };
+        let mut cutter = Cutter { law: law.as_ref(), apart: &apart, fixed: Vec::new() };
         let parts = parts.into_iter().map(|part| cutter.part(part, halvings)).collect();
-        Self { law: law.clone(), parts, atoms: law.atoms(), rooted }
+        Self { law: law.clone(), parts, fixed: cutter.fixed, atoms: law.atoms(), rooted }
     }
 
-    /// The ends of the parts, before they are bisected.
-    pub(super) fn ranges(&self) -> Vec<[f64; 2]> {
-        self.parts.iter().map(|part| part.ends).collect()
+    /// The thresholds at which hazards are evaluated repeatedly.
+    pub(super) fn fixed(&self) -> &[f64] {
+        &self.fixed
     }
 
     /// Visits the contacts with fresh thresholds above `least` up to a threshold above which all survive, and
-    /// returns that.
+    /// returns that. `known` returns the hazards at one of the [`ThresholdGrid::fixed`] thresholds by its
+    /// index.
     pub(super) fn each(
         &self,
-        least: f64,
-        hazards: &impl HazardsAt,
+        least: ThresholdHazards,
+        exposed: &ThermalHazardAt<'_>,
+        known: &impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards,
         mut visit: impl FnMut(ThresholdGroup),
     ) -> f64 {
-        let at = |newborn: f64| (newborn, hazards.hazards(newborn));
+        let at = |place: usize| (self.fixed[place], known(exposed, place));
         // Survival rises with the threshold: the sum ends at the first threshold that all contacts survive.
-        let first = self.parts.partition_point(|part| part.ends[1] <= least);
+        let first = self.parts.partition_point(|part| part.ends[1] <= least.0);
         let sought = self.parts[first..].iter().try_for_each(|part| {
-            let ends = [part.ends[0].max(least), part.ends[1]].map(at);
-            self.sum(part, ends, least, hazards, &mut visit)
+            let low = if part.ends[0] < least.0 { least } else { at(part.place) };
+            self.sum(part, [low, at(part.place + NODES + 1)], least.0, (exposed, known), &mut visit)
         });
         // Above the last part are too few to count, as long as they may live.
         let kept = sought.break_value().unwrap_or(f64::INFINITY);
         for &Atom { position: newborn, weight } in &self.atoms {
-            if newborn > least && newborn <= kept {
-                visit(ThresholdGroup::new(newborn, weight, hazards));
+            if newborn > least.0 && newborn <= kept {
+                let (broken, rate) = exposed.hazards(newborn);
+                visit(ThresholdGroup { newborn, weight, broken, rate });
             }
         }
         kept
@@ -131,7 +129,7 @@ impl ThresholdGrid {
         part: &GridPart,
         [low, high]: [ThresholdHazards; 2],
         least: f64,
-        hazards: &impl HazardsAt,
+        (exposed, known): (&ThermalHazardAt<'_>, &impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards),
         visit: &mut impl FnMut(ThresholdGroup),
     ) -> Search {
         if high.1.0 > GONE {
@@ -141,18 +139,20 @@ impl ThresholdGrid {
             return Search::Break(low.0);
         }
         let whole = low.0 <= part.ends[0] && !self.is_rooted([low, high], least);
-        if whole && !is_uneven([low, high], hazards) {
-            part.each(hazards, visit);
+        if whole && !is_uneven([low, high], exposed) {
+            part.each(exposed, known, visit);
             return Search::Continue(());
         }
-        let Some(halves) = &part.halves else { return self.cut([low, high], least, hazards, visit) };
-        let middle = halves[1].ends[0];
+        // Fixed thresholds allow cached hazards; below the finest of them points are chosen freely.
+        let Some(halves) = &part.halves else { return self.cut([low, high], least, exposed, visit) };
+        let place = halves[1].place;
+        let middle = self.fixed[place];
         if low.0 >= middle {
-            return self.sum(&halves[1], [low, high], least, hazards, visit);
+            return self.sum(&halves[1], [low, high], least, (exposed, known), visit);
         }
-        let middle = (middle, hazards.hazards(middle));
-        self.sum(&halves[0], [low, middle], least, hazards, visit)?;
-        self.sum(&halves[1], [middle, high], least, hazards, visit)
+        let middle = (middle, known(exposed, place));
+        self.sum(&halves[0], [low, middle], least, (exposed, known), visit)?;
+        self.sum(&halves[1], [middle, high], least, (exposed, known), visit)
     }
 
     /// Whether half powers of the distance to the lowest threshold are too strong for one rule.
@@ -167,7 +167,7 @@ impl ThresholdGrid {
         &self,
         [low, high]: [ThresholdHazards; 2],
         least: f64,
-        hazards: &impl HazardsAt,
+        exposed: &ThermalHazardAt<'_>,
         visit: &mut impl FnMut(ThresholdGroup),
     ) -> Search {
         if high.1.0 > GONE {
@@ -176,11 +176,11 @@ impl ThresholdGrid {
         if low.1.0 <= KEPT {
             return Search::Break(low.0);
         }
-        if high.0 - low.0 > 4.0 * f64::EPSILON * high.0 && is_uneven([low, high], hazards) {
+        if high.0 - low.0 > 4.0 * f64::EPSILON * high.0 && is_uneven([low, high], exposed) {
             let middle = 0.5 * (low.0 + high.0);
-            let middle = (middle, hazards.hazards(middle));
-            self.cut([low, middle], least, hazards, visit)?;
-            return self.cut([middle, high], least, hazards, visit);
+            let middle = (middle, exposed.hazards(middle));
+            self.cut([low, middle], least, exposed, visit)?;
+            return self.cut([middle, high], least, exposed, visit);
         }
         let rooted = self.is_rooted([low, high], least);
         // In s = √(h − h_0) half powers of the distance to the threshold h_0 are whole ones, and
@@ -191,16 +191,17 @@ impl ThresholdGrid {
             let (newborn, weight) =
                 if rooted { (least + place * place, 2.0 * place * weight) } else { (place, weight) };
             let weight = weight * self.law.density(newborn);
-            visit(ThresholdGroup::new(newborn, weight, hazards));
+            let (broken, rate) = exposed.hazards(newborn);
+            visit(ThresholdGroup { newborn, weight, broken, rate });
         }
         Search::Continue(())
     }
 }
 
 /// Whether one Gauss rule is not enough between two thresholds.
-fn is_uneven([low, high]: [ThresholdHazards; 2], hazards: &impl HazardsAt) -> bool {
+fn is_uneven([low, high]: [ThresholdHazards; 2], exposed: &ThermalHazardAt<'_>) -> bool {
     let allowed = ONE_RULE + WIDER * (FEW / low.1.0).ln().max(0.0);
-    hazards.apart([low.0, high.0]) > allowed
+    exposed.apart([low.0, high.0]) > allowed
 }
 
 /// The zones of a distribution, the last of them extended to the threshold `highest`.
@@ -243,33 +244,44 @@ struct Cutter<'a> {
     law: &'a dyn Law,
     /// Largest difference of exponents.
     apart: &'a dyn Fn([f64; 2]) -> f64,
+    fixed: Vec<f64>,
 }
 
 impl Cutter<'_> {
     /// A part, bisected until one rule is always enough, at most `halvings` times.
-    fn part(&self, ends: [f64; 2], halvings: u32) -> GridPart {
-        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-        let points = RULE.nodes.map(|t| middle + half * t);
-        let weights = std::array::from_fn(|i| half * RULE.weights[i] * self.law.density(points[i]));
-        let cut = |ends: [f64; 2]| self.part(ends, halvings - 1);
-        let halves = (halvings > 0 && (self.apart)(ends) > ONE_RULE)
-            .then(|| Box::new([[ends[0], middle], [middle, ends[1]]].map(cut)));
-        GridPart { ends, points, weights, halves }
+    fn part(&mut self, ends: [f64; 2], halvings: u32) -> GridPart {
+        let place = self.fixed.len();
+        let mut part = GridPart::new(self.law, ends, place);
+        self.fixed.push(ends[0]);
+        self.fixed.extend(part.points);
+        self.fixed.push(ends[1]);
+        if halvings > 0 && (self.apart)(ends) > ONE_RULE {
+            let middle = 0.5 * (ends[0] + ends[1]);
+            let low = self.part([ends[0], middle], halvings - 1);
+            part.halves = Some(Box::new([low, self.part([middle, ends[1]], halvings - 1)]));
+        }
+        part
     }
 }
 
 impl GridPart {
-    /// Visits all its points.
-    fn each(&self, hazards: &impl HazardsAt, visit: &mut impl FnMut(ThresholdGroup)) {
-        for (&newborn, &weight) in self.points.iter().zip(&self.weights) {
-            visit(ThresholdGroup::new(newborn, weight, hazards));
-        }
+    fn new(law: &dyn Law, ends: [f64; 2], place: usize) -> Self {
+        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+        let points = RULE.nodes.map(|t| middle + half * t);
+        let weights = std::array::from_fn(|i| half * RULE.weights[i] * law.density(points[i]));
+        Self { ends, points, weights, place, halves: None }
     }
-}
 
-impl ThresholdGroup {
-    fn new(newborn: f64, weight: f64, hazards: &impl HazardsAt) -> Self {
-        let (broken, rate) = hazards.hazards(newborn);
-        Self { newborn, weight, broken, rate }
+    /// Visits all its points.
+    fn each(
+        &self,
+        exposed: &ThermalHazardAt<'_>,
+        known: &impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards,
+        visit: &mut impl FnMut(ThresholdGroup),
+    ) {
+        for i in 0..NODES {
+            let (broken, rate) = known(exposed, self.place + 1 + i);
+            visit(ThresholdGroup { newborn: self.points[i], weight: self.weights[i], broken, rate });
+        }
     }
 }

@@ -2,7 +2,6 @@
 //! hazard).
 
 use super::constant_threshold::ConstantThreshold;
-use super::hazard_table::{HazardTable, NEGLIGIBLE, PanelHazards, SPREAD, ThresholdPanel};
 use crate::contacts::{
     Barrier, Contacts, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory, ThresholdsAtAge,
 };
@@ -138,40 +137,7 @@ impl ThermalHazard {
         let advances = gauss_points(0.5 * (low + high), 0.5 * (high - low));
         let mut ages = advances;
         ages.iter_mut().for_each(|u| *u /= self.velocity);
-        let mut stretches = advances;
-        stretches.iter_mut().for_each(|x| *x += start);
-        let (exponents, mut terms) = (self.exponents(&stretches, &contact.thresholds(&ages)), [0.0; NODES]);
-        for i in 0..NODES {
-            terms[i] = exp(-exponents[i]);
-        }
-        0.5 * (high - low) * dot_in_lanes(&terms, &RULE.weights)
-    }
-
-    /// Whether present thresholds are analytic functions of fresh ones.
-    pub(super) fn ages_smoothly(&self) -> bool {
-        self.evolution.octaves().is_empty()
-    }
-
-    /// Whether E and ln A are polynomials of degree fifteen between two fresh thresholds, at ages up to the oldest.
-    ///
-    /// A is a sum of e^{−E} over the past of a contact. Where two times contribute equally, ln A is like ln(1 + e^s), with s
-    /// the difference of both exponents; over a change of s by 3, interpolation at 16 points misses 1e-11 of it.
-    pub(super) fn is_smooth(&self, newborn: [f64; 2], oldest: f64) -> bool {
-        const BEND: f64 = 3.0;
-        let spread = |stretch: f64, age: f64| {
-            let aged = self.evolution.at(age);
-            let [low, high] = newborn.map(|h| self.exponent(stretch, aged.threshold(h)));
-            high - low
-        };
-        let at = [(0.0, 0.0), (0.0, oldest), (newborn[0], 0.0), (newborn[0], oldest)];
-        let [least, most] =
-            [f64::min, f64::max].map(|of| at.map(|(x, age)| spread(x, age)).into_iter().reduce(of));
-        most.zip(least).is_some_and(|(most, least)| most - least < BEND && most.max(-least) < SPREAD)
-    }
-
-    /// ΔE/T at sixteen stretches and present thresholds, with barriers continued beyond the threshold; its loops vectorise.
-    #[inline(always)]
-    fn exponents(&self, stretches: &Nodal, thresholds: &Nodal) -> Nodal {
+        let thresholds = contact.thresholds(&ages);
         let mut whole = [0.0; NODES];
         for i in 0..NODES {
             whole[i] = 0.5 / self.temperature.energy * thresholds[i] * thresholds[i];
@@ -179,19 +145,22 @@ impl ThermalHazard {
         match &self.stiffness {
             Stiffness::Equal(stiffness) => whole.iter_mut().for_each(|whole| *whole *= stiffness),
             Stiffness::PerThreshold(factor) => {
-                whole.iter_mut().zip(thresholds).for_each(|(whole, h)| *whole *= factor * h);
+                whole.iter_mut().zip(&thresholds).for_each(|(whole, h)| *whole *= factor * h);
             }
             Stiffness::Tabulated(table) => {
-                whole.iter_mut().zip(thresholds).for_each(|(whole, h)| *whole *= table.at(*h));
+                whole.iter_mut().zip(&thresholds).for_each(|(whole, h)| *whole *= table.at(*h));
             }
         }
-        match self.temperature.barrier {
-            Barrier::Elastic => barriers(&whole, stretches, thresholds, |missing, y| missing * (1.0 + y)),
-            Barrier::Bell => barriers(&whole, stretches, thresholds, |missing, _| missing),
+        let terms = match self.temperature.barrier {
+            Barrier::Elastic => {
+                survivals(&whole, &thresholds, &advances, start, |missing, y| missing * (1.0 + y))
+            }
+            Barrier::Bell => survivals(&whole, &thresholds, &advances, start, |missing, _| missing),
             Barrier::Catastrophe => {
-                barriers(&whole, stretches, thresholds, |missing, _| missing * missing.abs().sqrt())
+                survivals(&whole, &thresholds, &advances, start, |missing, _| missing * missing.sqrt())
             }
-        }
+        };
+        0.5 * (high - low) * dot_in_lanes(&terms, &RULE.weights)
     }
 
     /// ΔE/T of a contact of stretch x and present threshold h.
@@ -234,17 +203,10 @@ impl ThermalHazardAt<'_> {
         (self.cumulative_hazard(newborn), self.rate(newborn))
     }
 
-    /// The hazards of the contacts of a panel, from their table.
-    pub(super) fn panel(&self, panel: &ThresholdPanel, table: &HazardTable) -> PanelHazards {
-        let present = panel.points.map(|newborn| self.aged.threshold(newborn));
-        let exponents = self.thermal.exponents(&[self.stretch; NODES], &present);
-        PanelHazards::new(panel, &table.at(self.advance), exponents)
-    }
-
-    /// A and w/v of a contact of a panel.
-    pub(super) fn interpolated_hazards(&self, newborn: f64, panel: &PanelHazards) -> Hazards {
-        let (broken, factor) = panel.at(newborn);
-        (broken, self.thermal.attempts() * factor)
+    /// The same if A is known as a function of the advance.
+    #[inline]
+    pub(super) fn interpolated_hazards(&self, newborn: f64, broken: &Piecewise) -> Hazards {
+        (broken.value_in(broken.nearest(self.advance), self.advance), self.rate(newborn))
     }
 
     fn constant(&self, threshold: f64) -> ConstantThreshold {
@@ -259,36 +221,24 @@ impl ThermalHazardAt<'_> {
         self.thermal.attempts() * (-self.exponent(newborn)).exp()
     }
 
-    /// A of the contacts at the points of a panel as functions of the advance up to `end`. Barriers are continued beyond the
-    /// threshold.
-    pub(super) fn table(&self, panel: &ThresholdPanel, end: f64) -> HazardTable {
+    /// A of contacts with this fresh threshold as a function of the advance up to `end`.
+    pub(super) fn history(&self, newborn: f64, end: f64) -> Piecewise {
+        /// Broken fraction of a contact that is negligible.
+        const NEGLIGIBLE: f64 = 1e-18;
         let thermal = self.thermal;
-        // Exponents above this contribute less than the negligible part to A over the whole advance.
-        let most = (thermal.attempts() * end / NEGLIGIBLE).ln() + SPREAD;
-        let (mut edges, mut largest) = (Vec::new(), 0.0);
-        for newborn in panel.ends {
-            let exponent = thermal.ahead(self.start, newborn);
-            split(&exponent, [0.0, end].map(|u| (u, exponent(u))), (most, 0), &mut edges);
-            largest = exponent(0.0).max(exponent(end)).max(largest);
-        }
+        let exponent = thermal.ahead(self.start, newborn);
+        let rate = |u: f64| thermal.attempts() * (-exponent(u)).exp();
+        // Exponents above this contribute less than the negligible part to A over the whole
+        // advance.
+        let most = (thermal.attempts() * end / NEGLIGIBLE).ln();
+        let mut edges = Vec::new();
+        split(&exponent, [0.0, end].map(|u| (u, exponent(u))), (most, 0), &mut edges);
         // Rounding of E is felt in e^{−E}.
-        let fraction = 1e-13_f64.max(16.0 * f64::EPSILON * largest);
-        let resolution = Resolution::Relative { fraction, negligible: NEGLIGIBLE / end * (-SPREAD).exp() };
-        let labels = thermal.evolution.labels(panel.points, false);
-        let rates = |u: f64| {
-            let present = thermal.evolution.at(u / thermal.velocity).thresholds_of(&labels);
-            let rates = || {
-                let (exponents, mut out) =
-                    (thermal.exponents(&[self.start + u; NODES], &present), [0.0; NODES]);
-                for i in 0..NODES {
-                    out[i] = thermal.attempts() * exp(-exponents[i]);
-                }
-                out
-            };
-            wide(rates).unwrap_or_else(rates)
-        };
-        // The lowest threshold is the one whose rate varies most.
-        HazardTable::new(&Piecewise::resolve_all(rates, &edges, end, resolution))
+        let fraction = 1e-13_f64.max(16.0 * f64::EPSILON * exponent(0.0).max(exponent(end)));
+        let resolution = Resolution::Relative { fraction, negligible: NEGLIGIBLE / end };
+        let rate = Piecewise::resolve(rate, &edges, end, resolution);
+        // The integral from 0 to u, as that from u to the end of the mirrored function.
+        rate.mirrored().integrated_from_end(0.0, &[]).mirrored()
     }
 
     /// A by quadrature, for thresholds that age.
@@ -327,13 +277,22 @@ fn is_even([a, middle, b]: [f64; 3]) -> bool {
     (a - b).abs() < ONE_CELL && (middle - 0.5 * (a + b)).abs() < BENT
 }
 
-/// ΔE/T of sixteen contacts with the barriers `whole` × `height`, a function of 1 − y and y.
+/// e^{−ΔE/T} of sixteen contacts at the stretches `start` + advance with the barriers `whole` × `height`, a function of 1 − y
+/// and y.
 #[inline(always)]
-fn barriers(whole: &Nodal, stretches: &Nodal, thresholds: &Nodal, height: impl Fn(f64, f64) -> f64) -> Nodal {
-    let (whole, stretches, thresholds, mut out) = (*whole, *stretches, *thresholds, [0.0; NODES]);
+fn survivals(
+    whole: &Nodal,
+    thresholds: &Nodal,
+    advances: &Nodal,
+    start: f64,
+    height: impl Fn(f64, f64) -> f64,
+) -> Nodal {
+    let (whole, thresholds, advances, mut out) = (*whole, *thresholds, *advances, [0.0; NODES]);
     for i in 0..NODES {
-        let (h, x) = (thresholds[i], stretches[i]);
-        out[i] = if h > 0.0 { whole[i] * height((h - x) / h, x / h) } else { 0.0 };
+        let (h, x) = (thresholds[i], start + advances[i]);
+        let missing = ((h - x) / h).max(0.0);
+        let exponent = if h > 0.0 { -whole[i] * height(missing, x / h) } else { 0.0 };
+        out[i] = exp(exponent);
     }
     out
 }

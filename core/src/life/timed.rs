@@ -1,19 +1,19 @@
 //! Contacts that break thermally, whose thresholds age with a fixed rank, or both.
 
-use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::breaking_model::{BlurredEdge, BreakingModel, Cohort, Passing, SurvivalMoments};
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
-use super::grid::{HazardsAt, ThresholdGrid, ThresholdGroup};
-use super::hazard_table::{HazardTable, PanelHazards, ThresholdPanel, panels};
+use super::grid::{ThresholdGrid, ThresholdGroup};
 use super::running_maximum::RunningMaximum;
 use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt, blur};
 use crate::Result;
-use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution, ThresholdsAtAge};
+use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
 use crate::law::{Breakpoint, SharedLaw};
 use crate::monitor::{Counted, Watch};
+use crate::numerics::legendre::NODES;
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
 
 /// Contacts whose threshold at any age follows from their fresh threshold, and which break when their stretch
@@ -34,11 +34,7 @@ pub(super) struct Timed {
     /// The length over which temperature blurs the breaking of contacts.
     blur: Option<f64>,
     grid: Arc<ThresholdGrid>,
-    /// Ranges of fresh thresholds in which the hazards of ageing contacts are interpolated, in order.
-    panels: Arc<[ThresholdPanel]>,
-    /// Whether hazards contain half powers of the distance to the threshold.
-    rooted: bool,
-    /// Amount of numbers in cached tables.
+    /// Amount of numbers in cached histories.
     cached: Arc<AtomicUsize>,
     per_threshold: bool,
     resolution: f64,
@@ -50,20 +46,10 @@ struct AgeingCohort {
     of: Timed,
     start: f64,
     running_maximum: RunningMaximum,
-    /// The hazards of ageing contacts in each panel, tabulated when first needed.
-    tables: OnceLock<Vec<OnceLock<HazardTable>>>,
-    /// Whether survival moments have been asked for before: tables are not worth it for one evaluation.
+    /// A of ageing contacts at the fixed thresholds of the grid, computed when first needed.
+    histories: OnceLock<Vec<OnceLock<Piecewise>>>,
+    /// Whether survival moments have been asked for before: histories are not worth it for one evaluation.
     evaluated: AtomicBool,
-}
-
-/// The hazards of a cohort at one advance.
-struct CohortHazards<'a> {
-    cohort: &'a AgeingCohort,
-    exposed: ThermalHazardAt<'a>,
-    /// The largest fresh threshold reached.
-    met: f64,
-    /// Those of each panel, interpolated in its table when first needed; empty if there are no tables.
-    panels: Vec<OnceCell<Option<PanelHazards>>>,
 }
 
 impl Timed {
@@ -85,14 +71,6 @@ impl Timed {
             |thermal_hazard| thermal_hazard.highest(law.as_ref(), NEGLIGIBLE),
         );
         let hazards: Arc<[Breakpoint]> = with_atoms(law.as_ref()).into();
-        let grid = ThresholdGrid::new(law, highest, thermal_hazard.as_ref(), highest / velocity, rooted);
-        // Under constant thresholds A has a closed form.
-        let panels = thermal_hazard
-            .as_ref()
-            .filter(|_| !evolution.is_constant())
-            .map_or_else(Vec::new, |thermal_hazard| {
-                threshold_panels(&grid, thermal_hazard, highest / velocity)
-            });
         Ok(Self {
             resolution: resolution(contacts, &hazards),
             law: law.clone(),
@@ -100,9 +78,13 @@ impl Timed {
             highest,
             evolution,
             velocity,
-            grid: Arc::new(grid),
-            panels: panels.into(),
-            rooted,
+            grid: Arc::new(ThresholdGrid::new(
+                law,
+                highest,
+                thermal_hazard.as_ref(),
+                highest / velocity,
+                rooted,
+            )),
             cached: Arc::default(),
             blur: contacts.rules.temperature.filter(|_| thermal).map(|t| blur(contacts, &t)),
             thermal_hazard,
@@ -112,7 +94,7 @@ impl Timed {
 }
 
 impl Timed {
-    /// Whether another table may be cached.
+    /// Whether another history may be cached.
     fn may_cache(&self) -> bool {
         /// 64 MB.
         const MOST: usize = 1 << 23;
@@ -125,16 +107,17 @@ impl Timed {
         self.hazards.iter().filter(move |b| b.is_atom() || b.weight(mean) * mean > FAINT)
     }
 
-    fn cache(&self, table: HazardTable) -> HazardTable {
-        self.cached.fetch_add(table.size(), Ordering::Relaxed);
-        table
+    fn cache(&self, history: Piecewise) -> Piecewise {
+        self.cached.fetch_add(NODES * history.coefficients.len(), Ordering::Relaxed);
+        history
     }
 
-    /// Empty tables for all panels.
-    fn room(&self) -> Vec<OnceLock<HazardTable>> {
-        let size = self.panels.len() * size_of::<OnceLock<HazardTable>>() / size_of::<f64>();
-        self.cached.fetch_add(size, Ordering::Relaxed);
-        self.panels.iter().map(|_| OnceLock::new()).collect()
+    /// Empty histories at all positions of the grid.
+    fn room(&self) -> Vec<OnceLock<Piecewise>> {
+        let places = self.grid.fixed().len();
+        self.cached
+            .fetch_add(places * size_of::<OnceLock<Piecewise>>() / size_of::<f64>(), Ordering::Relaxed);
+        vec![OnceLock::new(); places]
     }
 
     /// The fraction that survives thermal breaking, at an advance, of contacts formed at `start` with this
@@ -174,8 +157,8 @@ fn resolution(contacts: &Contacts, hazards: &[Breakpoint]) -> f64 {
 impl BreakingModel for Timed {
     fn cohort(&self, start: f64, _watch: &Watch<'_>) -> Arc<dyn Cohort> {
         let running_maximum = RunningMaximum::new(&self.evolution, self.velocity, start, self.highest);
-        let (tables, evaluated) = (OnceLock::new(), AtomicBool::new(false));
-        Arc::new(AgeingCohort { of: self.clone(), start, running_maximum, tables, evaluated })
+        let (histories, evaluated) = (OnceLock::new(), AtomicBool::new(false));
+        Arc::new(AgeingCohort { of: self.clone(), start, running_maximum, histories, evaluated })
     }
 
     fn making_fraction(&self) -> f64 {
@@ -234,43 +217,31 @@ impl BreakingModel for Timed {
 }
 
 impl AgeingCohort {
-    /// The hazards at an advance, at which contacts with fresh thresholds up to `met` have broken.
-    fn hazards<'a>(&'a self, thermal_hazard: &'a ThermalHazard, advance: f64, met: f64) -> CohortHazards<'a> {
-        let again = self.evaluated.swap(true, Ordering::Relaxed);
-        let panels = if again { self.of.panels.len() } else { 0 };
-        CohortHazards {
-            cohort: self,
-            exposed: thermal_hazard.at(self.start, advance),
-            met,
-            panels: vec![OnceCell::new(); panels],
+    /// The hazards of contacts at a position of the grid.
+    fn hazards(&self, exposed: &ThermalHazardAt<'_>, place: usize, evaluated: bool) -> Hazards {
+        let newborn = self.of.grid.fixed()[place];
+        // Under constant thresholds A has a closed form, and a history would cost more than it
+        // saves.
+        if !evaluated || newborn <= self.start || self.of.evolution.is_constant() {
+            return exposed.hazards(newborn);
         }
-    }
-
-    /// The table of a panel, up to the advance where its last contact breaks, if it may be cached.
-    fn table(&self, number: usize, exposed: &ThermalHazardAt<'_>) -> Option<&HazardTable> {
-        let tables = self.tables.get_or_init(|| self.of.room());
-        if let Some(table) = tables[number].get() {
-            return Some(table);
+        let known = self.histories.get().is_some_and(|histories| histories[place].get().is_some());
+        if !known && !self.of.may_cache() {
+            return exposed.hazards(newborn);
         }
-        let panel = &self.of.panels[number];
-        // Half powers end with the first contact to break.
-        let last = panel.ends[usize::from(!self.of.rooted)];
-        if last <= self.start || !self.of.may_cache() {
-            return None;
-        }
-        let end = self.running_maximum.advance_to(last).unwrap_or(self.of.highest);
-        let make = || self.of.cache(exposed.table(panel, end));
-        (end > 0.0).then(|| tables[number].get_or_init(make))
+        let histories = self.histories.get_or_init(|| self.of.room());
+        let end = || self.running_maximum.advance_to(newborn).unwrap_or(self.of.highest);
+        let history = histories[place].get_or_init(|| self.of.cache(exposed.history(newborn, end())));
+        exposed.interpolated_hazards(newborn, history)
     }
 
     /// Adds contacts of one fresh threshold.
-    fn add(&self, survival_moments: &mut SurvivalMoments, group: ThresholdGroup, aged: &ThresholdsAtAge<'_>) {
+    fn add(&self, survival_moments: &mut SurvivalMoments, group: ThresholdGroup, present: f64) {
         let left = group.weight * (-group.broken).exp();
         let breakpoints = left * group.rate;
         survival_moments.unbroken[0] += left;
         survival_moments.breaking[0] += breakpoints;
         if self.of.per_threshold {
-            let present = aged.threshold(group.newborn);
             survival_moments.unbroken[1] += left * present;
             survival_moments.unbroken[2] += left * present * present;
             survival_moments.breaking[1] += breakpoints * present;
@@ -292,54 +263,6 @@ impl AgeingCohort {
     }
 }
 
-impl CohortHazards<'_> {
-    /// Those of the panel that contains a fresh threshold, if it has a table.
-    fn panel(&self, newborn: f64) -> Option<&PanelHazards> {
-        /// Interpolation misses 1e-11 of half powers if they end at this fraction of its width below a panel.
-        const NEAR: f64 = 0.3;
-        let Timed { panels, rooted, .. } = &self.cohort.of;
-        let number = panels.partition_point(|panel| panel.ends[1] < newborn);
-        let (hazards, panel) = self.panels.get(number).zip(panels.get(number))?;
-        let [low, high] = panel.ends;
-        if newborn < low || *rooted && low - self.met < NEAR * (high - low) {
-            return None;
-        }
-        let table = || self.cohort.table(number, &self.exposed);
-        hazards.get_or_init(|| table().map(|table| self.exposed.panel(panel, table))).as_ref()
-    }
-}
-
-impl HazardsAt for CohortHazards<'_> {
-    fn hazards(&self, newborn: f64) -> Hazards {
-        self.panel(newborn).map_or_else(
-            || self.exposed.hazards(newborn),
-            |panel| self.exposed.interpolated_hazards(newborn, panel),
-        )
-    }
-
-    fn apart(&self, newborn: [f64; 2]) -> f64 {
-        self.exposed.apart(newborn)
-    }
-}
-
-/// The ranges of fresh thresholds in which hazards are interpolated: all of those of contacts that keep a rank end at the
-/// breakpoints of P_c, of which the ageing of these contacts knows.
-fn threshold_panels(
-    grid: &ThresholdGrid,
-    thermal_hazard: &ThermalHazard,
-    oldest: f64,
-) -> Vec<ThresholdPanel> {
-    /// Largest number of halvings.
-    const HALVINGS: u32 = 9;
-    let ranges = grid.ranges();
-    let ranges = match (ranges.first(), ranges.last()) {
-        (Some(first), Some(last)) if thermal_hazard.ages_smoothly() => vec![[first[0], last[1]]],
-        _ => ranges,
-    };
-    let is_smooth = |newborn: [f64; 2]| thermal_hazard.is_smooth(newborn, oldest);
-    ranges.into_iter().flat_map(|range| panels(range, &is_smooth, HALVINGS)).collect()
-}
-
 impl Cohort for AgeingCohort {
     fn survival_moments(&self, advance: f64) -> SurvivalMoments {
         let Timed { law, evolution, velocity, .. } = &self.of;
@@ -348,13 +271,15 @@ impl Cohort for AgeingCohort {
         let mut survival_moments = SurvivalMoments::default();
         let (mut reached, mut cached) = (law.density(met) * speed, met);
         if let Some(thermal_hazard) = &self.of.thermal_hazard {
-            let hazards = self.hazards(thermal_hazard, advance, met);
+            let exposed = thermal_hazard.at(self.start, advance);
+            let least = (met, exposed.hazards(met));
+            let evaluated = self.evaluated.swap(true, Ordering::Relaxed);
             let aged = evolution.at(age);
-            let add = |group: ThresholdGroup| self.add(&mut survival_moments, group, &aged);
-            cached = self.of.grid.each(met, &hazards, add);
-            if reached > 0.0 {
-                reached *= (-hazards.hazards(met).0).exp();
-            }
+            let add =
+                |group: ThresholdGroup| self.add(&mut survival_moments, group, aged.threshold(group.newborn));
+            let known = |exposed: &ThermalHazardAt<'_>, place: usize| self.hazards(exposed, place, evaluated);
+            cached = self.of.grid.each(least, &exposed, &known, add);
+            reached *= (-least.1.0).exp();
         }
         self.add_surviving(&mut survival_moments, cached, age);
         survival_moments.breaking[0] += reached;

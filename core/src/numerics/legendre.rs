@@ -104,22 +104,6 @@ impl GaussLegendre {
         row.map(|term| term / sum)
     }
 
-    /// Values at `t` of the polynomials with these values at the points, by the barycentric formula; its loops vectorise.
-    #[inline]
-    pub fn interpolated<const K: usize>(&self, values: [&Nodal; K], t: f64) -> [f64; K] {
-        let mut row = [0.0; NODES];
-        for j in 0..NODES {
-            row[j] = self.barycentric[j] / (t - self.nodes[j]);
-        }
-        let sum = sum_in_lanes(&row);
-        if sum.is_finite() {
-            values.map(|values| dot_in_lanes(&row, values) / sum)
-        } else {
-            // At a point.
-            values.map(|values| dot(&self.cardinals(t), values))
-        }
-    }
-
     /// Weights r_i of values at the points such that Σ_i r_i f(t_i) = Σ_n `moments[n]` c_n, with c_n the
     /// Legendre coefficients of f: the transpose of [`GaussLegendre::coefficients`].
     #[inline(always)]
@@ -352,7 +336,6 @@ mod tests {
             // exp is resolved to 1e-17 by degree 15; the rest is rounding of sums over 16 points, amplified n² by the derivative.
             assert!((series(&coefficients, t) - t.exp()).abs() < 1e-14);
             assert!((dot(&RULE.cardinals(t), &values) - t.exp()).abs() < 1e-14);
-            assert!((RULE.interpolated([&values], t)[0] - t.exp()).abs() < 1e-14);
             let together = series_at(&integral(&coefficients), &[t; NODES]);
             assert!(together.iter().all(|value| (value - (t.exp() - (-1.0_f64).exp())).abs() < 1e-14));
             assert!((series(&derivative(&coefficients), t) - t.exp()).abs() < 1e-12);
