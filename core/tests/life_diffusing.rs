@@ -254,8 +254,8 @@ fn what_breaks_is_what_is_no_longer_left() {
             let (middle, half) = breaking.cell(cell);
             let fallen = survival.value_in(cell, middle - half) - survival.value_in(cell, middle + half);
             let broken = 2.0 * half * breaking.coefficients[cell][0];
-            // Rounding of survival.
-            assert!((fallen - broken).abs() < 1e-14, "{velocity} {middle}: {fallen:e} {broken:e}");
+            // Some hundred roundings of survival, in the sweeps of each step.
+            assert!((fallen - broken).abs() < 3e-14, "{velocity} {middle}: {fallen:e} {broken:e}");
         }
         let whole = breaking.integral();
         assert!((whole - 1.0).abs() < 1e-13, "{velocity}: {:e}", whole - 1.0);

@@ -176,7 +176,7 @@ impl SumOverAges {
 }
 
 #[test]
-fn contacts_that_reform_stretched_are_as_old_as_their_mean_way_takes() {
+fn contacts_that_reform_stretched_are_as_old_as_their_mean_advance_takes() {
     let (newborn, mature, rate) = ((0.6, 0.08), (1.0, 0.05), 1.0);
     // Below all thresholds, and among them.
     for ends in [(0.0, 0.1), (0.3, 0.7)] {

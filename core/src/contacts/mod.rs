@@ -8,8 +8,8 @@ mod temperature;
 
 pub use crate::rate_dependent::FreeFriction;
 pub(crate) use ageing::{
-    AgeWeights, Label, MaturingTable, NodalLabels, Rank, ThresholdDensity, ThresholdTrajectory, mean_way,
-    starts,
+    AgeWeights, Label, MaturingTable, NodalLabels, Rank, ThresholdDensity, ThresholdTrajectory, mean_advance,
+    self_consistent_advance, starts,
 };
 pub use ageing::{
     Ageing, AgeingRule, Closure, SharedRanks, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge,

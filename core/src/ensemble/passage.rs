@@ -6,7 +6,7 @@ use super::attached::{AttachedContact, Segment, segments};
 use super::contact::TOGETHER;
 use super::diffusion::ThresholdDiffusion;
 use crate::Result;
-use crate::contacts::{Ageing, Label, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge};
+use crate::contacts::{Ageing, Label, Stiffness, Temperature, ThresholdEvolution};
 use crate::history::History;
 use crate::monitor::Monitor;
 use crate::numerics::accumulation::integral_reaches;
@@ -117,14 +117,8 @@ impl KnownThreshold {
     /// When the stretch reaches the threshold, if the segment is long enough; if not, infinite, or for a
     /// constant threshold a time after its end.
     fn time_of_passage(&self, held: &AttachedContact, segment: &Segment) -> f64 {
-        // The rank, of which a contact has one for life, is found once.
-        let rank = self.evolution.rank(held.newborn);
-        let label = Label { newborn: held.newborn, rank: rank.as_ref() };
-        let aged = |time: f64| self.evolution.at(time - held.birth);
-        let gap_of = |aged: &ThresholdsAtAge<'_>, time| {
-            held.origin + aged.threshold_of(label) - segment.position(time)
-        };
-        let gap = |time| gap_of(&aged(time), time);
+        let contact = self.evolution.followed(held.newborn);
+        let gap = |time: f64| held.origin + contact.threshold(time - held.birth) - segment.position(time);
         let mut from = segment.start;
         if gap(from) <= 0.0 {
             return from;
@@ -135,24 +129,32 @@ impl KnownThreshold {
             let late = gap(segment.end) > TOGETHER * segment.position(segment.end);
             return if late { time_of_passage } else { time_of_passage.min(segment.end) };
         }
+        // Below the lowest threshold that it ever has no contact breaks.
+        let below = |time: f64| segment.position(time) - held.origin < contact.lowest();
+        if below(segment.start) && below(segment.end) {
+            return f64::INFINITY;
+        }
         // Between two extrema of the threshold the rate at which the gap closes changes sign at
         // most once. Each interval then holds at most one minimum of the gap, and no passage is
         // missed.
-        let closing = |time: f64| aged(time).drift_of(label) - segment.velocity;
-        let mut closing_from = closing(from);
         let extrema = self.extrema.iter().map(|age| held.birth + age);
         let extrema = extrema.filter(|turn| (segment.start..segment.end).contains(turn));
-        for until in extrema.chain([segment.end]) {
+        let mut ends = extrema.chain([segment.end]).peekable();
+        while let Some(early) = ends.next_if(|&end| below(from) && below(end)) {
+            from = early;
+        }
+        let closing = |time: f64| contact.drift(time - held.birth) - segment.velocity;
+        let mut closing_from = closing(from);
+        for until in ends {
             // If the gap shrinks and grows again it may close in between.
-            let then = aged(until);
-            let closing_until = then.drift_of(label) - segment.velocity;
+            let closing_until = closing(until);
             let lowest = if closing_from < 0.0 && closing_until > 0.0 {
                 brent_root(closing, from, until, 0.0).filter(|&lowest| gap(lowest) <= 0.0)
             } else {
                 None
             };
             let until = lowest.unwrap_or(until);
-            if lowest.is_some() || gap_of(&then, until) <= 0.0 {
+            if lowest.is_some() || gap(until) <= 0.0 {
                 return brent_root(gap, from, until, 0.0).unwrap_or(until);
             }
             (from, closing_from) = (until, closing_until);

@@ -11,6 +11,7 @@ use super::passage::Passage;
 use super::pull::EnsemblePull;
 use super::snapshots::{Snapshots, rising};
 use crate::contacts::{Contacts, Rules};
+use crate::error::positive;
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::random::{Purpose, Stream};
@@ -103,9 +104,7 @@ impl Ensemble {
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
-        if !(velocity.is_finite() && velocity > 0.0) {
-            return Err(Error::invalid("velocity", "a finite number above 0", velocity));
-        }
+        positive("velocity", velocity)?;
         let last = snapshots.check(positions)?;
         let duration = if last > 0.0 { last / velocity } else { 1.0 };
         let history = History::new(vec![Piece { velocity, duration }])?;

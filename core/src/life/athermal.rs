@@ -99,7 +99,7 @@ fn of_moments<const N: usize>(
         let add = |a: [f64; N], b: [f64; N]| std::array::from_fn(|i| a[i] + b[i]);
         breaking.iter().map(|b| moments(b, u)).fold([0.0; N], add)
     };
-    let mut moments = Piecewise::resolve_all(
+    let (mut moments, missed) = Piecewise::resolve_all(
         |u| if watch.stops() { [0.0; N] } else { sum(u) },
         &edges,
         end,
@@ -141,7 +141,7 @@ fn of_moments<const N: usize>(
         wait: 0.0,
         waiting: None,
         stiffness: contacts.stiffness.mean_weight(law),
-        error: ROUNDING,
+        error: ROUNDING.max(missed),
     }
 }
 

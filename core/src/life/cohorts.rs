@@ -128,7 +128,7 @@ pub(super) fn of_cohorts(
     let edges = finer.as_ref().unwrap_or(edges);
     // The first function decides on the cells: the breaking density, weighted by its effect on the results.
     // The others are integrals of it and smoother.
-    let curves = Piecewise::resolve_all(
+    let (curves, missed) = Piecewise::resolve_all(
         |u| {
             report_progress(begun, 1.0, u);
             let CohortSums { breaking, survival, force, square, energy, lost, .. } = at(u);
@@ -157,7 +157,7 @@ pub(super) fn of_cohorts(
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
         breaking: Kernel::new(breaking, breakpoints),
-        error: cohorts.model.error(),
+        error: cohorts.model.error().max(missed),
         starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.mean_weight(contacts.thresholds.as_ref()),
         wait: 0.0,

@@ -11,7 +11,7 @@ use crate::monitor::{Monitor, Watch};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
-use crate::numerics::wide::wide;
+use crate::numerics::wide::vectorised;
 
 /// The derivatives of survival and of the carried force by a parameter θ, as functions of the advance u, per
 /// contact and unit stiffness.
@@ -273,13 +273,10 @@ impl<'a> Integrands<'a> {
     /// The values at 16 stretches from the table.
     pub(super) fn tabulated(&self, y: &Nodal) -> Vec<Nodal> {
         let mut values = vec![[0.0; NODES]; self.table.len()];
-        let on_wide = wide(
+        vectorised(
             #[inline(always)]
             || self.look_up(y, &mut values),
         );
-        if on_wide.is_none() {
-            self.look_up(y, &mut values);
-        }
         values
     }
 

@@ -46,6 +46,7 @@ pub use transport::{Slider, StepResponse, Trace, Transport};
 use std::sync::Arc;
 
 use crate::contacts::{Ageing, Contacts, Initial, Start};
+use crate::error::positive;
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
 use crate::monitor::{Monitor, Part, Watch, fits};
@@ -142,10 +143,7 @@ impl MasterEquation {
     /// As [`Self::new`]; stopped by the monitor.
     pub fn new_with(contacts: Contacts, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Self> {
         contacts.check(initial)?;
-        if let Some(rule) = contacts.rules.first() {
-            let expected = format!("a velocity above 0, since {rule} makes contacts time-dependent");
-            return Err(Error::invalid("velocity", expected, "none"));
-        }
+        check_time_independent(&contacts)?;
         affordable(&contacts, "reforming", &contacts.reforming)?;
         affordable(&contacts, "initial", &initial.law)?;
         let reformed = athermal(&contacts, &contacts.reforming, true, monitor)?;
@@ -183,9 +181,7 @@ impl MasterEquation {
         velocity: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        if !(velocity.is_finite() && velocity > 0.0) {
-            return Err(Error::invalid("velocity", "a finite number above 0", velocity));
-        }
+        positive("velocity", velocity)?;
         if !contacts.rules.are_time_dependent() {
             return Self::new_with(contacts, initial, monitor);
         }
@@ -201,6 +197,34 @@ impl MasterEquation {
             Arc::new(moving(&contacts, &initial.law, conditional, velocity, false, part)?)
         };
         Ok(Self { contacts, initial: initial.clone(), velocity: Some(velocity), first, reformed })
+    }
+
+    /// The master equation of contacts that have all just re-formed at X = 0, at a velocity where they are time-dependent: what
+    /// steady sliding needs, which does not depend on an initial state.
+    ///
+    /// # Errors
+    /// As [`Self::at`] and [`Self::new`]; stopped by the monitor.
+    pub(crate) fn reformed(
+        contacts: Contacts,
+        velocity: Option<f64>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let initial = Initial { law: contacts.reforming.clone(), start: Start::Conditional };
+        let (velocity, reformed) = match velocity {
+            Some(velocity) if contacts.rules.are_time_dependent() => {
+                positive("velocity", velocity)?;
+                contacts.check(&initial)?;
+                (Some(velocity), moving(&contacts, &contacts.reforming, true, velocity, true, monitor)?)
+            }
+            _ => {
+                contacts.check(&initial)?;
+                check_time_independent(&contacts)?;
+                affordable(&contacts, "reforming", &contacts.reforming)?;
+                (None, athermal(&contacts, &contacts.reforming, true, monitor)?)
+            }
+        };
+        let reformed = Arc::new(reformed);
+        Ok(Self { contacts, initial, velocity, first: reformed.clone(), reformed })
     }
 
     /// The contacts.
@@ -292,6 +316,13 @@ impl MasterEquation {
         let renewal = RenewalSolution::solve(&self.first, &self.reformed, end, tolerance, monitor)?;
         Ok(Pull::new(self.clone(), renewal, distance, tolerance))
     }
+}
+
+/// Refuses time-dependent contacts, which need a velocity.
+fn check_time_independent(contacts: &Contacts) -> Result<()> {
+    let Some(rule) = contacts.rules.first() else { return Ok(()) };
+    let expected = format!("a velocity above 0, since {rule} makes contacts time-dependent");
+    Err(Error::invalid("velocity", expected, "none"))
 }
 
 /// Whether two distributions are known to be equal.

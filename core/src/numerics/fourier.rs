@@ -160,7 +160,7 @@ mod tests {
     /// e^{−u} and its product with u on cells of several widths, for slow and fast oscillations.
     #[test]
     fn transforms_agree_with_closed_forms() {
-        let [f, g] = Piecewise::resolve_all(
+        let ([f, g], _) = Piecewise::resolve_all(
             |x| [(-x).exp(), x * (-x).exp()],
             &[0.4, 1.1],
             40.0,

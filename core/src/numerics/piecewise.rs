@@ -59,6 +59,15 @@ impl Resolution {
         tolerance
     }
 
+    /// With ten times the tolerance.
+    fn coarser(mut self) -> Self {
+        let (Self::Mean(tolerance)
+        | Self::Relative { fraction: tolerance, .. }
+        | Self::Cumulative { fraction: tolerance, .. }) = &mut self;
+        *tolerance *= 10.0;
+        self
+    }
+
     /// Whether an error this small after `depth` bisections can be due to rounding of the function.
     fn may_be_rounding(self, error: f64, depth: u32) -> bool {
         match self {
@@ -88,37 +97,53 @@ impl Piecewise {
     /// Interpolates `f` on [0, end]. Cells are bisected until each satisfies `resolution`, or bisection no
     /// longer reduces the error. `edges` are cell boundaries from the start.
     pub fn resolve(f: impl Fn(f64) -> f64, edges: &[f64], end: f64, resolution: Resolution) -> Self {
-        let [out] = Self::resolve_all(|x| [f(x)], edges, end, resolution);
+        let ([out], _) = Self::resolve_all(|x| [f(x)], edges, end, resolution);
         out
     }
 
-    /// Interpolates several functions on the cells that the first of them needs.
+    /// Interpolates several functions on the cells that the first of them needs. Also returns the error of the integral of
+    /// the first one between edges between which noise would have asked for [`MOST_CELLS`], and the tolerance is larger; else 0.
     pub fn resolve_all<const K: usize>(
         f: impl Fn(f64) -> [f64; K],
         edges: &[f64],
         end: f64,
         resolution: Resolution,
-    ) -> [Self; K] {
+    ) -> ([Self; K], f64) {
         let mut edges: Vec<f64> =
             edges.iter().copied().filter(|&x| x > 0.0 && x < end).chain([0.0, end]).collect();
         edges.sort_by(f64::total_cmp);
         edges.dedup_by(|b, a| *b - *a <= f64::EPSILON * end);
         let mut out = std::array::from_fn(|_| Self { boundaries: vec![0.0], coefficients: Vec::new() });
-        let mut integral = 0.0;
+        let (mut integral, mut missed) = (0.0, 0.0);
         for pair in edges.windows(2) {
-            bisect(&f, (pair[0], pair[1]), (f64::INFINITY, 0), resolution, &mut integral, &mut out);
+            let mut bisection = Bisection::new(&f, resolution, integral);
+            while !bisection.divide((pair[0], pair[1]), (f64::INFINITY, 0)) {
+                bisection = Bisection::new(&f, bisection.resolution.coarser(), integral);
+            }
+            if bisection.resolution != resolution {
+                missed += bisection.missed;
+            }
+            integral = bisection.integral;
+            bisection.append(&mut out);
         }
-        out
+        (out, missed)
     }
 
     /// Interpolates several functions on the same cells: those between `boundaries`, bisected until the truncation error ×
     /// half width of each function is at most its tolerance, or is rounding. `limits` are the tolerance and the magnitude
-    /// of each.
+    /// of each; tolerances are larger where noise would ask for [`MOST_CELLS`].
     pub fn resolve_each(f: impl Fn(f64) -> Vec<f64>, boundaries: &[f64], limits: &[(f64, f64)]) -> Vec<Self> {
         let start = boundaries.first().copied().into_iter().collect::<Vec<_>>();
         let mut out = vec![Self { boundaries: start, coefficients: Vec::new() }; limits.len()];
         for ends in boundaries.windows(2) {
-            bisect_each(&f, (ends[0], ends[1]), (f64::INFINITY, 0), limits, &mut out);
+            let (mut limits, cells) = (limits.to_vec(), out.first().map_or(0, |out| out.coefficients.len()));
+            while !bisect_each(&f, (ends[0], ends[1]), (f64::INFINITY, 0), (&limits, cells), &mut out) {
+                limits.iter_mut().for_each(|limit| limit.0 *= 10.0);
+                for out in &mut out {
+                    out.boundaries.truncate(cells + 1);
+                    out.coefficients.truncate(cells);
+                }
+            }
         }
         out
     }
@@ -355,52 +380,71 @@ fn far_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
     sums
 }
 
-/// Interpolates on [a, b], bisecting where needed. `before` is the error of the parent cell.
-fn bisect<const K: usize>(
-    f: &impl Fn(f64) -> [f64; K],
-    (a, b): (f64, f64),
-    (before, depth): (f64, u32),
+/// The cells between two edges, by bisection.
+struct Bisection<'a, F, const K: usize> {
+    f: &'a F,
     resolution: Resolution,
-    integral: &mut f64,
-    out: &mut [Piecewise; K],
-) {
-    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    let values = RULE.nodes.map(|t| f(middle + half * t));
-    let coefficients = |k: usize| RULE.coefficients(&values.map(|v| v[k]));
-    let first = coefficients(0);
-    let up_to_here = *integral + 2.0 * half * first[0];
-    // The last Legendre coefficients estimate the truncation, since they decay geometrically for an
-    // analytic function (L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM
-    // 2013, chapter 8).
-    let error = resolution.error(&values.map(|v| v[0]), tail(&first), half, up_to_here);
-    // Where the rounding of f, or of positions beside a pole, dominates, the error at best halves with the
-    // width; converging series gain far more.
-    let of_rounding = || tail(&first) <= rounding(&values.map(|v| v[0]), middle.abs() / half);
-    let noise = error > 0.4 * before && (resolution.may_be_rounding(error, depth) || of_rounding());
-    let narrowest = half <= 16.0 * f64::EPSILON * b;
-    // Bisection does not help where f is not a number.
-    let unknown = error.is_nan();
-    if error <= resolution.tolerance() || noise || narrowest || unknown || depth > MOST_BISECTIONS {
-        *integral = up_to_here;
-        for (k, piecewise) in out.iter_mut().enumerate() {
-            piecewise.boundaries.push(b);
-            piecewise.coefficients.push(coefficients(k));
+    /// The integral of the first function up to the last cell, from the start of the first edge.
+    integral: f64,
+    /// Upper ends of the cells, and the coefficients of all functions.
+    cells: Vec<(f64, [Nodal; K])>,
+    /// Sum of the truncation errors of integrals over cells.
+    missed: f64,
+}
+
+impl<'a, F: Fn(f64) -> [f64; K], const K: usize> Bisection<'a, F, K> {
+    fn new(f: &'a F, resolution: Resolution, integral: f64) -> Self {
+        Self { f, resolution, integral, cells: Vec::new(), missed: 0.0 }
+    }
+
+    /// Interpolates on [a, b], bisecting where needed; returns false if there are too many cells. `before` is the error of the
+    /// parent cell.
+    fn divide(&mut self, (a, b): (f64, f64), (before, depth): (f64, u32)) -> bool {
+        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+        let values = RULE.nodes.map(|t| (self.f)(middle + half * t));
+        let coefficients = |k: usize| RULE.coefficients(&values.map(|v| v[k]));
+        let first = coefficients(0);
+        let (up_to_here, truncation) = (self.integral + 2.0 * half * first[0], tail(&first));
+        // The last Legendre coefficients estimate the truncation, since they decay geometrically for an
+        // analytic function (L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM
+        // 2013, chapter 8).
+        let error = self.resolution.error(&values.map(|v| v[0]), truncation, half, up_to_here);
+        // Where the rounding of f, or of positions beside a pole, dominates, the error at best halves with the
+        // width; converging series gain far more.
+        let of_rounding = || truncation <= rounding(&values.map(|v| v[0]), middle.abs() / half);
+        let noise = error > 0.4 * before && (self.resolution.may_be_rounding(error, depth) || of_rounding());
+        let narrowest = half <= 16.0 * f64::EPSILON * b;
+        // Bisection does not help where f is not a number.
+        let unknown = error.is_nan();
+        if error <= self.resolution.tolerance() || noise || narrowest || unknown || depth > MOST_BISECTIONS {
+            self.integral = up_to_here;
+            self.missed += 2.0 * half * truncation;
+            self.cells.push((b, std::array::from_fn(coefficients)));
+            return self.cells.len() < MOST_CELLS;
         }
-    } else {
-        bisect(f, (a, middle), (error, depth + 1), resolution, integral, out);
-        bisect(f, (middle, b), (error, depth + 1), resolution, integral, out);
+        self.divide((a, middle), (error, depth + 1)) && self.divide((middle, b), (error, depth + 1))
+    }
+
+    /// Appends the cells to the functions.
+    fn append(self, out: &mut [Piecewise; K]) {
+        for (end, coefficients) in self.cells {
+            for (piecewise, coefficients) in out.iter_mut().zip(coefficients) {
+                piecewise.boundaries.push(end);
+                piecewise.coefficients.push(coefficients);
+            }
+        }
     }
 }
 
-/// Interpolates several functions on [a, b], bisecting where one of them needs it. `before` is the largest error of the
-/// parent cell, in tolerances.
+/// Interpolates several functions on [a, b], bisecting where one of them needs it; returns false if there are too many cells
+/// after the first `cells`. `before` is the largest error of the parent cell, in tolerances.
 fn bisect_each(
     f: &impl Fn(f64) -> Vec<f64>,
     (a, b): (f64, f64),
     (before, depth): (f64, u32),
-    limits: &[(f64, f64)],
+    (limits, cells): (&[(f64, f64)], usize),
     out: &mut [Piecewise],
-) {
+) -> bool {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     let values = RULE.nodes.map(|t| f(middle + half * t));
     let coefficients: Vec<Nodal> = (0..out.len())
@@ -419,14 +463,18 @@ fn bisect_each(
             piecewise.boundaries.push(b);
             piecewise.coefficients.push(coefficients);
         }
-    } else {
-        bisect_each(f, (a, middle), (error, depth + 1), limits, out);
-        bisect_each(f, (middle, b), (error, depth + 1), limits, out);
+        return out.first().is_none_or(|out| out.coefficients.len() < cells + MOST_CELLS);
     }
+    [(a, middle), (middle, b)]
+        .into_iter()
+        .all(|half| bisect_each(f, half, (error, depth + 1), (limits, cells), out))
 }
 
 /// Bisections that reach 1e-30 of the width: there u^(−1/2) integrates to 1e-15.
 const MOST_BISECTIONS: u32 = 100;
+
+/// Largest number of cells between two edges. Those that are graded towards a singularity at each end are a few hundred.
+const MOST_CELLS: usize = 4000;
 
 #[cfg(test)]
 mod tests {
@@ -466,6 +514,23 @@ mod tests {
             assert!((value - exact(s)).norm() < 1e-14, "{s}");
             assert!((derivative - slope(s)).norm() < 3e-14, "{s}");
         }
+    }
+
+    #[test]
+    fn noise_ends_with_a_larger_tolerance_and_is_reported() {
+        // Noise of 1e-6 at each point, a function of its bits.
+        let noise =
+            |x: f64| (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / 2.0_f64.powi(24);
+        let f = |x: f64| [x.exp() + 1e-6 * (noise(x) - 0.5)];
+        let ([p], missed) = Piecewise::resolve_all(f, &[], 1.0, Resolution::Mean(1e-14));
+        assert!(p.coefficients.len() <= MOST_CELLS);
+        let off = (p.integral() - (1.0_f64.exp() - 1.0)).abs();
+        // The noise of cells adds up in the estimate, and mostly cancels in the integral.
+        assert!(off < missed && missed < 1e-6, "{off:e} {missed:e}");
+        let each = Piecewise::resolve_each(|x| f(x).to_vec(), &[0.0, 1.0], &[(1e-14, 1.0)]);
+        assert!(each[0].coefficients.len() <= MOST_CELLS && (each[0].integral() - p.integral()).abs() < 1e-6);
+        let ([_], missed) = Piecewise::resolve_all(|x: f64| [x.exp()], &[], 1.0, Resolution::Mean(1e-14));
+        assert_eq!(missed, 0.0);
     }
 
     #[test]

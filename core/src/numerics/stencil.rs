@@ -54,6 +54,11 @@ impl Stencil {
         Self { first, place: t, weights }
     }
 
+    /// Index of the point at the position or next below it.
+    pub fn below(&self) -> usize {
+        self.first + (self.place.max(0.0) as usize).min(POINTS - 1)
+    }
+
     /// The interpolated value of `known`(point).
     pub fn value(&self, known: impl Fn(usize) -> f64) -> f64 {
         self.weights.iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()

@@ -71,7 +71,7 @@ pub(super) fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<Output<HoldCurveNumbers>> {
     let Model { contacts, initial, .. } = model;
-    let steady = Steady::at(contacts, initial, task.velocity, &mut Part::new(monitor, 0.0, LIVES))?;
+    let steady = Steady::at(contacts, task.velocity, &mut Part::new(monitor, 0.0, LIVES))?;
     let mature =
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);

@@ -114,11 +114,11 @@ fn transport(model: &Model, tolerance: f64, monitor: &mut dyn Monitor) -> Result
 /// The history and the times of single contacts. Those that are to start in steady sliding slide until they have forgotten
 /// their initial state first; time-independent ones start with the stretches of steady sliding.
 fn settled(model: &Model, history: &History, times: &[f64]) -> Result<(History, Vec<f64>)> {
-    let Model { contacts, initial, .. } = model;
+    let contacts = &model.contacts;
     let Some(velocity) = model.steady.filter(|_| contacts.rules.are_time_dependent()) else {
         return Ok((history.clone(), times.to_vec()));
     };
-    let steady = Steady::at(contacts, initial, velocity, &mut ())?;
+    let steady = Steady::at(contacts, velocity, &mut ())?;
     let duration = steady.distance / velocity;
     let pieces = [Piece { velocity, duration }].into_iter().chain(history.pieces().iter().copied());
     let whole = History::new(pieces.collect())?;

@@ -155,7 +155,7 @@ fn steady(
     if known.len() == SPEEDS {
         return Ok(None);
     }
-    let equation = MasterEquation::at_with(model.contacts.clone(), &model.initial, velocity, monitor)?;
+    let equation = MasterEquation::reformed(model.contacts.clone(), Some(velocity), monitor)?;
     let friction = equation.steady_state().kinetic_friction() + model.background;
     known.push((velocity, friction));
     Ok(Some(friction))

@@ -1,7 +1,7 @@
 //! The sliding distance after which steady sliding does not depend on the initial state.
 
 use crate::Result;
-use crate::contacts::{Contacts, Initial};
+use crate::contacts::Contacts;
 use crate::master::{MasterEquation, SteadyState};
 use crate::monitor::Monitor;
 
@@ -29,14 +29,9 @@ impl Steady {
     /// Steady sliding of `contacts` at `velocity`.
     ///
     /// # Errors
-    /// Those of [`MasterEquation::at`].
-    pub fn at(
-        contacts: &Contacts,
-        initial: &Initial,
-        velocity: f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Self> {
-        let equation = MasterEquation::at_with(contacts.clone(), initial, velocity, monitor)?;
+    /// Those of [`MasterEquation::reformed`].
+    pub fn at(contacts: &Contacts, velocity: f64, monitor: &mut dyn Monitor) -> Result<Self> {
+        let equation = MasterEquation::reformed(contacts.clone(), Some(velocity), monitor)?;
         Ok(Self::of(&equation.steady_state()))
     }
 

@@ -106,10 +106,7 @@ pub(super) fn run(
     let Model { contacts, initial, .. } = model;
     fits("spectrum.points", 4 * task.points, || format!("a spectrum of {} points", task.points), monitor)?;
     let part = &mut Part::new(monitor, 0.0, 0.1);
-    let equation = match task.velocity {
-        Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, part)?,
-        None => MasterEquation::new_with(contacts.clone(), initial, part)?,
-    };
+    let equation = MasterEquation::reformed(contacts.clone(), task.velocity, part)?;
     let steady = equation.steady_state();
     let size = model.sample().unwrap_or(contacts.count);
     let life = steady.mean_life();

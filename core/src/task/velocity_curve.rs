@@ -106,12 +106,7 @@ pub(super) fn run(
             let begun = friction.len() as f64;
             let start = |job: f64| (begun + job / jobs) / points;
             let fraction = 1.0 / (jobs * points);
-            let steady = Steady::at(
-                contacts,
-                &model.initial,
-                velocity,
-                &mut Part::new(monitor, start(0.0), fraction),
-            )?;
+            let steady = Steady::at(contacts, velocity, &mut Part::new(monitor, start(0.0), fraction))?;
             friction.push(steady.friction);
             accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
             slow.push(contacts, velocity, limit.viscosity);

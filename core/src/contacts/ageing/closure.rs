@@ -23,7 +23,7 @@ const NOTHING: f64 = 1e-13;
 /// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ with C/v the mean life of contacts: exponentially distributed ages.
 ///
 /// Contacts re-form at stretches r ~ R and break at thresholds of P_c above them: with S the survival function of P_c, C =
-/// ∫R(r) ∫_r^∞ S(x)/S(r) dx dr, the mean way of a contact. That is ⟨h⟩ − ⟨r⟩ where R is below all thresholds.
+/// ∫R(r) ∫_r^∞ S(x)/S(r) dx dr, the mean advance of a contact from formation to break. That is ⟨h⟩ − ⟨r⟩ where R is below all thresholds.
 ///
 /// Equivalently (1 − (C/v)L)P_c = P_ci with L the operator of [`ThresholdFokkerPlanck`]: one backward Euler
 /// step, on adaptive spectral elements ([`Resolvent`]). The first two moments of broad thresholds fulfil their
@@ -70,42 +70,33 @@ impl Closure<'_> {
             field: Field { slope: &|h| slope.at(h), diffusion: self.maturing.diffusion, loss: None },
             tolerance: &tolerance,
         };
-        let (density, way) = self.solved(&resolvent, &watch);
+        let (density, advance) = self.solved(&resolvent, &watch);
         watch.check()?;
-        Ok(Arc::new(self.series(density, way)?))
+        Ok(Arc::new(self.series(density, advance)?))
     }
 
-    /// The density, and the mean way C of its contacts, which the time constant of the equation contains: a root.
+    /// The density, and the mean advance C of its contacts, which the time constant of the equation contains: a root.
     fn solved(&self, resolvent: &Resolvent<'_>, watch: &Watch<'_>) -> (Elements, f64) {
         let edges = RefCell::new(resolvent.edges());
-        let solve = |way: f64| {
+        let solve = |advance: f64| {
             // A solution begins with the elements of the one before.
-            let solved = resolvent.after(way / self.velocity, edges.take());
+            let solved = resolvent.after(advance / self.velocity, edges.take());
             edges.replace(solved.edges.clone());
             solved
         };
         let starts = starts(self.maturing, self.reforming);
-        let excess = |way: f64| {
+        let excess = |advance: f64| {
             if watch.stops() {
                 return 0.0;
             }
-            mean_way(&solve(way), &starts) - way
+            mean_advance(&solve(advance), &starts) - advance
         };
-        // Means of thresholds of all ages lie between, or near, those of the two distributions.
-        let ends = [self.maturing.newborn_law().mean(), self.maturing.mature_law().mean()];
-        let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-        while excess(low) < 0.0 && low > 0.0 {
-            low *= 0.5;
-        }
-        while excess(high) > 0.0 && high < self.maturing.support.1 {
-            high *= 2.0;
-        }
-        let way = brent_root(excess, low, high, 0.0).unwrap_or(low);
-        (solve(way), way)
+        let advance = self_consistent_advance(self.maturing, excess);
+        (solve(advance), advance)
     }
 
-    /// The distribution with this density, whose contacts have the mean way C.
-    fn series(&self, density: Elements, way: f64) -> Result<Series> {
+    /// The distribution with this density, whose contacts have the mean advance C.
+    fn series(&self, density: Elements, advance: f64) -> Result<Series> {
         /// Elements with less of the mass, and of the second moment, do not show in any result; the support ends at the
         /// outermost ones with more.
         const SHOWN: f64 = 1e-15;
@@ -120,7 +111,7 @@ impl Closure<'_> {
             boundaries: density.edges[first..=last + 1].to_vec(),
             coefficients: density.series[first..=last].to_vec(),
         };
-        let spread = way * self.maturing.diffusion / self.velocity;
+        let spread = advance * self.maturing.diffusion / self.velocity;
         let (start, end) = (density.boundaries[0], density.end());
         let ends = [(start, density.value(start)), (end, -density.value_in(last - first, end))];
         let jumps = ends.map(|(position, amplitude)| Breakpoint { position, exponent: 0.0, amplitude });
@@ -142,14 +133,28 @@ pub(crate) fn starts(maturing: &ThresholdFokkerPlanck, reforming: &SharedLaw) ->
     atoms.chain(points(law, &cuts, ends)).collect()
 }
 
+/// C where the mean advance of contacts that have lived for it is C again: the root of the excess of that over C.
+pub(crate) fn self_consistent_advance(maturing: &ThresholdFokkerPlanck, excess: impl Fn(f64) -> f64) -> f64 {
+    // Means of thresholds of all ages lie between, or near, those of the two distributions.
+    let ends = [maturing.newborn_law().mean(), maturing.mature_law().mean()];
+    let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    while excess(low) < 0.0 && low > 0.0 {
+        low *= 0.5;
+    }
+    while excess(high) > 0.0 && high < maturing.support.1 {
+        high *= 2.0;
+    }
+    brent_root(excess, low, high, 0.0).unwrap_or(low)
+}
+
 /// C, from points (r, weight) of R.
-pub(crate) fn mean_way(density: &Elements, starts: &[(f64, f64)]) -> f64 {
+pub(crate) fn mean_advance(density: &Elements, starts: &[(f64, f64)]) -> f64 {
     /// Fraction of contacts above a stretch below which rounding tells nothing of where they break.
     const FEWEST: f64 = 1e-13;
     let whole: f64 = starts.iter().map(|start| start.1).sum();
     let of = |&(start, weight): &(f64, f64)| {
-        let [above, way] = density.sums_above(start, |h| [1.0, h - start]);
-        if above > FEWEST { weight * way / above } else { 0.0 }
+        let [above, advance] = density.sums_above(start, |h| [1.0, h - start]);
+        if above > FEWEST { weight * advance / above } else { 0.0 }
     };
     starts.iter().map(of).sum::<f64>() / whole
 }

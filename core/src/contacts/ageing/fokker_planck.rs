@@ -4,7 +4,7 @@ use super::{Ageing, Contacts};
 use crate::Result;
 use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::{Elements, Potential, Slope, cloud_in_cell};
+use crate::numerics::diffusion::{Elements, Evolution, Field, Potential, Slope, cloud_in_cell};
 use crate::numerics::legendre::{NODES, RULE};
 
 /// Fraction of thresholds neglected above the upper end.
@@ -128,6 +128,31 @@ impl ThresholdFokkerPlanck {
             self.set_exact_mass(&mut density, edge.position);
         }
         density
+    }
+
+    /// The evolution of the density of fresh thresholds, of which no contact breaks, with this tolerance; `slope` is U', and
+    /// `kinks` are [`Self::kinks`].
+    pub(super) fn evolution<'a>(
+        &self,
+        (slope, kinks): (&'a dyn Fn(f64) -> f64, &'a [f64]),
+        tolerance: f64,
+        stops: &'a dyn Fn() -> bool,
+    ) -> Evolution<'a> {
+        /// The narrowest element at a jump of the density, in units of the width of P_cf.
+        const FINEST: f64 = 1e-5;
+        let finest = FINEST * self.width();
+        Evolution {
+            density: self.fresh_density(self.support.0, |_| 0.1 * tolerance, finest),
+            field: Field { slope, diffusion: self.diffusion, loss: None },
+            velocity: 0.0,
+            absorbing: false,
+            kinks,
+            tolerance,
+            time: 0.0,
+            next: finest * finest / self.diffusion,
+            first: true,
+            stops,
+        }
     }
 
     /// Sets the mass of the elements beside a breakpoint to the exact one, where the density is too steep for

@@ -6,7 +6,7 @@ use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::Breakpoint;
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::{Elements, Evolution, Field, TimeStep};
+use crate::numerics::diffusion::{Elements, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, integral, series};
 use crate::numerics::piecewise::tail;
 
@@ -263,25 +263,11 @@ impl ThresholdDensity {
 
 /// The densities at the Gauss points of all panels of ages, up to the age from which on nothing changes.
 fn evolve(maturing: &ThresholdFokkerPlanck, first: f64, watch: &Watch<'_>) -> Result<Vec<Elements>> {
-    /// The narrowest element at a jump of the density, in units of the width of P_cf.
-    const FINEST: f64 = 1e-5;
     /// Oldest age, in units of the time in which the mature width is diffused through.
     const OLDEST: f64 = 1e4;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
-    let finest = FINEST * maturing.width();
-    let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
-    let mut evolution = Evolution {
-        density: maturing.fresh_density(maturing.support.0, |_| 0.1 * LEFT_OUT, finest),
-        field,
-        velocity: 0.0,
-        absorbing: false,
-        kinks: &kinks,
-        tolerance: LEFT_OUT,
-        time: 0.0,
-        next: finest * finest / maturing.diffusion,
-        first: true,
-        stops: &|| watch.stops(),
-    };
+    let (slope, stops) = (|h: f64| slope.at(h), || watch.stops());
+    let mut evolution = maturing.evolution((&slope, &kinks), LEFT_OUT, &stops);
     let oldest = OLDEST * maturing.mature_law().std().powi(2) / maturing.diffusion;
     let (mut columns, mut step): (Vec<Elements>, Option<TimeStep>) = (Vec::new(), None);
     let (mut start, mut end) = (0.0, first);

@@ -15,7 +15,7 @@ mod shared_ranks;
 mod threshold_evolution;
 
 pub use closure::Closure;
-pub(crate) use closure::{mean_way, starts};
+pub(crate) use closure::{mean_advance, self_consistent_advance, starts};
 pub use fokker_planck::ThresholdFokkerPlanck;
 pub(crate) use maturing_table::{AgeWeights, MaturingTable, ThresholdDensity};
 pub use rule::{Ageing, AgeingRule};

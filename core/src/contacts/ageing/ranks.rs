@@ -7,7 +7,7 @@ use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::{Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Part, Watch, report};
-use crate::numerics::diffusion::{Elements, Evolution, Field, TimeStep};
+use crate::numerics::diffusion::{Elements, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::{POINTS, Stencil};
@@ -56,6 +56,8 @@ pub(super) struct RankTable {
     time: f64,
     /// h at equally spaced ψ, for each age.
     rows: Vec<Vec<f64>>,
+    /// The lowest h of each of these ranks at any age.
+    lowest: Vec<f64>,
     /// The means of h and of h² over the contacts above each of these ranks.
     means: Vec<Vec<[f64; 2]>>,
     error: f64,
@@ -89,14 +91,27 @@ pub(crate) struct RankTrajectory<'a> {
 
 impl RankTrajectory<'_> {
     pub(super) fn threshold(&self, age: f64) -> f64 {
-        let interpolated = |age: usize| {
-            let known = &self.thresholds[age];
-            if known.get().is_nan() {
-                known.set(self.rank.ranks.value(|rank| self.ranks.rows[age][rank]));
-            }
-            known.get()
-        };
-        self.ranks.at(age).ages.value(interpolated) + self.rank.beyond
+        self.ranks.at(age).ages.value(|row| self.tabulated(row)) + self.rank.beyond
+    }
+
+    /// ∂h/∂t.
+    pub(super) fn drift(&self, age: f64) -> f64 {
+        let aged = self.ranks.at(age);
+        aged.pace * aged.ages.slope(|row| self.tabulated(row))
+    }
+
+    /// A threshold that h is never below: that of the second tabulated rank below, since interpolation may overshoot the next.
+    pub(super) fn lowest(&self) -> f64 {
+        self.ranks.lowest[self.rank.ranks.below().saturating_sub(1)] + self.rank.beyond
+    }
+
+    /// The threshold at a tabulated age.
+    fn tabulated(&self, row: usize) -> f64 {
+        let known = &self.thresholds[row];
+        if known.get().is_nan() {
+            known.set(self.rank.ranks.value(|rank| self.ranks.rows[row][rank]));
+        }
+        known.get()
     }
 }
 
@@ -166,7 +181,9 @@ impl RankTable {
             std::iter::once(born).chain(evolve_quantiles(maturing, &ages, monitor)?).collect();
         report(monitor, SHARE)?;
         let means = means_above(newborn.as_ref(), &rows, &mut || report(monitor, SHARE))?;
-        let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, means, error: 0.0 };
+        let lowest_of = |rank: usize| rows.iter().map(|row| row[rank]).fold(f64::INFINITY, f64::min);
+        let lowest = (0..RANKS).map(lowest_of).collect();
+        let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, lowest, means, error: 0.0 };
         ranks.error = ranks.interpolation_error(&mut || report(monitor, SHARE))?;
         Ok(ranks)
     }
@@ -174,6 +191,11 @@ impl RankTable {
     /// A time over which thresholds change smoothly from formation on: the first tabulated age.
     pub(super) fn soon(&self) -> f64 {
         self.time * SPACING.exp_m1()
+    }
+
+    /// Thresholds change on the scale of this time plus the age.
+    pub(super) fn time_scale(&self) -> f64 {
+        self.time
     }
 
     /// Estimated error of the distribution function at any age.
@@ -449,24 +471,10 @@ fn evolve_quantiles(
     ages: &[f64],
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<Vec<f64>>> {
-    /// The narrowest element at a jump of the density, in units of the width of P_cf.
-    const FINEST: f64 = 1e-5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
-    let finest = FINEST * maturing.width();
-    let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
     let watch = Watch::new(monitor);
-    let mut evolution = Evolution {
-        density: maturing.fresh_density(maturing.support.0, |_| 0.1 * LEFT_OUT, finest),
-        field,
-        velocity: 0.0,
-        absorbing: false,
-        kinks: &kinks,
-        tolerance: LEFT_OUT,
-        time: 0.0,
-        next: finest * finest / maturing.diffusion,
-        first: true,
-        stops: &|| watch.stops(),
-    };
+    let (slope, stops) = (|h: f64| slope.at(h), || watch.stops());
+    let mut evolution = maturing.evolution((&slope, &kinks), LEFT_OUT, &stops);
     let Some((&earliest, &oldest)) = ages.first().zip(ages.last()) else { return Ok(Vec::new()) };
     let mut step: Option<TimeStep> = None;
     let mut steps = 0.0;

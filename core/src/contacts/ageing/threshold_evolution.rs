@@ -200,6 +200,21 @@ impl ThresholdEvolution {
         }
     }
 
+    /// The time on the scale of which, added to the age, thresholds change: as functions of the age they are singular that long
+    /// before formation, or farther away.
+    pub(crate) fn time_scale(&self) -> f64 {
+        match &self.kind {
+            Kind::Constant => f64::INFINITY,
+            Kind::Logarithmic { time, .. } => *time,
+            Kind::Gaussian { newborn, mature, time } => {
+                // Where the variance of a distribution that broadens, followed back in time, is 0.
+                let ratio = (newborn.std / mature.std).powi(2);
+                if ratio < 1.0 { time * (-0.5 * (-ratio).ln_1p()).min(1.0) } else { *time }
+            }
+            Kind::Ranked(ranks) => ranks.time_scale(),
+        }
+    }
+
     /// The rank of contacts with fresh threshold h_0, if contacts keep it. Thresholds at many ages are found
     /// faster from it.
     pub(crate) fn rank(&self, newborn: f64) -> Option<Rank> {
@@ -309,6 +324,19 @@ impl ThresholdTrajectory<'_> {
         }
     }
 
+    /// ∂h/∂t at an age.
+    pub(crate) fn drift(&self, age: f64) -> f64 {
+        match self {
+            Self::Affine(strength, newborn) => strength.at(age).drift(*newborn),
+            Self::Ranked(followed) => followed.drift(age),
+        }
+    }
+
+    /// A threshold that h is never below, 0 where none is known.
+    pub(crate) fn lowest(&self) -> f64 {
+        if let Self::Ranked(followed) = self { followed.lowest() } else { 0.0 }
+    }
+
     /// h at sixteen ages; the loops of logarithmic ageing and of ranks of Gaussians vectorise.
     #[inline(always)]
     pub(crate) fn thresholds(&self, ages: &Nodal) -> Nodal {
@@ -351,15 +379,6 @@ impl ThresholdsAtAge<'_> {
         match (&self.0, label.rank) {
             (At::Ranked(aged), Some(rank)) => aged.threshold_of(rank).max(0.0),
             _ => self.threshold(label.newborn),
-        }
-    }
-
-    /// ∂h/∂t of a contact with a label.
-    #[inline]
-    pub(crate) fn drift_of(&self, label: Label<'_>) -> f64 {
-        match (&self.0, label.rank) {
-            (At::Ranked(aged), Some(rank)) => aged.drift_of(rank),
-            _ => self.drift(label.newborn),
         }
     }
 

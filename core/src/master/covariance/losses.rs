@@ -3,7 +3,7 @@
 use crate::master::force_after_break::ForceAfterBreak;
 use crate::master::renewal::RenewalSolution;
 use crate::numerics::legendre::{NODES, Nodal, RULE, dot, gauss_points, integral, series_at};
-use crate::numerics::wide::wide;
+use crate::numerics::wide::vectorised;
 
 /// The breaks on [0, X₁], by cells on which their rate is a polynomial, and the force of those contacts at X₂.
 pub(super) struct LossesAtBreaks<'a> {
@@ -76,13 +76,10 @@ impl<'a> LossesAtBreaks<'a> {
     /// it.
     pub(super) fn lost(&self, row: usize, cuts: &mut Vec<f64>) -> Vec<f64> {
         let mut out = vec![0.0; row + 1];
-        let on_wide = wide(
+        vectorised(
             #[inline(always)]
             || self.add_continuous(row, cuts, &mut out),
         );
-        if on_wide.is_none() {
-            self.add_continuous(row, cuts, &mut out);
-        }
         self.add_simultaneous(self.positions[row], &mut out);
         out
     }

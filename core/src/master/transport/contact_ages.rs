@@ -137,7 +137,7 @@ impl ContactAges {
                 let fraction = attached * 0.5 * (high - low) * RULE.weights[k] * (-age).exp();
                 groups.push(AgeGroup { age: mean * age, fraction });
             }
-            (low, high) = (high, high + (high).min(WIDEST));
+            (low, high) = (high, high + high.min(WIDEST));
         }
         groups.reverse();
         Self(groups)

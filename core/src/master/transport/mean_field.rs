@@ -12,9 +12,11 @@ use super::contact_ages::{ContactAges, SharedStep, StepChanges};
 use super::path::Path;
 use super::shared_thresholds::StepThresholds;
 use super::trial::{StepAttempt, Trial, masses_at_nodes};
-use crate::contacts::{Contacts, MaturingTable, ThresholdDensity, ThresholdFokkerPlanck, mean_way, starts};
+use crate::contacts::{
+    Contacts, MaturingTable, ThresholdDensity, ThresholdFokkerPlanck, mean_advance, self_consistent_advance,
+    starts,
+};
 use crate::monitor::Monitor;
-use crate::numerics::roots::brent_root;
 use crate::{Error, Result};
 
 /// The thresholds of contacts of all ages.
@@ -32,23 +34,15 @@ pub(super) fn table(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Ar
     MaturingTable::new(maturing, monitor).map(Arc::new)
 }
 
-/// The mean age of the contacts in steady sliding, and their P_c: the age is the time in which the slider moves by the mean way
-/// of a contact.
+/// The mean age of the contacts in steady sliding, and their P_c: the age is the time in which the slider moves by the mean
+/// advance of a contact.
 pub(super) fn steady(table: &MaturingTable, contacts: &Contacts, velocity: f64) -> (f64, ThresholdDensity) {
     let maturing = table.maturing();
     let starts = starts(maturing, &contacts.reforming);
-    let at = |way: f64| ContactAges::steady(way / velocity, 1.0).thresholds(table);
-    let excess = |way: f64| mean_way(&at(way).elements(), &starts) - way;
-    let ends = [maturing.newborn_law().mean(), maturing.mature_law().mean()];
-    let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    while excess(low) < 0.0 && low > 0.0 {
-        low *= 0.5;
-    }
-    while excess(high) > 0.0 && high < maturing.support.1 {
-        high *= 2.0;
-    }
-    let way = brent_root(excess, low, high, 0.0).unwrap_or(low);
-    (way / velocity, at(way))
+    let at = |advance: f64| ContactAges::steady(advance / velocity, 1.0).thresholds(table);
+    let excess = |advance: f64| mean_advance(&at(advance).elements(), &starts) - advance;
+    let advance = self_consistent_advance(maturing, excess);
+    (advance / velocity, at(advance))
 }
 
 /// Largest number of rounds; a step that needs more is too long.

@@ -24,7 +24,6 @@ mod mean_field;
 mod merging;
 mod model;
 mod moment_table;
-
 mod panels;
 mod path;
 mod ranked;
@@ -39,14 +38,14 @@ mod step_context;
 mod step_control;
 mod survival_table;
 mod thermal;
+mod threshold_rule;
+mod trace;
 mod trial;
 
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::contacts::{
-    Ageing, Contacts, FreeFriction, Initial, MaturingTable, Rules, Start, ThresholdEvolution,
-};
+use crate::contacts::{Ageing, Contacts, FreeFriction, Initial, Rules, Start};
 use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
@@ -57,14 +56,14 @@ use broken::Broken;
 use cohort::{Cohort, EnergyChange};
 use contact_ages::{ContactAges, SharedStep};
 use dense_output::{DenseOutput, Reading, RequestedReadings, StepReadings};
-use diffusing::Diffusing;
 use model::CohortModel;
 use path::Path;
-use ranked::RankedThresholds;
 pub use response::StepResponse;
 use seeds::{Seed, seeds};
 pub use stability::Slider;
 use step_control::StepControl;
+use threshold_rule::ThresholdRule;
+pub use trace::Trace;
 use trial::StepAttempt;
 
 /// Contacts under a slider whose velocity varies.
@@ -133,26 +132,6 @@ pub struct Transport {
     ages: Option<ContactAges>,
     /// A second solution with a larger tolerance, for the error estimate.
     rough: Option<Box<Self>>,
-}
-
-/// Results at given times. At simultaneous breaks the force is that after the break.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Trace {
-    /// Time t.
-    pub time: Vec<f64>,
-    /// Position X.
-    pub position: Vec<f64>,
-    /// Velocity, from the right.
-    pub velocity: Vec<f64>,
-    /// Force F.
-    pub force: Vec<f64>,
-    /// Breaking rate, a fraction of contacts per time, without simultaneous breaks.
-    pub breaking_rate: Vec<f64>,
-    /// The fraction of free contacts.
-    pub free: Vec<f64>,
-    /// Estimate of the largest error of F, on the safe side: the difference to F at sixteen times the
-    /// tolerance.
-    pub error: f64,
 }
 
 /// Ratio of the tolerance of the second solution to that of the first: for steps of fourth order, twice the
@@ -240,7 +219,7 @@ impl Transport {
         let stiffness = contacts.stiffness.unit();
         let mean = contacts.thresholds.mean();
         Ok(Self {
-            model: Arc::new(model(contacts, rule, &seeds, tolerance, monitor)?),
+            model: Arc::new(rule.model(contacts, &seeds, tolerance, monitor)?),
             seeds: seeds.into(),
             cells: cells.into(),
             stiffness: contacts.count * stiffness,
@@ -702,82 +681,9 @@ const ROUNDING: f64 = 1e-9;
 /// Relative difference below which times are equal.
 const SAME: f64 = 4.0 * f64::EPSILON;
 
-impl Trace {
-    /// Refuses a trace whose estimated error exceeds the required one of F/(N_c⟨k⟩) per mean threshold;
-    /// `unit` is N_c⟨k⟩ × the mean threshold.
-    ///
-    /// # Errors
-    /// [`Error::Accuracy`].
-    pub fn check(&self, unit: f64, required: Option<f64>) -> Result<()> {
-        let what = || "the force of contacts followed through time".to_owned();
-        required.map_or(Ok(()), |required| Tolerance::from(required).allows(self.error / unit, what))
-    }
-
-    /// Adds a reading, whose force is in units of `stiffness`, with the `friction` of free contacts.
-    fn push(
-        &mut self,
-        (time, position): (f64, f64),
-        velocity: f64,
-        reading: Reading,
-        (stiffness, friction): (f64, FreeFriction),
-    ) {
-        self.time.push(time);
-        self.position.push(position);
-        self.velocity.push(velocity);
-        self.force.push(stiffness * reading.force + reading.free * friction.at(velocity));
-        self.breaking_rate.push(reading.rate);
-        self.free.push(reading.free);
-    }
-}
-
 /// The tolerance of the second solution.
 fn rough(tolerance: f64) -> f64 {
     (ROUGH * tolerance).min(1e-2)
-}
-
-/// How thresholds change, known before the tolerance is: computed once for both solutions.
-#[derive(Debug, Clone)]
-enum ThresholdRule {
-    /// As a function of age.
-    OfAge(ThresholdEvolution),
-    /// They diffuse.
-    Diffusing,
-    /// All contacts share one distribution.
-    Shared(Arc<MaturingTable>),
-}
-
-impl ThresholdRule {
-    fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
-        match &contacts.rules.ageing {
-            Some(Ageing::MeanField { .. }) => mean_field::table(contacts, monitor).map(Self::Shared),
-            Some(Ageing::Smoluchowski { .. }) => Ok(Self::Diffusing),
-            _ => ThresholdEvolution::of_with(contacts, monitor).map(Self::OfAge),
-        }
-    }
-}
-
-/// The rules of the thresholds of these contacts, which re-form at the seeds.
-fn model(
-    contacts: &Contacts,
-    rule: ThresholdRule,
-    seeds: &[Seed],
-    tolerance: f64,
-    monitor: &mut dyn Monitor,
-) -> Result<CohortModel> {
-    report(monitor, 0.0)?;
-    match rule {
-        ThresholdRule::OfAge(strength) => {
-            Ok(CohortModel::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))))
-        }
-        ThresholdRule::Shared(table) => Ok(CohortModel::Shared(table)),
-        ThresholdRule::Diffusing => {
-            let scale = step_control::scale(contacts);
-            let diffusing = Diffusing::new(contacts, seeds, scale, tolerance, monitor)?;
-            Ok(CohortModel::Diffusing(Box::new(
-                diffusing.expect("thresholds that diffuse have a mature law"),
-            )))
-        }
-    }
 }
 
 /// The seeds of re-formed contacts. Results depend on the stretch of formation as on the time of formation

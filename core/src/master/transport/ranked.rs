@@ -26,7 +26,7 @@ use crate::law::{Atom, SharedLaw};
 use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, Nodal, RULE, dot_in_lanes, series_at, sum_in_lanes};
 use crate::numerics::roots::{brent_minimum, brent_root};
-use crate::numerics::wide::wide;
+use crate::numerics::wide::vectorised;
 
 /// Thresholds that follow from age.
 #[derive(Debug)]
@@ -480,8 +480,10 @@ impl RankedThresholds {
         let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return sums };
         for (exponents, number) in band.exponents.iter().zip(band.first..) {
             let panel = grid.kept(number);
-            let on_panel = || survivors(&panel, left.met, exponents, aged);
-            let [count, stiffness] = wide(on_panel).unwrap_or_else(on_panel);
+            let [count, stiffness] = vectorised(
+                #[inline(always)]
+                || survivors(&panel, left.met, exponents, aged),
+            );
             sums = [sums[0] + count, sums[1] + stiffness];
         }
         sums

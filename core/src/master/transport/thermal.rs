@@ -11,7 +11,7 @@ use crate::contacts::{
 };
 use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, Nodal};
-use crate::numerics::wide::wide;
+use crate::numerics::wide::vectorised;
 
 /// Thermal breaking.
 #[derive(Debug)]
@@ -283,7 +283,10 @@ impl ThermalBreaking {
 
     /// What the moments add to A of these labels.
     pub(super) fn added(&self, moments: &[QuadratureMoment], labels: &NodalLabels) -> Nodal {
-        wide(|| self.sum_over(moments, labels)).unwrap_or_else(|| self.sum_over(moments, labels))
+        vectorised(
+            #[inline(always)]
+            || self.sum_over(moments, labels),
+        )
     }
 
     #[inline(always)]

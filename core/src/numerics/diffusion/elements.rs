@@ -29,9 +29,9 @@ pub struct Elements {
 /// P_{k−2})/√(4k − 2) for k ≥ 2.
 #[derive(Debug)]
 pub(super) struct Basis {
-    /// Values at the Gauss points.
+    /// Values of all functions at each Gauss point.
     pub(super) values: Matrix,
-    /// Slopes at the Gauss points.
+    /// Slopes of all functions at each Gauss point.
     pub(super) slopes: Matrix,
     /// Mass matrix: ∫ of products of two basis functions.
     pub(super) mass: Matrix,
@@ -60,9 +60,9 @@ impl Basis {
             let p = legendre(t);
             let unit = |k: usize| -> Nodal { std::array::from_fn(|i| f64::from(u8::from(i == k))) };
             let all = Self::in_basis(&p);
+            values[q] = all;
             for k in 0..NODES {
-                values[k][q] = all[k];
-                slopes[k][q] = match k {
+                slopes[q][k] = match k {
                     0 => -0.5,
                     1 => 0.5,
                     // P_k' − P_{k−2}' = (2k − 1) P_{k−1}: the slopes of the inner functions are
@@ -72,7 +72,7 @@ impl Basis {
             }
         }
         let product = |a: &Matrix| -> Matrix {
-            let sum = |k: usize, l: usize| (0..NODES).map(|q| RULE.weights[q] * a[k][q] * a[l][q]).sum();
+            let sum = |k: usize, l: usize| (0..NODES).map(|q| RULE.weights[q] * a[q][k] * a[q][l]).sum();
             std::array::from_fn(|k| std::array::from_fn(|l| sum(k, l)))
         };
         Self { mass: product(&values), stiffness: product(&slopes), values, slopes }
@@ -325,7 +325,7 @@ mod tests {
         let amplitudes: Nodal = std::array::from_fn(|k| 1.0 / (1.0 + k as f64));
         let found = Basis::series(&amplitudes);
         for (q, &t) in RULE.nodes.iter().enumerate() {
-            let exact: f64 = (0..NODES).map(|k| amplitudes[k] * BASIS.values[k][q]).sum();
+            let exact: f64 = (0..NODES).map(|k| amplitudes[k] * BASIS.values[q][k]).sum();
             assert!((series(&found, t) - exact).abs() < 1e-15);
         }
     }

@@ -1,8 +1,8 @@
 //! The resolvent (1 − aL)⁻¹ of a Fokker–Planck operator L on adaptive spectral elements: the density after an
 //! exponentially distributed time of mean a.
 
-use super::elements::{BASIS, Basis, Elements, Matrix, NARROWEST, ROUNDING, refined};
-use super::galerkin::{Field, GalerkinElement, implicit_step, operator};
+use super::elements::{BASIS, Basis, Elements, NARROWEST, ROUNDING, refined};
+use super::galerkin::{Field, GalerkinElement, Operator, implicit_step};
 use crate::numerics::legendre::{NODES, Nodal};
 
 /// Largest number of elements beyond those of the start.
@@ -59,10 +59,9 @@ impl Resolvent<'_> {
     fn solved(&self, a: f64, edges: Vec<f64>) -> Elements {
         let start = self.density.on(&edges);
         let cell = |pair: &[f64]| {
-            let (edges, rest) = (([pair[0], pair[1]], [0.0; 2]), (0.0, a));
-            let mut operator = operator(edges, &self.field, 0.0);
+            let mut operator = Operator::new(([pair[0], pair[1]], [0.0; 2]), &self.field, 0.0);
             self.add_viscosity(&mut operator, pair);
-            GalerkinElement::new(edges, &self.field, rest, Some(&operator))
+            GalerkinElement::new(0.5 * (pair[1] - pair[0]), operator, a)
         };
         let cells: Vec<GalerkinElement> = edges.windows(2).map(cell).collect();
         let mut moments: Vec<Nodal> =
@@ -83,11 +82,11 @@ impl Resolvent<'_> {
     /// Spectral vanishing viscosity (E. Tadmor, SIAM J. Numer. Anal. 26, 30 (1989)): diffusion of the highest functions only,
     /// in proportion to the drift. Without it, where drift outweighs diffusion across an element, rounding makes a mode of
     /// alternating signs, which is carried against the drift undamped. The density has these functions to its truncation error only.
-    fn add_viscosity(&self, operator: &mut Matrix, ends: &[f64]) {
+    fn add_viscosity(&self, operator: &mut Operator, ends: &[f64]) {
         const HIGHEST: usize = 4;
         let drift = self.field.diffusion * (self.field.slope)(0.5 * (ends[0] + ends[1])).abs();
         for k in NODES - HIGHEST..NODES {
-            operator[k][k] += drift / NODES as f64 * BASIS.stiffness[k][k];
+            operator.add_to_diagonal(k, drift / NODES as f64 * BASIS.stiffness[k][k]);
         }
     }
 

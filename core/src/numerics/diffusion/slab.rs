@@ -5,9 +5,10 @@
 //! each is an implicit Euler step.
 
 use super::elements::{Basis, Elements};
-use super::galerkin::{Field, GalerkinElement, implicit_step};
+use super::galerkin::{Field, GalerkinElement, Operator, implicit_step};
 use super::radau::{RADAU, Radau, STAGES};
 use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::wide::vectorised;
 
 /// The motion of the elements in a step.
 #[derive(Debug, Clone, Copy)]
@@ -50,25 +51,11 @@ pub(super) fn slab(
     let rounding = 2.0 * f64::EPSILON * density.mass().abs();
     let mut iteration_error = f64::INFINITY;
     for sweep in 0..MOST_SWEEPS {
-        // Spectral deferred correction: the part of the Radau quadrature that the implicit sweep does not
-        // contain is taken from the rates of the previous sweep. At convergence both parts add up to the
-        // collocation equations.
-        let fixed: Vec<Vec<Nodal>> = (0..STAGES)
-            .map(|m| {
-                let implicit = |l: usize| if l <= m { RADAU.sweep[m][l] } else { 0.0 };
-                let weights = std::array::from_fn(|l| motion.duration * (RADAU.weights[m][l] - implicit(l)));
-                if sweep == 0 { start.clone() } else { added(&start, &rates, weights) }
-            })
-            .collect();
         let before = std::mem::take(&mut iteration_error);
-        for (m, fixed) in fixed.iter().enumerate() {
-            let weights =
-                std::array::from_fn(|l| if l < m { motion.duration * RADAU.sweep[m][l] } else { 0.0 });
-            let next = implicit_step(&mesh.cells[m], added(fixed, &rates, weights), motion.absorbing);
-            iteration_error = iteration_error.max(mesh.distance(m, &next, &amplitudes[m]));
-            rates[m] = mesh.rates(m, &next);
-            amplitudes[m] = next;
-        }
+        iteration_error = vectorised(
+            #[inline(always)]
+            || mesh.sweep(&start, sweep == 0, &mut rates, &mut amplitudes),
+        );
         // Changes at the level of rounding do not decrease further.
         if iteration_error < tolerance.max(rounding)
             || (sweep > 12 && iteration_error > 0.5 * before && iteration_error < 10.0 * tolerance)
@@ -85,6 +72,7 @@ pub(super) fn slab(
 }
 
 /// `moments` plus the rates of all stages times weights.
+#[inline(always)]
 fn added(moments: &[Nodal], rates: &[Vec<Nodal>], weights: [f64; STAGES]) -> Vec<Nodal> {
     let mut out = moments.to_vec();
     for (rates, weight) in rates.iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
@@ -108,19 +96,52 @@ impl<'a> SlabMesh<'a> {
         let mut mesh = Self { start: &density.edges, motion, cells: Vec::new() };
         for m in 0..STAGES {
             let edges = mesh.edges(RADAU.nodes[m]);
-            let times = (RADAU.nodes[m], motion.duration * RADAU.sweep[m][m]);
+            let a = motion.duration * RADAU.sweep[m][m];
             let cell = |i: usize| {
                 let speeds = [i, i + 1].map(|i| mesh.relative_velocity(i) * motion.by / motion.duration);
                 // An element at rest without loss has the same operator at all stages; only the
                 // implicit step length differs.
                 let rests = speeds == [0.0; 2] && field.loss.is_none();
-                let still = mesh.cells.first().filter(|_| rests).map(|cells| &cells[i].operator);
-                GalerkinElement::new(([edges[i], edges[i + 1]], speeds), field, times, still)
+                let still = mesh.cells.first().filter(|_| rests).map(|cells| cells[i].operator().clone());
+                let ends = [edges[i], edges[i + 1]];
+                let operator = still.unwrap_or_else(|| Operator::new((ends, speeds), field, RADAU.nodes[m]));
+                GalerkinElement::new(0.5 * (ends[1] - ends[0]), operator, a)
             };
             let cells = (0..density.count()).map(cell).collect();
             mesh.cells.push(cells);
         }
         mesh
+    }
+
+    /// One sweep of spectral deferred correction; returns how far it moves the densities.
+    #[inline(always)]
+    fn sweep(
+        &self,
+        start: &[Nodal],
+        first: bool,
+        rates: &mut [Vec<Nodal>],
+        amplitudes: &mut [Vec<Nodal>],
+    ) -> f64 {
+        // The part of the Radau quadrature that the implicit sweep does not
+        // contain is taken from the rates of the previous sweep. At convergence both parts add up to the
+        // collocation equations.
+        let EdgeMotion { duration, absorbing, .. } = *self.motion;
+        let fixed: Vec<Vec<Nodal>> = (0..STAGES)
+            .map(|m| {
+                let implicit = |l: usize| if l <= m { RADAU.sweep[m][l] } else { 0.0 };
+                let weights = std::array::from_fn(|l| duration * (RADAU.weights[m][l] - implicit(l)));
+                if first { start.to_vec() } else { added(start, rates, weights) }
+            })
+            .collect();
+        let mut change = 0.0_f64;
+        for (m, fixed) in fixed.iter().enumerate() {
+            let weights = std::array::from_fn(|l| if l < m { duration * RADAU.sweep[m][l] } else { 0.0 });
+            let next = implicit_step(&self.cells[m], added(fixed, rates, weights), absorbing);
+            change = change.max(self.distance(m, &next, &amplitudes[m]));
+            rates[m] = self.rates(m, &next);
+            amplitudes[m] = next;
+        }
+        change
     }
 
     /// The velocity of an edge over that of the floor.
@@ -143,11 +164,9 @@ impl<'a> SlabMesh<'a> {
     }
 
     /// Rates of change of the moments.
+    #[inline(always)]
     fn rates(&self, m: usize, amplitudes: &[Nodal]) -> Vec<Nodal> {
-        let rate = |(cell, density): (&GalerkinElement, &Nodal)| {
-            cell.operator.map(|row| -row.iter().zip(density).map(|(a, b)| a * b).sum::<f64>())
-        };
-        self.cells[m].iter().zip(amplitudes).map(rate).collect()
+        self.cells[m].iter().zip(amplitudes).map(|(cell, amplitudes)| cell.rates(amplitudes)).collect()
     }
 }
 

@@ -7,7 +7,7 @@ use super::kernel::Kernel;
 use super::mesh::{Mesh, Resampled, SHORT_RUN};
 use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments_at, dot_in_lanes, gauss_points, series_at};
 use crate::numerics::piecewise::Piecewise;
-use crate::numerics::wide::wide;
+use crate::numerics::wide::vectorised;
 
 /// A matrix from the Gauss values on one cell to those on another, column by column.
 pub(super) type ConvolutionBlock = [Nodal; NODES];
@@ -195,13 +195,10 @@ impl<'a> Blocks<'a> {
 /// out += block · values.
 #[inline]
 pub(super) fn apply(block: &ConvolutionBlock, values: &Nodal, out: &mut Nodal) {
-    let on_wide = wide(
+    vectorised(
         #[inline(always)]
         || multiply(block, values, out),
     );
-    if on_wide.is_none() {
-        multiply(block, values, out);
-    }
 }
 
 #[inline(always)]
@@ -222,11 +219,10 @@ const NEGLIGIBLE: f64 = 1e-20;
 /// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`; ℓ_j are the
 /// cardinal polynomials.
 pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBlock {
-    let on_wide = wide(
+    vectorised(
         #[inline(always)]
         || computed(kernel, target, source),
-    );
-    on_wide.unwrap_or_else(|| computed(kernel, target, source))
+    )
 }
 
 /// The same, compiled for the registers of its caller.
@@ -295,13 +291,10 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
 /// and g with these values: for a pair of cells that is met once, this costs less than blocks, and the kernels share the
 /// values of g where an integral is split.
 pub(super) fn add_directly(kernels: &[&Kernel], target: (f64, f64), source: &FarCell, out: &mut [Nodal]) {
-    let on_wide = wide(
+    vectorised(
         #[inline(always)]
         || integrate_directly(kernels, target, source, out),
     );
-    if on_wide.is_none() {
-        integrate_directly(kernels, target, source, out);
-    }
 }
 
 #[inline(always)]

@@ -1,0 +1,54 @@
+//! Readings of contacts followed through time.
+
+use super::dense_output::Reading;
+use crate::Result;
+use crate::contacts::FreeFriction;
+use crate::master::Tolerance;
+
+/// Results at given times. At simultaneous breaks the force is that after the break.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Trace {
+    /// Time t.
+    pub time: Vec<f64>,
+    /// Position X.
+    pub position: Vec<f64>,
+    /// Velocity, from the right.
+    pub velocity: Vec<f64>,
+    /// Force F.
+    pub force: Vec<f64>,
+    /// Breaking rate, a fraction of contacts per time, without simultaneous breaks.
+    pub breaking_rate: Vec<f64>,
+    /// The fraction of free contacts.
+    pub free: Vec<f64>,
+    /// Estimate of the largest error of F, on the safe side: the difference to F at sixteen times the
+    /// tolerance.
+    pub error: f64,
+}
+
+impl Trace {
+    /// Refuses a trace whose estimated error exceeds the required one of F/(N_c⟨k⟩) per mean threshold;
+    /// `unit` is N_c⟨k⟩ × the mean threshold.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`].
+    pub fn check(&self, unit: f64, required: Option<f64>) -> Result<()> {
+        let what = || "the force of contacts followed through time".to_owned();
+        required.map_or(Ok(()), |required| Tolerance::from(required).allows(self.error / unit, what))
+    }
+
+    /// Adds a reading, whose force is in units of `stiffness`, with the `friction` of free contacts.
+    pub(super) fn push(
+        &mut self,
+        (time, position): (f64, f64),
+        velocity: f64,
+        reading: Reading,
+        (stiffness, friction): (f64, FreeFriction),
+    ) {
+        self.time.push(time);
+        self.position.push(position);
+        self.velocity.push(velocity);
+        self.force.push(stiffness * reading.force + reading.free * friction.at(velocity));
+        self.breaking_rate.push(reading.rate);
+        self.free.push(reading.free);
+    }
+}
