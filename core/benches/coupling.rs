@@ -44,12 +44,12 @@ fn row(name: &str, edges: Edges, shape: Shape, make: &dyn Fn() -> Box<dyn Coupli
     let displacements: Vec<f64> = (0..size).map(|j| (0.37 * j as f64).sin()).collect();
     let mut forces = vec![0.0; size];
     let turns = (CELLS / size).max(1);
-    coupling.forces(&displacements, &mut forces);
+    coupling.forces(&displacements, &mut forces, &mut ()).unwrap();
     let bytes = bytes_per_cell(memory() - before, size);
-    let whole = time(turns, || coupling.forces(&displacements, &mut forces));
+    let whole = time(turns, || coupling.forces(&displacements, &mut forces, &mut ()).unwrap());
     let solve = time(turns.div_ceil(4), || {
         forces.copy_from_slice(&displacements);
-        coupling.solve_uniform(0.3, &mut forces);
+        coupling.solve_uniform(0.3, &mut forces, &mut ()).unwrap();
     });
     let name = format!("{name}, {}", if edges == Edges::Open { "open" } else { "periodic" });
     let [whole, solve] = [whole, solve].map(|time| 1e9 * time / size as f64);

@@ -145,9 +145,9 @@ fn sweeps() {
             (0..sweeps).for_each(|_| run());
             (sweeps * number) as f64 / begun.elapsed().as_secs_f64()
         };
-        let springs = rate(&mut || springs.forces(&positions, &mut pulls));
+        let springs = rate(&mut || springs.forces(&positions, &mut pulls, &mut ()).unwrap());
         let contacts = rate(&mut || {
-            cells.residual(&positions, &mut pulls, &mut slopes).unwrap();
+            cells.residual(&positions, &mut pulls, &mut slopes, &mut ()).unwrap();
         });
         println!("cell updates per second and core: springs {springs:.2e}, contacts {contacts:.2e}");
     });

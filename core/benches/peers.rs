@@ -113,7 +113,7 @@ fn against_python() {
         let mut forces = vec![0.0; positions.len()];
         let mut slider = half_space(Shape::Square([side; 2]), Edges::Periodic, 1.0, 1.0).unwrap();
         against(&job, "NumPy, rfft2 and irfft2", &format!("convolution.py {side}"), None, || {
-            slider.forces(&positions, &mut forces);
+            slider.forces(&positions, &mut forces, &mut ()).unwrap();
             forces[0]
         });
     }

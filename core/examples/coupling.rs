@@ -9,6 +9,7 @@ use asperity::contacts::{Contacts, Initial};
 use asperity::elastic::{Coupling, Curves, Interface, InterfaceParameters};
 use asperity::law::{Gaussian, Point};
 use asperity::master::MasterEquation;
+use asperity::monitor::Monitor;
 use asperity::shape::{Edges, Shape};
 
 /// Springs of equal stiffness K between all pairs of n cells: A = nK − K 1·1ᵀ.
@@ -28,19 +29,30 @@ impl Coupling for EachToEach {
     }
 
     /// −A X: each cell is drawn to the mean of all.
-    fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
+    fn forces(
+        &mut self,
+        displacements: &[f64],
+        forces: &mut [f64],
+        _monitor: &mut dyn Monitor,
+    ) -> asperity::Result<()> {
         let sum: f64 = displacements.iter().sum();
         for (force, x) in forces.iter_mut().zip(displacements) {
             *force = self.stiffness * (sum - self.cells as f64 * x);
         }
+        Ok(())
     }
 
     /// (d + A)⁻¹ r exactly, by the formula of Sherman and Morrison.
-    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        _monitor: &mut dyn Monitor,
+    ) -> asperity::Result<bool> {
         let own = diagonal + self.cells as f64 * self.stiffness;
         let common = self.stiffness * right.iter().sum::<f64>() / diagonal;
         right.iter_mut().for_each(|r| *r = (*r + common) / own);
-        true
+        Ok(true)
     }
 
     fn self_stiffness(&self, _cell: usize) -> f64 {

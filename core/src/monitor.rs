@@ -197,8 +197,12 @@ impl<'a> Rising<'a> {
 
 impl Monitor for Rising<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
-        self.most = self.most.max(fraction);
+        self.most = self.most.max(fraction.min(1.0));
         self.monitor.progress(self.most)
+    }
+
+    fn events(&mut self, events: u64, drive: f64) {
+        self.monitor.events(events, drive);
     }
 
     fn cost(&mut self, cost: Cost, pieces: usize) {
@@ -213,6 +217,10 @@ impl Monitor for Rising<'_> {
         self.monitor.clock()
     }
 }
+
+/// Up to where a part of the work tells its progress, of its share. A part of the share 1/n that begins at k/n ends, by rounding,
+/// now and then above (k + 1)/n, where the next one begins: progress would fall by its last digit.
+const SHORT: f64 = 1.0 - 1e-9;
 
 /// Forwards the progress of a part of the work as progress of the whole.
 pub struct Part<'a> {
@@ -236,7 +244,7 @@ impl<'a> Part<'a> {
 
 impl Monitor for Part<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
-        self.whole.progress(self.start + self.share * fraction)
+        self.whole.progress(self.start + self.share * SHORT * fraction)
     }
 
     fn cost(&mut self, cost: Cost, pieces: usize) {
@@ -405,5 +413,42 @@ pub(crate) fn report(monitor: &mut dyn Monitor, fraction: f64) -> Result<()> {
     match monitor.progress(fraction) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(Error::Stopped),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Progress that has never fallen so far.
+    #[derive(Default)]
+    struct NeverFalling(f64);
+
+    impl Monitor for NeverFalling {
+        fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+            assert!((self.0..=1.0).contains(&fraction), "{fraction} after {}", self.0);
+            self.0 = fraction;
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// Begins of parts are computed as k/n and as k (1/n), which differ by rounding.
+    #[test]
+    fn parts_in_a_row_never_fall() {
+        for parts in 1..300_u32 {
+            let share = 1.0 / f64::from(parts);
+            let begins: [fn(f64, f64) -> f64; 2] = [|k, n| k / n, |k, n| k * (1.0 / n)];
+            for begin in begins {
+                let mut whole = NeverFalling::default();
+                for part in 0..parts {
+                    let start = begin(f64::from(part), f64::from(parts));
+                    for fraction in [0.0, 0.5, 1.0] {
+                        assert!(Part::new(&mut whole, start, share).progress(fraction).is_continue());
+                    }
+                }
+                // The last part ends at 1 but for what parts leave out.
+                assert!(whole.0 >= SHORT);
+            }
+        }
     }
 }

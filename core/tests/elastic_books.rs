@@ -28,7 +28,7 @@ fn disordered(coupling: Box<dyn Coupling>, setting: InterfaceParameters) -> Inte
 /// The largest force out of balance, each term from what the interface shows.
 fn excess(interface: &mut Interface, coupling: &mut dyn Coupling, connected: usize, connection: f64) -> f64 {
     let mut pulls = vec![0.0; interface.len()];
-    coupling.forces(interface.positions(), &mut pulls);
+    coupling.forces(interface.positions(), &mut pulls, &mut ()).unwrap();
     let forces = interface.forces();
     let (drive, positions) = (interface.drive(), interface.positions());
     let spring = |j: usize| if j < connected { connection * (drive - positions[j]) } else { 0.0 };
@@ -43,7 +43,7 @@ fn crept(interface: &mut Interface, coupling: &mut dyn Coupling, drive: f64, con
     let (mut positions, mut pulls) = (vec![0.0; number], vec![0.0; number]);
     loop {
         interface.put(drive, &positions).unwrap();
-        coupling.forces(&positions, &mut pulls);
+        coupling.forces(&positions, &mut pulls, &mut ()).unwrap();
         let forces = interface.forces();
         let excess: Vec<f64> =
             (0..number).map(|j| connection * (drive - positions[j]) + pulls[j] - forces[j]).collect();

@@ -40,7 +40,7 @@ fn matrix(coupling: &mut dyn Coupling) -> Vec<Vec<f64>> {
         let mut displacements = vec![0.0; size];
         displacements[i] = 1.0;
         let mut forces = vec![f64::NAN; size];
-        coupling.forces(&displacements, &mut forces);
+        coupling.forces(&displacements, &mut forces, &mut ()).unwrap();
         forces.iter().map(|force| -force).collect()
     };
     (0..size).map(column).collect()
@@ -82,7 +82,7 @@ fn forces_are_linear_in_displacements() {
         let a = matrix(&mut *coupling);
         let x = noise(a.len());
         let mut forces = vec![0.0; a.len()];
-        coupling.forces(&x, &mut forces);
+        coupling.forces(&x, &mut forces, &mut ()).unwrap();
         let expected = times(&a, &x);
         assert!(largest(forces.iter().zip(&expected).map(|(f, e)| f + e)) < ROUNDING);
         let energy: f64 = 0.5 * x.iter().zip(&expected).map(|(x, e)| x * e).sum::<f64>();
@@ -96,9 +96,9 @@ fn solutions_give_back_what_was_asked() {
         for diagonal in [1e-3, 1.0, 300.0] {
             let right = noise(coupling.shape().size());
             let mut x = right.clone();
-            coupling.solve_uniform(diagonal, &mut x);
+            coupling.solve_uniform(diagonal, &mut x, &mut ()).unwrap();
             let mut forces = vec![0.0; x.len()];
-            coupling.forces(&x, &mut forces);
+            coupling.forces(&x, &mut forces, &mut ()).unwrap();
             let found: Vec<f64> = x.iter().zip(&forces).map(|(x, f)| diagonal * x - f).collect();
             // Up to stiffness/diagonal = 1e4 roundings of x.
             assert!(
@@ -118,7 +118,7 @@ fn a_chain_held_by_little_keeps_its_digits() {
         let mut chain = neighbours(Shape::Chain(1000), edges, 25.0).unwrap();
         for diagonal in [1e-15, 1e-9, 1e-3] {
             let mut x = vec![2.0; 1000];
-            chain.solve_uniform(diagonal, &mut x);
+            chain.solve_uniform(diagonal, &mut x, &mut ()).unwrap();
             // A thousand steps with a rounding or two each.
             assert!(x.iter().all(|x| (x * diagonal / 2.0 - 1.0).abs() < 1e-12));
         }
@@ -130,7 +130,7 @@ fn a_rigid_translation_costs_nothing() {
     for mut coupling in couplings() {
         let size = coupling.shape().size();
         let mut forces = vec![f64::NAN; size];
-        coupling.forces(&vec![1e9 / 3.0; size], &mut forces);
+        coupling.forces(&vec![1e9 / 3.0; size], &mut forces, &mut ()).unwrap();
         assert!(forces.iter().all(|&force| force == 0.0), "{:?}", coupling.shape());
     }
 }
@@ -163,7 +163,7 @@ fn waves_on_a_torus_have_their_stiffness() {
         ];
         for (coupling, stiffness) in expected {
             let mut forces = vec![0.0; 240];
-            coupling.forces(&wave, &mut forces);
+            coupling.forces(&wave, &mut forces, &mut ()).unwrap();
             assert!(largest(forces.iter().zip(&wave).map(|(f, x)| f + stiffness * x)) < ROUNDING);
         }
     }
@@ -187,7 +187,7 @@ fn the_half_space_of_a_lattice_pushes_where_that_of_the_continuum_pulls() {
         let mut displacements = vec![0.0; shape.size()];
         displacements[0] = 1.0;
         let mut pushes = vec![0.0; shape.size()];
-        space.forces(&displacements, &mut pushes);
+        space.forces(&displacements, &mut pushes, &mut ()).unwrap();
         for m in 1..n / 2 {
             let continuum = -kernel(&q, rows, m);
             match (m % 2, shape) {
@@ -206,7 +206,10 @@ fn kernels_between_open_edges_are_those_of_a_plane() {
     let moved = |shape: Shape| {
         let (mut displacements, mut forces) = (vec![0.0; shape.size()], vec![0.0; shape.size()]);
         displacements[0] = 1.0;
-        half_space(shape, Edges::Open, 4.0, 0.5).unwrap().forces(&displacements, &mut forces);
+        half_space(shape, Edges::Open, 4.0, 0.5)
+            .unwrap()
+            .forces(&displacements, &mut forces, &mut ())
+            .unwrap();
         forces
     };
     let forces = moved(Shape::Chain(400));
@@ -237,7 +240,10 @@ fn kernels_of_a_solid_depend_on_the_direction() {
         let (mut displacements, mut forces) = (vec![0.0; shape.size()], vec![0.0; shape.size()]);
         displacements[0] = 1.0;
         let solid = Solid::new(4.0, ratio, sliding);
-        half_space(shape, Edges::Open, solid, 0.5).unwrap().forces(&displacements, &mut forces);
+        half_space(shape, Edges::Open, solid, 0.5)
+            .unwrap()
+            .forces(&displacements, &mut forces, &mut ())
+            .unwrap();
         for (row, column) in [(0, 200), (299, 0), (210, 210), (120, 250)] {
             let r = 0.5 * (row as f64).hypot(column as f64);
             let x = 0.5 * if sliding == SlidingDirection::Rows { column } else { row } as f64;
@@ -257,7 +263,10 @@ fn a_chain_has_the_modulus_of_its_direction() {
     for edges in EDGES {
         let forces = |solid: Solid| {
             let mut forces = vec![0.0; 24];
-            half_space(Shape::Chain(24), edges, solid, 0.5).unwrap().forces(&noise(24), &mut forces);
+            half_space(Shape::Chain(24), edges, solid, 0.5)
+                .unwrap()
+                .forces(&noise(24), &mut forces, &mut ())
+                .unwrap();
             forces
         };
         let along = forces(Solid::new(2.0, 0.3, SlidingDirection::Columns));
@@ -278,7 +287,7 @@ fn a_point_force_moves_the_surface_less_across_its_direction() {
     let mut space = half_space(shape, Edges::Periodic, solid, 1.0).unwrap();
     let mut moved = vec![0.0; shape.size()];
     moved[0] = 1.0;
-    space.solve_uniform(1e-9, &mut moved);
+    space.solve_uniform(1e-9, &mut moved, &mut ()).unwrap();
     // Differences are free of the mean displacement.
     let (near, far) = (10, 20);
     let expected = (1.0 / near as f64 - 1.0 / far as f64) / (2.0 * PI * modulus);
@@ -320,8 +329,8 @@ fn free_edges_are_mirrors_for_neighbours() {
         (0..4 * rows * columns).map(|i| small[at(i)]).collect()
     };
     let mut large = unfold(&small);
-    open.solve_uniform(0.3, &mut small);
-    torus.solve_uniform(0.3, &mut large);
+    open.solve_uniform(0.3, &mut small, &mut ()).unwrap();
+    torus.solve_uniform(0.3, &mut large, &mut ()).unwrap();
     assert!(apart(&unfold(&small), &large) < ROUNDING);
 }
 
@@ -333,7 +342,7 @@ fn a_chain_responds_over_its_correlation_length() {
         let mut chain = neighbours(Shape::Chain(4001), edges, springs).unwrap();
         let mut x = vec![0.0; 4001];
         x[2000] = 1.0;
-        chain.solve_uniform(k, &mut x);
+        chain.solve_uniform(k, &mut x, &mut ()).unwrap();
         let inverse = 2.0 * (0.5 * (k / springs).sqrt()).asinh();
         assert!((1.0 / inverse / (springs / k).sqrt() - 1.0).abs() < 1e-4);
         let peak = 1.0 / (2.0 * springs * inverse.sinh());
@@ -355,7 +364,7 @@ fn a_half_space_responds_like_the_inverse_distance_and_then_its_cube() {
         let mut x = vec![0.0; side * side];
         x[0] = 1.0;
         // λ_c = so many cells.
-        space.solve_uniform(modulus * cell / cells, &mut x);
+        space.solve_uniform(modulus * cell / cells, &mut x, &mut ()).unwrap();
         x
     };
     // The same as ∫₀^∞ e^{−v} (1 − 1/√(1 + v²/ξ²)) dv, by steps of a hundredth of what it varies over.
@@ -386,12 +395,12 @@ fn softest(coupling: &mut dyn Coupling) -> f64 {
     let (mut x, mut forces) = (noise(size), vec![0.0; size]);
     // The next wave is at least 1.9 times as stiff.
     for _ in 0..80 {
-        coupling.solve_uniform(1e-9, &mut x);
+        coupling.solve_uniform(1e-9, &mut x, &mut ()).unwrap();
         let mean = x.iter().sum::<f64>() / size as f64;
         let norm = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().sqrt();
         x.iter_mut().for_each(|x| *x = (*x - mean) / norm);
     }
-    coupling.forces(&x, &mut forces);
+    coupling.forces(&x, &mut forces, &mut ()).unwrap();
     2.0 * coupling.energy(&x, &forces)
 }
 
@@ -464,8 +473,8 @@ fn threads_change_no_bit() {
                 for mut coupling in make() {
                     let x = noise(shape.size());
                     let (mut forces, mut solved) = (vec![0.0; x.len()], x.clone());
-                    coupling.forces(&x, &mut forces);
-                    coupling.solve_uniform(0.1, &mut solved);
+                    coupling.forces(&x, &mut forces, &mut ()).unwrap();
+                    coupling.solve_uniform(0.1, &mut solved, &mut ()).unwrap();
                     let energy = coupling.energy(&x, &forces);
                     bits.extend(forces.iter().chain(&solved).chain([&energy]).map(|x| x.to_bits()));
                 }

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{CellSlip, Coupling, Event, Interface, InterfaceParameters};
 use asperity::exact::{ClosedForm, Gaussian};
+use asperity::monitor::Monitor;
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
 use common::polyline::Polyline;
@@ -28,18 +29,30 @@ impl Coupling for BetweenWalls {
         Edges::Open
     }
 
-    fn forces(&mut self, x: &[f64], forces: &mut [f64]) {
+    fn forces(&mut self, x: &[f64], forces: &mut [f64], _monitor: &mut dyn Monitor) -> asperity::Result<()> {
         let at = |j: Option<usize>| j.and_then(|j| x.get(j)).copied().unwrap_or(0.0);
         for j in 0..self.cells {
             forces[j] = self.stiffness * (at(j.checked_sub(1)) + at(Some(j + 1)) - 2.0 * x[j]);
         }
+        Ok(())
     }
 
-    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
-        self.solve_variable(&vec![diagonal; self.cells], right, 0.0).is_some()
+    fn precondition(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> asperity::Result<bool> {
+        Ok(self.solve_variable(&vec![diagonal; self.cells], right, 0.0, monitor)?.is_some())
     }
 
-    fn solve_variable(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> Option<usize> {
+    fn solve_variable(
+        &mut self,
+        springs: &[f64],
+        right: &mut [f64],
+        _goal: f64,
+        _monitor: &mut dyn Monitor,
+    ) -> asperity::Result<Option<usize>> {
         let mut pivots: Vec<f64> = Vec::new();
         for j in 0..self.cells {
             let ratio = pivots.last().map_or(0.0, |last| self.stiffness / last);
@@ -50,7 +63,7 @@ impl Coupling for BetweenWalls {
             let next = right.get(j + 1).copied().unwrap_or(0.0);
             right[j] = (right[j] + self.stiffness * next) / pivots[j];
         }
-        pivots.iter().all(|pivot| *pivot > 0.0).then_some(1)
+        Ok(pivots.iter().all(|pivot| *pivot > 0.0).then_some(1))
     }
 
     fn self_stiffness(&self, _cell: usize) -> f64 {
@@ -102,17 +115,23 @@ impl Coupling for Beside {
         Edges::Open
     }
 
-    fn forces(&mut self, x: &[f64], forces: &mut [f64]) {
+    fn forces(&mut self, x: &[f64], forces: &mut [f64], monitor: &mut dyn Monitor) -> asperity::Result<()> {
         let mut whole = vec![0.0; self.ring.shape().size()];
-        self.ring.forces(&self.whole(x), &mut whole);
+        self.ring.forces(&self.whole(x), &mut whole, monitor)?;
         forces.copy_from_slice(&whole[1..=self.cells]);
+        Ok(())
     }
 
-    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> asperity::Result<bool> {
         let mut whole = self.whole(right);
-        self.ring.precondition(diagonal, &mut whole);
+        self.ring.precondition(diagonal, &mut whole, monitor)?;
         right.copy_from_slice(&whole[1..=self.cells]);
-        false
+        Ok(false)
     }
 
     /// But for its image.

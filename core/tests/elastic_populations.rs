@@ -216,7 +216,7 @@ fn what_is_recalled_knows_no_more_than_at_the_mark() {
             |cells: &dyn Cells| (cells.state(), cells.extremes().steepest, cells.extremes().strongest);
         assert_eq!(known(&**recalled), known(&**other));
         for cells in &mut twins {
-            cells.residual(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3]).unwrap();
+            cells.residual(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3], &mut ()).unwrap();
         }
         let [recalled, other] = &twins;
         assert_eq!(known(&**recalled), known(&**other));

@@ -3,16 +3,17 @@
 mod common;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
-use asperity::contacts::{Ageing, Contacts, Rules};
+use asperity::contacts::{Ageing, Contacts, Rules, Temperature};
 use asperity::elastic::coupling::{SlidingDirection, half_space, neighbours};
 use asperity::elastic::{self, InterfaceParameters};
 use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
-use asperity::law::SharedLaw;
+use asperity::law::{Mixture, SharedLaw};
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
 use asperity::scenario;
@@ -186,7 +187,6 @@ fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: u
     interface.run(3.21, &mut |_, _| ()).unwrap();
 }
 
-/// One after the other: memory is that of all threads.
 /// Cohorts of steady sliding, whose number is not known before, are refused when they have taken what is allowed.
 fn cohorts() {
     const ALLOWED: u64 = 100_000_000;
@@ -198,6 +198,23 @@ fn cohorts() {
     holds("cohorts of steady sliding", taken, ALLOWED as f64);
 }
 
+/// The same where each cohort has many panels of thresholds: at low temperature, between thresholds down to 0.
+fn cohorts_of_many_panels() {
+    const ALLOWED: u64 = 60_000_000;
+    /// Panels that all cohorts share are kept up to this.
+    const PANELS: f64 = 43e6;
+    let thresholds: SharedLaw =
+        Arc::new(Mixture::new(vec![(0.39, weibull(0.41, 0.7)), (0.61, point(1.3))]).unwrap());
+    let mut broad = contacts(&thresholds, &point(0.0));
+    broad.rules.temperature = Some(Temperature::new(1e-6, 1.0));
+    broad.rules.ageing = Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 });
+    let mut refused = None;
+    let taken = most(|| refused = Transport::steady_with(&broad, 0.1, 1e-6, &mut Small(ALLOWED)).err());
+    assert!(matches!(refused, Some(Error::TooLarge { allowed: ALLOWED, .. })), "{refused:?}");
+    holds("cohorts of many panels", taken, ALLOWED as f64 + PANELS);
+}
+
+/// One after the other: memory is that of all threads.
 #[test]
 fn nothing_takes_more_than_it_is_refused_for() {
     pulls();
@@ -206,4 +223,5 @@ fn nothing_takes_more_than_it_is_refused_for() {
     lattices();
     interfaces();
     cohorts();
+    cohorts_of_many_panels();
 }

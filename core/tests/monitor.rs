@@ -7,6 +7,8 @@ use std::ops::ControlFlow;
 use asperity::Error;
 use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::elastic::coupling::HalfSpace;
+use asperity::elastic::{CellSlip, Curves, Interface};
 use asperity::ensemble::lattice::{Lattice, LatticeCoupling};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
@@ -15,7 +17,7 @@ use asperity::master::{Limits, MasterEquation, Slider, StepResponse, Transport};
 use asperity::monitor::Monitor;
 use asperity::shape::{Edges, Shape};
 use common::patience::{alone, patient};
-use common::sliders::Impatient;
+use common::sliders::{Impatient, scales, setting};
 use common::{contacts, exponential, gamma, gaussian, initial, point, rectangular, weibull};
 
 fn with(rules: Rules, contacts: Contacts) -> Contacts {
@@ -38,6 +40,7 @@ fn ageing(rule: Option<Ageing>, temperature: Option<Temperature>) -> Rules {
 fn slow() -> Vec<(&'static str, Contacts)> {
     let (newborn, unstretched, spread) = (gaussian(0.5, 0.1), point(0.0), gaussian(0.2, 0.05));
     let frozen = Some(Ageing::FrozenRank { mature: gaussian(1.0, 0.05), time: 1.0 });
+    let mature = Some(Ageing::FrozenRank { mature: gaussian(1.5, 0.2), time: 1.0 });
     let logarithmic = Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 });
     let of = |thresholds: &SharedLaw, reforming: &SharedLaw| contacts(thresholds, reforming);
     vec![
@@ -51,6 +54,7 @@ fn slow() -> Vec<(&'static str, Contacts)> {
         ("logarithmic, warm", with(ageing(logarithmic, warm(0.02)), of(&exponential(1.0), &spread))),
         ("warm, spread", with(ageing(None, warm(0.02)), of(&gamma(1.0, 1.5), &spread))),
         ("ranks of a pole", with(ageing(ranks(), None), of(&gamma(1.0, 2.0), &unstretched))),
+        ("a pole, frozen, warm", with(ageing(mature, warm(0.05)), of(&weibull(0.41, 1.0), &unstretched))),
         ("a pole", of(&weibull(0.3, 1.0), &exponential(0.2))),
     ]
 }
@@ -167,6 +171,30 @@ fn many_coupled_contacts_ask_while_they_are_made() {
             let start = initial(&point(0.0));
             Lattice::new_with(contacts, start, &coupling, 1, Disorder::Annealed, monitor).map(drop)
         });
+    });
+}
+
+/// Open edges: linear systems are solved by some fifteen iterations of two transforms each, more than a second in all.
+#[test]
+fn many_cells_on_a_half_space_ask_often_and_stop_at_once() {
+    alone(|| {
+        let shape = Shape::Square([512; 2]);
+        let equation =
+            MasterEquation::new(contacts(&gaussian(1.0, 0.1), &point(0.0)), &initial(&gaussian(0.3, 0.05)));
+        let population = equation.unwrap().population().unwrap();
+        let make = |monitor: &mut dyn Monitor| {
+            let cells = Curves::new(&population, shape.size())?.scaled(scales(shape.size(), 0.03))?;
+            let slider = HalfSpace::new_with(shape, Edges::Open, 3.0, 1.0, monitor)?;
+            let parameters = setting(0.5, CellSlip::Overdamped, 1e-3);
+            Interface::new_with(Box::new(cells), Box::new(slider), parameters, monitor)
+        };
+        patient("half-space", |monitor| HalfSpace::new_with(shape, Edges::Open, 3.0, 1.0, monitor).map(drop));
+        patient("interface", |monitor| make(monitor).map(drop));
+        let mut interface = make(&mut ()).unwrap();
+        patient("creep", |monitor| interface.run_with(0.9, monitor, &mut |_, _| ()));
+        let ahead: Vec<f64> = interface.positions().iter().map(|position| position + 0.1).collect();
+        interface.put(3.2, &ahead).unwrap();
+        patient("slide", |monitor| interface.run_with(3.2, monitor, &mut |_, _| ()));
     });
 }
 

@@ -7,16 +7,17 @@ use std::time::Duration;
 use asperity::Result;
 use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Contacts, Rules};
-use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{RateDependentInterface, RateDependentInterfaceParameters};
+use asperity::elastic::coupling::{half_space, neighbours};
+use asperity::elastic::{CellSlip, RateDependentInterface, RateDependentInterfaceParameters};
 use asperity::energy::ContactEnergies;
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
-use asperity::master::Transport;
+use asperity::master::{MasterEquation, Transport};
 use asperity::monitor::Monitor;
 use asperity::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use asperity::shape::{Edges, Shape};
 use common::patience::{alone, patient, patient_within};
+use common::sliders::{interface, scales, setting};
 use common::{contacts, gamma, gaussian, initial, point};
 use cpu_time::ThreadTime;
 
@@ -173,6 +174,38 @@ fn a_stop_within_a_step_changes_nothing() {
         (interface.time(), interface.forces(), interface.energy(), interface.error())
     };
     assert_eq!(run(11), run(usize::MAX));
+}
+
+/// The same of an interface without time, stopped while it creeps, while cells slide, and while curves are tabulated.
+#[test]
+fn a_stop_within_a_stride_or_a_slide_changes_nothing() {
+    let equation =
+        MasterEquation::new(contacts(&gaussian(1.0, 0.1), &point(0.0)), &initial(&gaussian(0.3, 0.05)));
+    let population = equation.unwrap().population().unwrap();
+    let run = |questions: usize| {
+        let slider = half_space(Shape::Square([64; 2]), Edges::Open, 3.0, 1.0).unwrap();
+        let size = slider.shape().size();
+        let parameters = setting(0.5, CellSlip::Overdamped, 1e-3);
+        let mut cells = interface(&population, Some(scales(size, 0.03)), slider, parameters);
+        let (stopped, mut events) = (questions < usize::MAX, Vec::new());
+        let mut stops = 0;
+        for number in 0..400 {
+            let mut monitor = common::sliders::Impatient(questions + 40 * number);
+            match cells.run_with(2.2, &mut monitor, &mut |event, _| events.push(*event)) {
+                Ok(()) => break,
+                Err(error) => assert!(stopped && matches!(error, asperity::Error::Stopped), "{error}"),
+            }
+            stops += 1;
+        }
+        // It was stopped often, so that the comparison is of something.
+        assert_eq!(stopped, stops > 5, "{stops} stops");
+        cells.run(2.2, &mut |event, _| events.push(*event)).unwrap();
+        // As text, since events have numbers that are none.
+        (format!("{events:?}"), cells.positions().to_vec(), cells.forces(), cells.energy(), cells.error())
+    };
+    let whole = run(usize::MAX);
+    assert!(whole.0.contains("epicentre"));
+    assert_eq!(run(11), whole);
 }
 
 /// The first steps compute the thresholds of contacts whose density has a pole, a cohort after the other.

@@ -188,7 +188,7 @@ fn an_interface_slides_steadily_from_the_start() {
     };
     let coupling = || {
         let neighbours = Elasticity::Neighbours { stiffness: 1.0 };
-        neighbours.build(Shape::Chain(cells), Edges::Open).unwrap()
+        neighbours.build(Shape::Chain(cells), Edges::Open, &mut ()).unwrap()
     };
     let setting = RateDependentInterfaceParameters::new(2.0, 1.0, tolerance);
     let alike = (0..cells).map(|_| cell(velocity)).collect();

@@ -40,6 +40,25 @@ impl Monitor for Counted {
     }
 }
 
+/// The same of progress that never falls, which is what a monitor is promised.
+struct NeverFalling<'a> {
+    name: &'a str,
+    done: f64,
+    counted: &'a mut Counted,
+}
+
+impl Monitor for NeverFalling<'_> {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        assert!((self.done..=1.0).contains(&fraction), "{}: {fraction} after {}", self.name, self.done);
+        self.done = fraction;
+        self.counted.progress(fraction)
+    }
+
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        self.counted.cost(cost, pieces);
+    }
+}
+
 /// What a computation costs on some threads.
 fn counted(threads: usize, compute: impl FnOnce(&mut Counted) + Send) -> Counted {
     let mut counted = Counted::default();
@@ -86,7 +105,10 @@ fn of_scenarios() -> Costs {
     paths.retain(|path| path.extension().is_some_and(|end| end == "toml"));
     for path in paths {
         let (scenario, name) = (scenario(&path), path.file_stem().unwrap().to_str().unwrap().to_owned());
-        let cost = counted(2, |monitor| drop(asperity_runner::run(&scenario, monitor).unwrap()));
+        let cost = counted(2, |counted| {
+            let mut monitor = NeverFalling { name: &name, done: 0.0, counted };
+            drop(asperity_runner::run(&scenario, &mut monitor).unwrap());
+        });
         costs.extend(cost.0.into_iter().map(|(kind, count)| (format!("{name}: {kind}"), count)));
     }
     costs

@@ -118,7 +118,7 @@ fn response(coupling: &str, spring: f64, length: f64, r: usize, found: f64, theo
 fn pushed(coupling: &mut dyn Coupling, cell: usize, spring: f64) -> Vec<f64> {
     let mut answer = vec![0.0; coupling.shape().size()];
     answer[cell] = 1.0;
-    coupling.solve_uniform(spring, &mut answer);
+    coupling.solve_uniform(spring, &mut answer, &mut ()).expect("no monitor stops it");
     answer
 }
 
@@ -219,7 +219,7 @@ fn balance(slip: CellSlip) -> (usize, f64, f64) {
         energy = energy.max(chain.energy().imbalance().abs());
         let (friction, positions) = (chain.forces(), chain.positions());
         let mut pulls = [0.0; NUMBER];
-        coupling().forces(positions, &mut pulls);
+        coupling().forces(positions, &mut pulls, &mut ()).expect("no monitor stops it");
         let spring = |j: usize| setting.connection * (chain.drive() - positions[j]);
         force = (0..NUMBER).map(|j| (spring(j) + pulls[j] - friction[j]).abs()).fold(force, f64::max);
     }

@@ -3,7 +3,7 @@
 
 use super::{Arrest, DriveMotion, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::Result;
-use crate::monitor::Watch;
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::tr_bdf2::{GAMMA, StageRates, WEIGHTS, error};
 
 /// A trial step.
@@ -41,8 +41,11 @@ pub trait StageSolver {
     fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>>;
 
     /// Forces −(AX)_j on the cells by their coupling; 0 for a single cell.
-    fn coupling_forces(&mut self, cells: &[SlidingCell]) -> Vec<f64> {
-        vec![0.0; cells.len()]
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn coupling_forces(&mut self, cells: &[SlidingCell], _monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+        Ok(vec![0.0; cells.len()])
     }
 
     /// Stiffness A_jj of the coupling against the displacement of one cell alone; 0 for a single cell.
@@ -81,7 +84,7 @@ impl SliderMotion {
     ) -> Result<Option<TrBdf2Step>> {
         let (equation, from, accuracy) = (&self.equation, &self.cells, self.control.stage_accuracy());
         let (number, time) = (from.len(), GAMMA * duration);
-        let start = self.accelerations(solver, drive.position);
+        let start = self.accelerations(solver, drive.position, watch)?;
         // First stage: the trapezoidal rule to the fraction γ of the step. Second stage: the backward
         // difference formula of second order to its end.
         let trapezoidal = |j: usize| StageRates::trapezoidal(duration, from[j].velocity, start[j]);
@@ -124,14 +127,19 @@ impl SliderMotion {
     }
 
     /// Accelerations Ẍ_j of all cells.
-    fn accelerations(&self, solver: &mut dyn StageSolver, drive: f64) -> Vec<f64> {
+    fn accelerations(
+        &self,
+        solver: &mut dyn StageSolver,
+        drive: f64,
+        mut watch: &Watch<'_>,
+    ) -> Result<Vec<f64>> {
         let (equation, cells) = (&self.equation, &self.cells);
         if equation.mass == 0.0 {
-            return vec![0.0; cells.len()];
+            return Ok(vec![0.0; cells.len()]);
         }
-        let coupling = solver.coupling_forces(cells);
+        let coupling = solver.coupling_forces(cells, &mut watch)?;
         let of = |(j, cell): (usize, &SlidingCell)| equation.acceleration(j, cell, drive, coupling[j]);
-        cells.iter().enumerate().map(of).collect()
+        Ok(cells.iter().enumerate().map(of).collect())
     }
 }
 

@@ -12,6 +12,7 @@ use super::configuration::{Advances, Configuration};
 use super::fold_prediction::FoldPrediction;
 use super::residual::InterfaceModel;
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Newton steps after which a stride was too long.
 const MOST_STEPS: usize = 30;
@@ -80,16 +81,17 @@ impl CreepPace {
 }
 
 impl InterfaceModel {
-    /// Makes a stride in balance towards `end`.
+    /// Makes a stride in balance towards `end`. Where the monitor stops it nothing has moved.
     pub fn creep(
         &mut self,
         configuration: &mut Configuration,
         pace: &mut CreepPace,
         end: f64,
+        monitor: &mut dyn Monitor,
     ) -> Result<Stride> {
         let from = configuration.drive;
         let least = pace.least(from);
-        let Some(ahead) = self.predict_fold(configuration)? else {
+        let Some(ahead) = self.predict_fold(configuration, monitor)? else {
             return Ok(Stride::Lost(end.min(from + least)));
         };
         loop {
@@ -98,9 +100,9 @@ impl InterfaceModel {
             // succeed or it is as short as the tolerance.
             let stride = pace.next(from, &ahead);
             let to = end.min(from + stride);
-            if let Some(advances) = self.balance_at(to, configuration, &ahead)? {
+            if let Some(advances) = self.balance_at(to, configuration, &ahead, monitor)? {
+                self.cells.advance(&advances.by, monitor)?;
                 configuration.drive = to;
-                self.cells.advance(&advances.by, &mut ())?;
                 configuration.advance(&advances);
                 pace.succeeded(to - from);
                 return Ok(Stride::Balanced);
@@ -119,26 +121,29 @@ impl InterfaceModel {
         drive: f64,
         configuration: &Configuration,
         ahead: &FoldPrediction,
+        monitor: &mut dyn Monitor,
     ) -> Result<Option<Advances>> {
         let distance = drive - configuration.drive;
-        let elastic = self.elastic_forces(configuration.displacements());
+        let elastic = self.elastic_forces(configuration.displacements(), monitor)?;
         let mut by = vec![0.0; self.len()];
         fill(&mut by, |j| ahead.advance(j, distance));
         let mut advances = configuration.correctable(by);
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let residual = self.residual_after(configuration, drive, &advances, &elastic)?;
+            let residual = self.residual_after(configuration, drive, &advances, &elastic, monitor)?;
             let (largest, tolerance) = (residual.largest, self.creep_tolerance(configuration, drive));
             if largest <= tolerance || (largest <= STALLED * tolerance && largest > 0.5 * before) {
                 drop((elastic, residual));
-                return Ok(self.is_stable_ahead(&advances)?.then_some(advances));
+                return Ok(self.is_stable_ahead(&advances, monitor)?.then_some(advances));
             }
             // Slower than at a fold: there is no balance at this drive, or the prediction was too
             // far from it.
             if largest > CONVERGING * before {
                 return Ok(None);
             }
-            let Some(correction) = self.newton_correction(residual, tolerance) else { return Ok(None) };
+            let Some(correction) = self.newton_correction(residual, tolerance, monitor)? else {
+                return Ok(None);
+            };
             advances.correct(&correction);
             before = largest;
         }

@@ -6,7 +6,9 @@ use super::batch::sum;
 use super::cells::CellEnergies;
 use super::configuration::Configuration;
 use super::residual::InterfaceModel;
+use crate::Result;
 use crate::energy::EnergyBalance;
+use crate::monitor::Monitor;
 
 /// Energy stored in springs and slider, and the energies of the contacts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -26,8 +28,21 @@ pub(super) struct EnergyBudget {
 
 impl EnergyBudget {
     /// A balance that begins here.
-    pub fn new(model: &mut InterfaceModel, configuration: &Configuration) -> Self {
-        Self { total: EnergyBalance::default(), stored: model.stored(configuration) }
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn new(
+        model: &mut InterfaceModel,
+        configuration: &Configuration,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let coupling = model.coupling_energy(configuration, monitor)?;
+        Ok(Self::begun(model, configuration, coupling))
+    }
+
+    /// The same where the slider stores the energy `coupling`.
+    pub fn begun(model: &InterfaceModel, configuration: &Configuration, coupling: f64) -> Self {
+        Self { total: EnergyBalance::default(), stored: model.stored(configuration, coupling) }
     }
 
     /// Adds a motion after which the energies `now` are stored, and during which the drive did `work` and `slip` was dissipated by the slider.
@@ -44,10 +59,10 @@ impl EnergyBudget {
         };
     }
 
-    /// Adds a motion in balance. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, the energy that
+    /// Adds a motion in balance, after which the slider stores the energy `coupling`. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, the energy that
     /// springs and slider gain, and the work ∫ΣF_j dX_j on the contacts.
-    pub fn add_creep(&mut self, model: &mut InterfaceModel, configuration: &Configuration) {
-        let (before, now) = (self.stored, model.stored(configuration));
+    pub fn add_creep(&mut self, model: &InterfaceModel, configuration: &Configuration, coupling: f64) {
+        let (before, now) = (self.stored, model.stored(configuration, coupling));
         let springs = now.spring - before.spring + now.coupling - before.coupling;
         // The work of contacts is an integral of the tabulated curves. The balance of energies then
         // tests that elastic energy and breaks, which are tabulated on their own, add up to it.
@@ -55,30 +70,50 @@ impl EnergyBudget {
     }
 
     /// Adds a move of the drive alone, from where it was.
-    pub fn add_drive(&mut self, model: &mut InterfaceModel, configuration: &Configuration, from: f64) {
+    pub fn add_drive(&mut self, model: &InterfaceModel, configuration: &Configuration, from: f64) {
         let (drive, positions) = (configuration.drive, &configuration.positions);
         // The pull of the springs is linear in the drive, so that the midpoint gives its work
         // exactly.
         let middle = 0.5 * (from + drive);
         let pull = sum(positions.len(), |j| model.springs.of(j) * (middle - positions[j]));
-        self.add(model.stored(configuration), pull * (drive - from), 0.0);
+        // The cells stand, and so does the energy of the slider.
+        let now = model.stored(configuration, self.stored.coupling);
+        self.add(now, pull * (drive - from), 0.0);
     }
 
-    /// Adds a slide at a fixed drive that has dissipated so much.
-    pub fn add_slide(&mut self, model: &mut InterfaceModel, configuration: &Configuration, dissipated: f64) {
-        self.add(model.stored(configuration), 0.0, dissipated);
+    /// Adds a slide at a fixed drive that has dissipated so much, and after which the slider stores the energy `coupling`.
+    pub fn add_slide(
+        &mut self,
+        model: &InterfaceModel,
+        configuration: &Configuration,
+        coupling: f64,
+        dissipated: f64,
+    ) {
+        self.add(model.stored(configuration, coupling), 0.0, dissipated);
     }
 }
 
 impl InterfaceModel {
-    /// Stored energies in a configuration.
-    fn stored(&mut self, configuration: &Configuration) -> StoredEnergy {
+    /// Elastic energy of the slider in a configuration.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn coupling_energy(
+        &mut self,
+        configuration: &Configuration,
+        monitor: &mut dyn Monitor,
+    ) -> Result<f64> {
         let displacements = configuration.displacements();
-        let forces = self.elastic_forces(displacements);
+        let forces = self.elastic_forces(displacements, monitor)?;
+        Ok(self.coupling.energy(displacements, &forces))
+    }
+
+    /// Stored energies in a configuration in which the slider stores the energy `coupling`.
+    fn stored(&self, configuration: &Configuration, coupling: f64) -> StoredEnergy {
         let (positions, drive) = (&configuration.positions, configuration.drive);
         StoredEnergy {
             spring: sum(self.len(), |j| 0.5 * self.springs.of(j) * (drive - positions[j]).powi(2)),
-            coupling: self.coupling.energy(displacements, &forces),
+            coupling,
             contacts: self.cells.energies(),
         }
     }

@@ -8,6 +8,7 @@ use super::batch::{change, fill, gather, largest, sum};
 use super::configuration::Configuration;
 use super::residual::{InterfaceModel, Residual};
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Residual of the linear systems, relative to their largest force: a prediction need not be better.
 const SOLVED: f64 = 1e-2;
@@ -48,10 +49,16 @@ impl FoldPrediction {
 
 impl InterfaceModel {
     /// The prediction from the present balance; `None` if it is not stable.
-    pub fn predict_fold(&mut self, configuration: &Configuration) -> Result<Option<FoldPrediction>> {
+    pub fn predict_fold(
+        &mut self,
+        configuration: &Configuration,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<FoldPrediction>> {
         let number = self.len();
-        let residual = self.residual(configuration)?;
-        let Some((velocities, accelerations)) = self.creep_derivatives(residual)? else { return Ok(None) };
+        let residual = self.residual(configuration, monitor)?;
+        let Some((velocities, accelerations)) = self.creep_derivatives(residual, monitor)? else {
+            return Ok(None);
+        };
         let nearer = |a: (f64, f64), b: (f64, f64)| if b.0 < a.0 { b } else { a };
         let add = |nearest: (f64, f64), j: usize| {
             let fold = 0.5 * velocities[j] / accelerations[j];
@@ -67,12 +74,16 @@ impl InterfaceModel {
     }
 
     /// First and second derivatives of the positions by the drive; none where the matrix is not positive definite.
-    fn creep_derivatives(&mut self, balance: Residual) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
+    fn creep_derivatives(
+        &mut self,
+        balance: Residual,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
         let (number, springs) = (self.len(), self.springs);
         let diagonal = self.diagonal(balance.tangents, 0.0);
         let mut velocities: Vec<f64> = (0..number).map(|j| springs.of(j)).collect();
         let goal = SOLVED * springs.stiffness();
-        if self.coupling.solve_variable(&diagonal, &mut velocities, goal).is_none() {
+        if self.coupling.solve_variable(&diagonal, &mut velocities, goal, monitor)?.is_none() {
             return Ok(None);
         }
         let fastest = largest(number, |j| velocities[j].abs());
@@ -82,12 +93,13 @@ impl InterfaceModel {
         let distance = DIFFERENCE * self.length() / fastest;
         let mut by = balance.forces;
         fill(&mut by, |j| velocities[j] * distance);
-        let mut accelerations = self.tangents(&by)?;
+        let mut accelerations = self.tangents(&by, monitor)?;
         let tangent = |j: usize| diagonal[j] - springs.of(j);
         change(&mut accelerations, |j, ahead| -velocities[j] * (ahead - tangent(j)) / distance);
         let largest = largest(number, |j| accelerations[j].abs());
         drop(by);
-        let stable = self.coupling.solve_variable(&diagonal, &mut accelerations, SOLVED * largest);
+        let goal = SOLVED * largest;
+        let stable = self.coupling.solve_variable(&diagonal, &mut accelerations, goal, monitor)?;
         Ok(stable.map(|_| (velocities, accelerations)))
     }
 }

@@ -52,7 +52,7 @@ use self::energy::EnergyBudget;
 use self::parameters::DriveSprings;
 use self::residual::InterfaceModel;
 use self::slide::SlideRecord;
-use crate::monitor::{Cost, Monitor, report};
+use crate::monitor::{Aside, Cost, Monitor, report};
 use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
 use crate::{Error, Result};
@@ -103,6 +103,19 @@ impl Interface {
         coupling: Box<dyn Coupling>,
         parameters: InterfaceParameters,
     ) -> Result<Self> {
+        Self::new_with(cells, coupling, parameters, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Interface::new`]; stopped by the monitor.
+    pub fn new_with(
+        cells: Box<dyn Cells>,
+        coupling: Box<dyn Coupling>,
+        parameters: InterfaceParameters,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         parameters.check()?;
         let (number, shape) = (cells.len(), coupling.shape());
         if number != shape.size() {
@@ -110,9 +123,9 @@ impl Interface {
         }
         let mut model =
             InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape), residuals: 0 };
-        let configuration = model.initial_balance()?;
+        let configuration = model.initial_balance(monitor)?;
         Ok(Self {
-            energy: EnergyBudget::new(&mut model, &configuration),
+            energy: EnergyBudget::new(&mut model, &configuration, monitor)?,
             model,
             parameters,
             configuration,
@@ -216,6 +229,14 @@ impl Interface {
     /// # Errors
     /// Another number of positions than of cells; a position behind the present one of its cell; those of the cells.
     pub fn put(&mut self, drive: f64, positions: &[f64]) -> Result<()> {
+        self.put_with(drive, positions, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Interface::put`]; stopped by the monitor: nothing has moved then.
+    pub fn put_with(&mut self, drive: f64, positions: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         if positions.len() != self.len() {
             let expected = format!("a position for each of the {} cells", self.len());
             return Err(Error::invalid("positions", expected, positions.len()));
@@ -227,10 +248,14 @@ impl Interface {
             return Err(Error::invalid("positions", expected, positions[cell]));
         }
         let by: Vec<f64> = positions.iter().zip(here).map(|(to, from)| to - from).collect();
-        self.model.cells.advance(&by, &mut ())?;
-        self.configuration.advance(&Advances::new(by));
-        self.configuration.drive = drive;
-        self.energy = EnergyBudget::new(&mut self.model, &self.configuration);
+        let mut there = self.configuration.clone();
+        let advances = Advances::new(by);
+        there.advance(&advances);
+        there.drive = drive;
+        let coupling = self.model.coupling_energy(&there, monitor)?;
+        self.model.cells.advance(&advances.by, monitor)?;
+        self.configuration = there;
+        self.energy = EnergyBudget::begun(&self.model, &self.configuration, coupling);
         self.pace = CreepPace::new(self.parameters.drive_tolerance);
         Ok(())
     }
@@ -290,7 +315,7 @@ impl Interface {
         monitor: &mut dyn Monitor,
         observe: &mut dyn FnMut(&Self),
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
-        let residual = self.model.residual(&self.configuration)?.largest;
+        let residual = self.model.residual(&self.configuration, &mut self.aside(monitor))?.largest;
         // Cells put somewhere by hand, or in a restored state, may be out of balance: then the run
         // begins with a slide.
         let mut lost = residual > self.model.creep_tolerance(&self.configuration, self.configuration.drive);
@@ -304,15 +329,22 @@ impl Interface {
                 }
             }
             if self.configuration.drive >= drive {
-                self.energy.add_creep(&mut self.model, &self.configuration);
+                let monitor = &mut self.aside(monitor);
+                let coupling = self.model.coupling_energy(&self.configuration, monitor)?;
+                self.energy.add_creep(&self.model, &self.configuration, coupling);
                 return Ok(Vec::new());
             }
             report(monitor, self.fraction())?;
-            lost = self.creep(drive)?;
+            lost = self.creep(drive, &mut self.aside(monitor))?;
             if lost || self.configuration.drive >= drive {
                 observe(self);
             }
         }
+    }
+
+    /// A monitor of what is done while the drive stands.
+    fn aside<'a>(&self, monitor: &'a mut dyn Monitor) -> Aside<'a> {
+        Aside { fraction: self.fraction(), monitor }
     }
 
     /// How much of the present run is done.
@@ -321,11 +353,24 @@ impl Interface {
         if to > from { ((self.configuration.drive - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 }
     }
 
-    /// Makes a stride in balance towards a drive; whether balance is lost at its end, where the drive alone has gone.
-    fn creep(&mut self, drive: f64) -> Result<bool> {
+    /// Makes a stride in balance towards a drive; whether balance is lost at its end, where the drive alone has gone. Where the
+    /// monitor stops it all is as before.
+    fn creep(&mut self, drive: f64, monitor: &mut dyn Monitor) -> Result<bool> {
         let Self { model, configuration, pace, energy, .. } = self;
-        let Stride::Lost(drive) = model.creep(configuration, pace, drive)? else { return Ok(false) };
-        energy.add_creep(model, configuration);
+        // Curves that a stopped stride has extended are not known afterwards, so that the next one begins as this one did.
+        let before = *pace;
+        model.cells.mark_curves();
+        let stride = match model.creep(configuration, pace, drive, monitor) {
+            Ok(stride) => stride,
+            Err(error) => {
+                model.cells.recall_curves();
+                *pace = before;
+                return Err(error);
+            }
+        };
+        let Stride::Lost(drive) = stride else { return Ok(false) };
+        let coupling = model.coupling_energy(configuration, monitor)?;
+        energy.add_creep(model, configuration, coupling);
         let from = std::mem::replace(&mut configuration.drive, drive);
         energy.add_drive(model, configuration, from);
         Ok(true)
@@ -333,23 +378,25 @@ impl Interface {
 
     /// Slides to the next balance at this drive. Where the monitor stops it all is as before.
     fn slide(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
-        let fraction = self.fraction();
+        let monitor = &mut self.aside(monitor);
         let Self { model, configuration, energy, .. } = self;
         let mut slide = SlideRecord::new(model, self.parameters, configuration);
         // A slide is made in place; the mark allows undoing it without a copy of the contacts.
         model.cells.mark();
-        if let Err(error) = slide.run(model, configuration, fraction, monitor) {
-            model.cells.recall(monitor)?;
-            *configuration = slide.before;
-            return Err(error);
-        }
+        let (pulls, coupling) = match slide.whole(model, configuration, monitor) {
+            Ok(found) => found,
+            Err(error) => {
+                model.cells.recall(monitor)?;
+                *configuration = slide.before;
+                return Err(error);
+            }
+        };
         model.cells.reattach();
-        let pulls = model.mean_pulls(&slide.before, configuration);
         let (force, dissipated) = (model.force(), slide.dissipated(model, &configuration.positions, &pulls));
         let finished = FinishedSlide { slide: &slide, model, after: configuration, pulls: &pulls, force };
         let events = finished.events();
         model.cells.unmark();
-        energy.add_slide(model, configuration, dissipated);
+        energy.add_slide(model, configuration, coupling, dissipated);
         if self.parameters.viscosity.is_some() {
             configuration.time += slide.over;
         }

@@ -10,6 +10,7 @@ use super::configuration::Advances;
 use super::coupling::MOST_ITERATIONS;
 use super::residual::{InterfaceModel, Residual};
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Steps that lead farther, in lengths on which slopes change, are rejected.
 const FAR: f64 = 100.0;
@@ -52,19 +53,25 @@ impl InterfaceModel {
     /// was ≥ 0, because (D + A)⁻¹ has no negative entry. So all cells move forward, and none passes the nearest balance
     /// ahead. Where slopes fall on the way, the slope at its start is such a bound, and the step is Newton's. Otherwise D is
     /// the largest slope on the way of the Newton step, which is the longer one.
-    pub fn monotone_step(&mut self, r: Residual, rate: f64, rounding: f64) -> Result<Option<MonotoneStep>> {
+    pub fn monotone_step(
+        &mut self,
+        r: Residual,
+        rate: f64,
+        rounding: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<MonotoneStep>> {
         let Residual { forces, tangents, largest: residual } = r;
         let (number, springs) = (forces.len(), self.springs);
         // An inexact Newton method (R. S. Dembo, S. C. Eisenstat and T. Steihaug, SIAM J. Numer.
         // Anal. 19, 400 (1982)): far from balance the linear system need not be solved to rounding.
         let goal = (SOLVED * residual).max(ROUNDED * rounding);
         let (mut diagonal, mut by) = (self.diagonal(tangents, rate), forces);
-        let solved = self.coupling.solve_variable(&diagonal, &mut by, goal);
+        let solved = self.coupling.solve_variable(&diagonal, &mut by, goal, monitor)?;
         // Close to singular matrices give steps beyond any use, for which curves would have to be
         // tabulated.
         let near = |by: &[f64]| largest(number, |j| by[j].abs()) <= FAR * self.length();
         let Some(mut iterations) = solved.filter(|_| near(&by)) else { return Ok(None) };
-        let mut slopes = self.slopes(&by)?;
+        let mut slopes = self.slopes(&by, monitor)?;
         let bound = |j: usize| slopes[j].largest + springs.of(j) + rate;
         if !all(number, |j| bound(j) <= diagonal[j]) {
             // (D + A)⁻¹ r = δ − (D + A)⁻¹ (D − d) δ, with the Newton step δ.
@@ -72,9 +79,10 @@ impl InterfaceModel {
             fill(&mut less, |j| (bound(j) - diagonal[j]).max(0.0) * by[j]);
             change(&mut diagonal, |j, d| d.max(bound(j)));
             drop(slopes);
-            iterations += self.coupling.solve_variable(&diagonal, &mut less, goal).unwrap_or_default();
+            let solved = self.coupling.solve_variable(&diagonal, &mut less, goal, monitor)?;
+            iterations += solved.unwrap_or_default();
             change(&mut by, |j, by| by - less[j]);
-            slopes = self.slopes(&by)?;
+            slopes = self.slopes(&by, monitor)?;
         }
         let fall = |j: usize| diagonal[j] - rate - springs.of(j) - slopes[j].least;
         let curved = largest(number, |j| fall(j) * by[j].abs()) > CURVED * residual;
@@ -83,11 +91,17 @@ impl InterfaceModel {
 
     /// The correction by Newton's method, to be added to advances that leave the residual; none where the state is not
     /// stable. `tolerance` is the residual that is aimed at.
-    pub fn newton_correction(&mut self, r: Residual, tolerance: f64) -> Option<Vec<f64>> {
+    pub fn newton_correction(
+        &mut self,
+        r: Residual,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Vec<f64>>> {
         let Residual { forces, tangents, largest } = r;
         let goal = (NEWTON * largest).max(ROUNDED * tolerance);
         let (diagonal, mut correction) = (self.diagonal(tangents, 0.0), forces);
-        self.coupling.solve_variable(&diagonal, &mut correction, goal).map(|_| correction)
+        let solved = self.coupling.solve_variable(&diagonal, &mut correction, goal, monitor)?;
+        Ok(solved.map(|_| correction))
     }
 
     /// Whether every state between the present one and the one after the advances, both in balance, is stable, so that
@@ -96,9 +110,9 @@ impl InterfaceModel {
     ///
     /// Because its off-diagonal entries are ≤ 0, M is positive definite if M x > 0 for some x > 0 (Berman and Plemmons,
     /// chapter 6). Two x are tried: the advances, and the solution of M x = 1.
-    pub fn is_stable_ahead(&mut self, advances: &Advances) -> Result<bool> {
+    pub fn is_stable_ahead(&mut self, advances: &Advances, monitor: &mut dyn Monitor) -> Result<bool> {
         let (number, springs, by) = (self.len(), self.springs, &advances.by);
-        let slopes = self.slopes(by)?;
+        let slopes = self.slopes(by, monitor)?;
         let mut diagonal = vec![0.0; number];
         fill(&mut diagonal, |j| slopes[j].least + springs.of(j));
         drop(slopes);
@@ -109,13 +123,13 @@ impl InterfaceModel {
         if !all(number, |j| diagonal[j] > f64::NEG_INFINITY) {
             return Ok(false);
         }
-        let mut elastic = self.elastic_forces(advances.displacements());
+        let mut elastic = self.elastic_forces(advances.displacements(), monitor)?;
         if all(number, |j| by[j] > 0.0 && diagonal[j] * by[j] > elastic[j]) {
             return Ok(true);
         }
         let x = &mut elastic;
         x.fill(1.0);
-        let iterations = self.coupling.solve_variable(&diagonal, x, POSITIVE);
+        let iterations = self.coupling.solve_variable(&diagonal, x, POSITIVE, monitor)?;
         let found = iterations.is_some_and(|iterations| iterations < MOST_ITERATIONS);
         Ok(found && all(number, |j| x[j] > 0.0))
     }

@@ -6,6 +6,7 @@ use super::configuration::{Advances, Configuration};
 use super::coupling::Coupling;
 use super::parameters::DriveSprings;
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Stiffness A_jj of the slider, relative to the steepest slope of the contacts, above which differences of positions are
 /// kept: roundings of positions would be forces of 1e-12 of the strongest ones after ten mean thresholds.
@@ -50,68 +51,77 @@ impl InterfaceModel {
     }
 
     /// The balance in which cells stand where their populations do, at a mean position of 0.
-    pub fn initial_balance(&mut self) -> Result<Configuration> {
+    ///
+    /// # Errors
+    /// Those of the cells; stopped by the monitor.
+    pub fn initial_balance(&mut self, monitor: &mut dyn Monitor) -> Result<Configuration> {
         let number = self.len();
         let stiffness = largest(number, |j| self.coupling.self_stiffness(j));
         let stiff = stiffness > STIFF * self.cells.extremes().steepest;
-        let mut configuration = Configuration::new(number, stiff && self.resists_differences_only(stiffness));
-        if self.residual(&configuration)?.largest > 0.0 {
+        let relative = stiff && self.resists_differences_only(stiffness, monitor)?;
+        let mut configuration = Configuration::new(number, relative);
+        if self.residual(&configuration, monitor)?.largest > 0.0 {
             // At this drive the springs carry the whole friction force. Contacts do not move, so that the
             // positions of the cells in equilibrium solve a linear system.
             configuration.drive = self.force() / self.springs.total();
-            let residual = self.residual(&configuration)?;
+            let residual = self.residual(&configuration, monitor)?;
             let mut positions = residual.forces;
             let mut diagonal = residual.tangents;
             fill(&mut diagonal, |j| self.springs.of(j));
             let goal = self.rounding(&configuration, configuration.drive);
-            self.coupling.solve_variable(&diagonal, &mut positions, goal);
+            self.coupling.solve_variable(&diagonal, &mut positions, goal, monitor)?;
             configuration.put(positions);
         }
         Ok(configuration)
     }
 
     /// Whether a rigid translation makes no elastic force, compared to the `stiffness` of a cell that moves alone.
-    fn resists_differences_only(&mut self, stiffness: f64) -> bool {
+    fn resists_differences_only(&mut self, stiffness: f64, monitor: &mut dyn Monitor) -> Result<bool> {
         let mut forces = vec![0.0; self.len()];
-        self.coupling.forces(&vec![1.0; self.len()], &mut forces);
-        forces.iter().all(|force| force.abs() <= TRANSLATION * stiffness)
+        self.coupling.forces(&vec![1.0; self.len()], &mut forces, monitor)?;
+        Ok(forces.iter().all(|force| force.abs() <= TRANSLATION * stiffness))
     }
 
     /// −AX, forces of the slider.
-    pub fn elastic_forces(&mut self, displacements: &[f64]) -> Vec<f64> {
+    pub fn elastic_forces(&mut self, displacements: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let mut forces = vec![0.0; displacements.len()];
-        self.coupling.forces(displacements, &mut forces);
-        forces
+        self.coupling.forces(displacements, &mut forces, monitor)?;
+        Ok(forces)
     }
 
     /// K_0j(X_T − X_j) − (AX)_j, forces of drive and slider.
-    pub fn pulls(&mut self, configuration: &Configuration) -> Vec<f64> {
-        let mut pulls = self.elastic_forces(configuration.displacements());
+    pub fn pulls(&mut self, configuration: &Configuration, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+        let mut pulls = self.elastic_forces(configuration.displacements(), monitor)?;
         let (springs, drive, positions) = (self.springs, configuration.drive, &configuration.positions);
         change(&mut pulls, |j, elastic| springs.of(j) * (drive - positions[j]) + elastic);
-        pulls
+        Ok(pulls)
     }
 
     /// The pulls halfway between an earlier configuration and one now, at the same drive. These are the means over any path
     /// from one to the other as far as work is concerned, because pulls are linear in positions and A is symmetric.
-    pub fn mean_pulls(&mut self, before: &Configuration, now: &Configuration) -> Vec<f64> {
-        let mut pulls = self.elastic_forces(&now.displacements_halfway(before));
+    pub fn mean_pulls(
+        &mut self,
+        before: &Configuration,
+        now: &Configuration,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<f64>> {
+        let mut pulls = self.elastic_forces(&now.displacements_halfway(before), monitor)?;
         let (springs, drive) = (self.springs, now.drive);
         let middle = |j: usize| 0.5 * (before.positions[j] + now.positions[j]);
         change(&mut pulls, |j, elastic| springs.of(j) * (drive - middle(j)) + elastic);
-        pulls
+        Ok(pulls)
     }
 
     /// The residual where the cells are.
-    pub fn residual(&mut self, configuration: &Configuration) -> Result<Residual> {
-        let pulls = self.pulls(configuration);
-        self.residual_under(pulls)
+    pub fn residual(&mut self, configuration: &Configuration, monitor: &mut dyn Monitor) -> Result<Residual> {
+        let pulls = self.pulls(configuration, monitor)?;
+        self.residual_under(pulls, monitor)
     }
 
     /// The same under known pulls.
-    pub fn residual_under(&mut self, pulls: Vec<f64>) -> Result<Residual> {
+    pub fn residual_under(&mut self, pulls: Vec<f64>, monitor: &mut dyn Monitor) -> Result<Residual> {
         let at_rest = vec![0.0; pulls.len()];
-        self.subtract_contacts(pulls, &at_rest)
+        self.subtract_contacts(pulls, &at_rest, monitor)
     }
 
     /// The residual at a drive after advances; `elastic` are the elastic forces before them.
@@ -121,33 +131,39 @@ impl InterfaceModel {
         drive: f64,
         advances: &Advances,
         elastic: &[f64],
+        monitor: &mut dyn Monitor,
     ) -> Result<Residual> {
-        let mut pulls = self.elastic_forces(advances.displacements());
+        let mut pulls = self.elastic_forces(advances.displacements(), monitor)?;
         let (springs, positions, by) = (self.springs, &configuration.positions, &advances.by);
         let spring = |j: usize| springs.of(j) * (drive - positions[j] - by[j]);
         // Forces of the advances are added to those of the positions: A δ keeps the digits that A
         // (X + δ) would lose.
         change(&mut pulls, |j, change| spring(j) + (elastic[j] + change));
-        self.subtract_contacts(pulls, by)
+        self.subtract_contacts(pulls, by, monitor)
     }
 
     /// Pulls less the forces of the contacts after advances.
-    fn subtract_contacts(&mut self, pulls: Vec<f64>, by: &[f64]) -> Result<Residual> {
+    fn subtract_contacts(
+        &mut self,
+        pulls: Vec<f64>,
+        by: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Residual> {
         let (mut forces, mut tangents) = (pulls, vec![0.0; by.len()]);
         self.residuals += 1;
-        let largest = self.cells.residual(by, &mut forces, &mut tangents)?;
+        let largest = self.cells.residual(by, &mut forces, &mut tangents, monitor)?;
         Ok(Residual { forces, tangents, largest })
     }
 
     /// Tangents of the contacts after advances.
-    pub fn tangents(&mut self, by: &[f64]) -> Result<Vec<f64>> {
-        Ok(self.subtract_contacts(vec![0.0; by.len()], by)?.tangents)
+    pub fn tangents(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+        Ok(self.subtract_contacts(vec![0.0; by.len()], by, monitor)?.tangents)
     }
 
     /// Least and largest tangent of each cell over an advance.
-    pub fn slopes(&mut self, by: &[f64]) -> Result<Vec<Slopes>> {
+    pub fn slopes(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<Slopes>> {
         let mut slopes = vec![Slopes::default(); by.len()];
-        self.cells.slopes(by, &mut slopes)?;
+        self.cells.slopes(by, &mut slopes, monitor)?;
         Ok(slopes)
     }
 

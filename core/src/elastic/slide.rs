@@ -61,13 +61,26 @@ impl SlideRecord {
         !self.starts[cell].is_nan()
     }
 
-    /// Moves the cells step by step until there is balance. The monitor receives `fraction`, the part of the run
-    /// that is done.
-    pub fn run(
+    /// Moves the cells until there is balance. Returns the mean pulls of the slide, and the energy of the slider after it.
+    ///
+    /// # Errors
+    /// A balance that steps do not reach; those of the cells; stopped by the monitor.
+    pub fn whole(
         &mut self,
         model: &mut InterfaceModel,
         configuration: &mut Configuration,
-        fraction: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(Vec<f64>, f64)> {
+        self.run(model, configuration, monitor)?;
+        let coupling = model.coupling_energy(configuration, monitor)?;
+        Ok((model.mean_pulls(&self.before, configuration, monitor)?, coupling))
+    }
+
+    /// Moves the cells step by step until there is balance.
+    fn run(
+        &mut self,
+        model: &mut InterfaceModel,
+        configuration: &mut Configuration,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
         let (mut time, mut most) = (0.0, 0.0_f64);
@@ -75,7 +88,8 @@ impl SlideRecord {
         // Reports after a fixed number of steps of single cells: their cost is negligible for few cells, too.
         let quiet = REPORT.div_ceil(model.len() as u64);
         for steps in 0..MOST_STEPS {
-            let Some(SlideStep { by, duration, residual }) = stepper.next(model, configuration)? else {
+            let Some(SlideStep { by, duration, residual }) = stepper.next(model, configuration, monitor)?
+            else {
                 return Ok(());
             };
             let unstable = self.unstable.len();
@@ -90,7 +104,7 @@ impl SlideRecord {
                 self.over = time;
             }
             if steps % quiet == 0 {
-                report(monitor, fraction)?;
+                report(monitor, 0.0)?;
             }
         }
         let (reached, wanted) = (stepper.residual(), model.rounding(configuration, configuration.drive));

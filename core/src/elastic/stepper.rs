@@ -14,6 +14,7 @@ use super::newton::MonotoneStep;
 use super::residual::{InterfaceModel, Residual};
 use super::uniform_stiffness::UniformStiffnessStep;
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Length of a step in time, relative to η over the steepest slope.
 const PACE: f64 = 0.02;
@@ -81,8 +82,9 @@ impl Stepper {
         &mut self,
         model: &mut InterfaceModel,
         configuration: &Configuration,
+        monitor: &mut dyn Monitor,
     ) -> Result<Option<SlideStep>> {
-        let r = self.uniform.residual(model, configuration)?;
+        let r = self.uniform.residual(model, configuration, monitor)?;
         let residual = r.largest;
         self.damping = eased(self.damping, residual / self.residual, model.cells.extremes().steepest);
         if self.is_balance(residual) {
@@ -91,11 +93,11 @@ impl Stepper {
         self.residual = residual;
         if self.uniform.is_next(residual, self.rounding) {
             self.converged = false;
-            let by = self.uniform.step(model, &r.forces)?;
+            let by = self.uniform.step(model, &r.forces, monitor)?;
             return Ok(Some(SlideStep { by, duration: 1.0, residual }));
         }
         self.rounding = model.rounding(configuration, configuration.drive);
-        let MonotoneStep { by, rate, curved, .. } = self.variable_step(model, configuration, r)?;
+        let MonotoneStep { by, rate, curved, .. } = self.variable_step(model, configuration, r, monitor)?;
         self.converged = self.damping == 0.0 && !curved;
         let duration = self.viscosity.map_or(1.0, |viscosity| viscosity / rate);
         Ok(Some(SlideStep { by, duration, residual }))
@@ -114,13 +116,14 @@ impl Stepper {
         model: &mut InterfaceModel,
         configuration: &Configuration,
         mut residual: Residual,
+        monitor: &mut dyn Monitor,
     ) -> Result<MonotoneStep> {
         let (number, largest, stiffness) = (model.len(), residual.largest, model.uniform_stiffness());
         let least = self.viscosity.map_or(0.0, |_| euler_rate(model.cells.extremes(), largest));
         let pull = sum(number, |j| residual.forces[j]);
         loop {
             let rate = least.max(self.damping);
-            if let Some(step) = model.monotone_step(residual, rate, self.rounding)? {
+            if let Some(step) = model.monotone_step(residual, rate, self.rounding, monitor)? {
                 if self.viscosity.is_none() {
                     // All rows of A add up to ≥ 0: with a uniform stiffness c the advances add up to Σr/c at most.
                     let gain = stiffness * sum(number, |j| step.by[j]) / pull;
@@ -130,7 +133,7 @@ impl Stepper {
             }
             // The failed attempt has used up the residual; computing it anew is seldom needed, a
             // copy would be made in every step.
-            residual = model.residual(configuration)?;
+            residual = model.residual(configuration, monitor)?;
             self.damping = (GROWTH * rate).max(DAMPED * model.cells.extremes().steepest);
         }
     }

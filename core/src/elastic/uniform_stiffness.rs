@@ -10,6 +10,7 @@ use super::batch::change;
 use super::configuration::Configuration;
 use super::residual::{InterfaceModel, Residual};
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Cost of evaluating forces and slopes of the contacts, in applications of the preconditioner.
 const EVALUATION: usize = 1;
@@ -86,15 +87,25 @@ impl UniformStiffnessStep {
     }
 
     /// The residual where the cells are.
-    pub fn residual(&self, model: &mut InterfaceModel, configuration: &Configuration) -> Result<Residual> {
+    pub fn residual(
+        &self,
+        model: &mut InterfaceModel,
+        configuration: &Configuration,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Residual> {
         match &self.pulls {
-            Some(pulls) => model.residual_under(pulls.clone()),
-            None => model.residual(configuration),
+            Some(pulls) => model.residual_under(pulls.clone(), monitor),
+            None => model.residual(configuration, monitor),
         }
     }
 
     /// δ = (c + A)⁻¹ r.
-    pub fn step(&mut self, model: &mut InterfaceModel, residual: &[f64]) -> Result<Vec<f64>> {
+    pub fn step(
+        &mut self,
+        model: &mut InterfaceModel,
+        residual: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<f64>> {
         let mut pulls = self.pulls.take().unwrap_or_else(|| {
             let mut pulls = model.contact_forces();
             change(&mut pulls, |j, force| residual[j] + force);
@@ -102,10 +113,10 @@ impl UniformStiffnessStep {
         });
         let by = loop {
             let mut by = residual.to_vec();
-            let iterations = model.coupling.solve_uniform(self.stiffness, &mut by);
+            let iterations = model.coupling.solve_uniform(self.stiffness, &mut by, monitor)?;
             self.cost = iterations + EVALUATION;
             self.left = self.left.saturating_sub(self.cost);
-            if !model.cells.extend_curves(&by)? {
+            if !model.cells.extend_curves(&by, monitor)? {
                 break by;
             }
             // What has been tabulated just now may be steeper.

@@ -51,11 +51,11 @@ pub(crate) trait BreakingModel: Debug + Send + Sync {
 
 /// Contacts formed together at a stretch r.
 pub(crate) trait Cohort: Debug + Send + Sync {
-    /// Surviving and breaking contacts at the stretch r + u; from the right at a point mass.
-    fn survival_moments(&self, advance: f64) -> SurvivalMoments;
+    /// Surviving and breaking contacts at the stretch r + u; from the right at a point mass. Invalid if the monitor asks to stop.
+    fn survival_moments(&self, advance: f64, watch: &Watch<'_>) -> SurvivalMoments;
 
-    /// Breakpoints and point masses of the breaking density for u > 0, as advances.
-    fn breakpoints(&self) -> Vec<Breakpoint> {
+    /// Breakpoints and point masses of the breaking density for u > 0, as advances. Invalid if the monitor asks to stop.
+    fn breakpoints(&self, _watch: &Watch<'_>) -> Vec<Breakpoint> {
         Vec::new()
     }
 

@@ -148,7 +148,7 @@ pub(super) fn of_cohorts(
     let smoother: Vec<_> =
         breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
-    let breaking_energy = lost.integrated_from_end(0.0, &cohorts.simultaneous(per_threshold));
+    let breaking_energy = lost.integrated_from_end(0.0, &cohorts.simultaneous(per_threshold, watch));
     watch.check()?;
     Ok(Life {
         survival: kernel(survival),
@@ -320,7 +320,7 @@ impl Cohorts {
         let mut sums = CohortSums::default();
         for (point_mass, cohort) in self.point_masses() {
             sums.add(
-                cohort.survival_moments(advance),
+                cohort.survival_moments(advance, watch),
                 point_mass.weight,
                 point_mass.position + advance,
                 per_threshold,
@@ -353,8 +353,8 @@ impl Cohorts {
     fn survival_moments(&self, start: f64, advance: f64, watch: &Watch<'_>) -> SurvivalMoments {
         let make = || self.model.cohort(start, watch);
         watch.value(|| match self.spread.get(&start.to_bits()) {
-            Some(known) => known.get_or_init(make).survival_moments(advance),
-            None => make().survival_moments(advance),
+            Some(known) => known.get_or_init(make).survival_moments(advance, watch),
+            None => make().survival_moments(advance, watch),
         })
     }
 
@@ -375,10 +375,10 @@ impl Cohorts {
         for (weight, cohort) in point_masses.chain(self.few.iter().map(|(weight, cohort)| (*weight, cohort)))
         {
             let scaled = |b: Breakpoint| Breakpoint { amplitude: b.amplitude * weight, ..b };
-            out.extend(cohort.breakpoints().into_iter().map(scaled));
+            out.extend(cohort.breakpoints(watch).into_iter().map(scaled));
         }
         for start in &self.starts.breakpoints {
-            let met = self.model.cohort(start.position, watch).breakpoints();
+            let met = self.model.cohort(start.position, watch).breakpoints(watch);
             out.extend(
                 met.into_iter().map(|b| Breakpoint { position: b.position, ..b.convolve(start.mirrored()) }),
             );
@@ -406,10 +406,10 @@ impl Cohorts {
     }
 
     /// Point masses of the energy lost.
-    fn simultaneous(&self, per_threshold: bool) -> Vec<(f64, f64)> {
+    fn simultaneous(&self, per_threshold: bool, watch: &Watch<'_>) -> Vec<(f64, f64)> {
         let mut out = Vec::new();
         for (point_mass, cohort) in self.point_masses() {
-            for met in cohort.breakpoints().into_iter().filter(Breakpoint::is_atom) {
+            for met in cohort.breakpoints(watch).into_iter().filter(Breakpoint::is_atom) {
                 let stretch = point_mass.position + met.position;
                 let power = if per_threshold { 3 } else { 2 };
                 out.push((met.position, 0.5 * point_mass.weight * met.amplitude * stretch.powi(power)));
@@ -427,10 +427,10 @@ impl Cohorts {
     }
 
     /// Stretches of the contacts that formed u ago at point masses, with the surviving fraction.
-    pub(super) fn atoms(&self, advance: f64) -> impl Iterator<Item = Atom> + '_ {
+    pub(super) fn atoms<'a>(&'a self, advance: f64, watch: &'a Watch<'_>) -> impl Iterator<Item = Atom> + 'a {
         self.point_masses().map(move |(point_mass, cohort)| Atom {
             position: point_mass.position + advance,
-            weight: point_mass.weight * cohort.survival_moments(advance).unbroken[0],
+            weight: point_mass.weight * cohort.survival_moments(advance, watch).unbroken[0],
         })
     }
 
@@ -439,7 +439,7 @@ impl Cohorts {
     pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64], watch: &Watch<'_>) -> f64 {
         let one = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let advance = x - point_mass.position;
-            point_mass.weight * cohort.survival_moments(advance).unbroken[0] * rate(advance)
+            point_mass.weight * cohort.survival_moments(advance, watch).unbroken[0] * rate(advance)
         };
         let left = |r: f64| self.survival_moments(r, x - r, watch).unbroken[0] * rate(x - r);
         self.point_masses_up_to(x).map(one).sum::<f64>() + self.below(x, cuts, left)
@@ -450,17 +450,17 @@ impl Cohorts {
     /// Density at x of the stretches at which contacts break, without point masses.
     pub(super) fn breaking(&self, x: f64, watch: &Watch<'_>) -> f64 {
         let one = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
-            point_mass.weight * cohort.survival_moments(x - point_mass.position).breaking[0]
+            point_mass.weight * cohort.survival_moments(x - point_mass.position, watch).breaking[0]
         };
         let met = |r: f64| self.survival_moments(r, x - r, watch).breaking[0];
         self.point_masses_up_to(x).map(one).sum::<f64>() + self.below(x, &[], met)
     }
 
     /// Stretches at which contacts that formed at point masses break simultaneously.
-    pub(super) fn met_atoms(&self) -> Vec<Atom> {
+    pub(super) fn met_atoms(&self, watch: &Watch<'_>) -> Vec<Atom> {
         let of = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let (position, weight) = (point_mass.position, point_mass.weight);
-            let met = cohort.breakpoints().into_iter().filter(Breakpoint::is_atom);
+            let met = cohort.breakpoints(watch).into_iter().filter(Breakpoint::is_atom);
             met.map(move |b| Atom { position: position + b.position, weight: weight * b.amplitude })
                 .collect::<Vec<_>>()
         };

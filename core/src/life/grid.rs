@@ -1,10 +1,12 @@
 //! Sums over fresh thresholds, resolved as finely as their distribution and temperature require.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use super::cells::{NEGLIGIBLE, edges, with_atoms};
 use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt};
 use crate::law::{Atom, Law, SharedLaw, Zone};
+use crate::monitor::Watch;
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 
 /// P_c, divided into parts on which it is smooth.
@@ -97,20 +99,22 @@ impl ThresholdGrid {
 
     /// Visits the contacts with fresh thresholds above `least` up to a threshold above which all survive, and
     /// returns that. `known` returns the hazards at one of the [`ThresholdGrid::fixed`] thresholds by its
-    /// index.
+    /// index. Where the monitor asks to stop, not all are visited.
     pub(super) fn each(
         &self,
         least: ThresholdHazards,
         exposed: &ThermalHazardAt<'_>,
         known: &impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards,
+        watch: &Watch<'_>,
         mut visit: impl FnMut(ThresholdGroup),
     ) -> f64 {
+        let sums = GridSums { exposed, known, least: least.0, parts: Cell::new(0), watch };
         let at = |place: usize| (self.fixed[place], known(exposed, place));
         // Survival rises with the threshold: the sum ends at the first threshold that all contacts survive.
         let first = self.parts.partition_point(|part| part.ends[1] <= least.0);
         let sought = self.parts[first..].iter().try_for_each(|part| {
             let low = if part.ends[0] < least.0 { least } else { at(part.place) };
-            self.sum(part, [low, at(part.place + NODES + 1)], least.0, (exposed, known), &mut visit)
+            self.sum(part, [low, at(part.place + NODES + 1)], &sums, &mut visit)
         });
         // Above the last part are too few to count, as long as they may live.
         let kept = sought.break_value().unwrap_or(f64::INFINITY);
@@ -128,10 +132,11 @@ impl ThresholdGrid {
         &self,
         part: &GridPart,
         [low, high]: [ThresholdHazards; 2],
-        least: f64,
-        (exposed, known): (&ThermalHazardAt<'_>, &impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards),
+        sums: &GridSums<'_, '_, '_, impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards>,
         visit: &mut impl FnMut(ThresholdGroup),
     ) -> Search {
+        sums.ask(low)?;
+        let &GridSums { exposed, known, least, .. } = sums;
         if high.1.0 > GONE {
             return Search::Continue(());
         }
@@ -144,15 +149,15 @@ impl ThresholdGrid {
             return Search::Continue(());
         }
         // Fixed thresholds allow cached hazards; below the finest of them points are chosen freely.
-        let Some(halves) = &part.halves else { return self.cut([low, high], least, exposed, visit) };
+        let Some(halves) = &part.halves else { return self.cut([low, high], sums, visit) };
         let place = halves[1].place;
         let middle = self.fixed[place];
         if low.0 >= middle {
-            return self.sum(&halves[1], [low, high], least, (exposed, known), visit);
+            return self.sum(&halves[1], [low, high], sums, visit);
         }
         let middle = (middle, known(exposed, place));
-        self.sum(&halves[0], [low, middle], least, (exposed, known), visit)?;
-        self.sum(&halves[1], [middle, high], least, (exposed, known), visit)
+        self.sum(&halves[0], [low, middle], sums, visit)?;
+        self.sum(&halves[1], [middle, high], sums, visit)
     }
 
     /// Whether half powers of the distance to the lowest threshold are too strong for one rule.
@@ -166,10 +171,11 @@ impl ThresholdGrid {
     fn cut(
         &self,
         [low, high]: [ThresholdHazards; 2],
-        least: f64,
-        exposed: &ThermalHazardAt<'_>,
+        sums: &GridSums<'_, '_, '_, impl Fn(&ThermalHazardAt<'_>, usize) -> Hazards>,
         visit: &mut impl FnMut(ThresholdGroup),
     ) -> Search {
+        sums.ask(low)?;
+        let &GridSums { exposed, least, .. } = sums;
         if high.1.0 > GONE {
             return Search::Continue(());
         }
@@ -179,8 +185,8 @@ impl ThresholdGrid {
         if high.0 - low.0 > 4.0 * f64::EPSILON * high.0 && is_uneven([low, high], exposed) {
             let middle = 0.5 * (low.0 + high.0);
             let middle = (middle, exposed.hazards(middle));
-            self.cut([low, middle], least, exposed, visit)?;
-            return self.cut([middle, high], least, exposed, visit);
+            self.cut([low, middle], sums, visit)?;
+            return self.cut([middle, high], sums, visit);
         }
         let rooted = self.is_rooted([low, high], least);
         // In s = √(h − h_0) half powers of the distance to the threshold h_0 are whole ones, and
@@ -195,6 +201,29 @@ impl ThresholdGrid {
             visit(ThresholdGroup { newborn, weight, broken, rate });
         }
         Search::Continue(())
+    }
+}
+
+/// What a sum over thresholds is of.
+struct GridSums<'a, 'e, 'w, K> {
+    exposed: &'a ThermalHazardAt<'e>,
+    known: &'a K,
+    /// The lowest threshold.
+    least: f64,
+    /// Parts begun so far.
+    parts: Cell<usize>,
+    watch: &'a Watch<'w>,
+}
+
+impl<K> GridSums<'_, '_, '_, K> {
+    /// Ends the sum at the threshold `low` if the monitor asks to stop. Low thresholds of broad distributions need thousands of
+    /// parts, whose hazards are integrals over the past.
+    fn ask(&self, low: ThresholdHazards) -> Search {
+        /// Parts of sixteen hazards each between two questions.
+        const MANY: usize = 8;
+        self.parts.set(self.parts.get() + 1);
+        let stops = self.parts.get().is_multiple_of(MANY) && self.watch.stops();
+        if stops { Search::Break(low.0) } else { Search::Continue(()) }
     }
 }
 

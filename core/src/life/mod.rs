@@ -212,7 +212,7 @@ impl Life {
     }
 
     /// Point masses among the stretches at which contacts that start at point masses break.
-    pub(crate) fn met_atoms(&self) -> Vec<Atom> {
+    pub(crate) fn met_atoms(&self, watch: &Watch<'_>) -> Vec<Atom> {
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
                 let started =
@@ -220,7 +220,7 @@ impl Life {
                 let met = |atom: Atom| Atom { weight: atom.weight * started(atom.position), ..atom };
                 thresholds.atoms().into_iter().map(met).collect()
             }
-            Starts::Cohorts(cohorts) => cohorts.met_atoms(),
+            Starts::Cohorts(cohorts) => cohorts.met_atoms(watch),
         }
     }
 
@@ -256,7 +256,7 @@ impl Life {
     }
 
     /// Stretches of the contacts that started u ago at point masses, with the surviving fraction.
-    pub fn stretch_atoms(&self, u: f64) -> Vec<Atom> {
+    pub(crate) fn stretch_atoms(&self, u: f64, watch: &Watch<'_>) -> Vec<Atom> {
         let u = u - self.wait;
         if u < 0.0 {
             return Vec::new();
@@ -272,7 +272,7 @@ impl Life {
                     .flat_map(|layer| layer.point_masses.iter().map(move |start| (layer, start)));
                 all.map(|(layer, start)| unbroken(layer, start)).collect()
             }
-            Starts::Cohorts(cohorts) => cohorts.atoms(u).collect(),
+            Starts::Cohorts(cohorts) => cohorts.atoms(u, watch).collect(),
         }
     }
 

@@ -417,7 +417,7 @@ impl BreakingModel for FokkerPlanckLife {
         let formed = DiffusingCohort { start, segments, onsets };
         let rough =
             DiffusingCohort { start, segments: self.segments(start, ROUGH, watch), onsets: Vec::new() };
-        let difference = formed.difference(&rough) / self.maturing.survival(start);
+        let difference = formed.difference(&rough, watch) / self.maturing.survival(start);
         // Positive numbers are in the order of their bits.
         self.largest_error.fetch_max(difference.to_bits(), Ordering::Relaxed);
         Arc::new(formed)
@@ -446,7 +446,7 @@ impl BreakingModel for FokkerPlanckLife {
 
 impl DiffusingCohort {
     /// The largest difference of the surviving fractions.
-    fn difference(&self, other: &Self) -> f64 {
+    fn difference(&self, other: &Self, watch: &Watch<'_>) -> f64 {
         let ends = |formed: &Self| -> Vec<f64> {
             let of = |segment: &LifeSegment| {
                 segment.curves[0].boundaries.iter().map(|u| segment.from + u).collect::<Vec<_>>()
@@ -454,13 +454,13 @@ impl DiffusingCohort {
             formed.segments.iter().flat_map(of).collect()
         };
         let places: Vec<f64> = ends(self).into_iter().chain(ends(other)).collect();
-        let left = |formed: &Self, u: f64| formed.survival_moments(u).unbroken[0];
+        let left = |formed: &Self, u: f64| formed.survival_moments(u, watch).unbroken[0];
         places.iter().map(|&u| (left(self, u) - left(other, u)).abs()).fold(0.0, f64::max)
     }
 }
 
 impl Cohort for DiffusingCohort {
-    fn survival_moments(&self, advance: f64) -> SurvivalMoments {
+    fn survival_moments(&self, advance: f64, _watch: &Watch<'_>) -> SurvivalMoments {
         let mut survival_moments = SurvivalMoments::default();
         for segment in self.segments.iter().filter(|segment| advance >= segment.from && advance < segment.to)
         {
@@ -485,7 +485,7 @@ impl Cohort for DiffusingCohort {
     }
 
     /// Where polynomials meet, although they agree to their accuracy, and where breaking begins steeply.
-    fn breakpoints(&self) -> Vec<Breakpoint> {
+    fn breakpoints(&self, _watch: &Watch<'_>) -> Vec<Breakpoint> {
         let meet = |segment: &LifeSegment, edge: f64| {
             let curve = &segment.breaking;
             let cell = curve.nearest(edge);

@@ -264,7 +264,7 @@ impl AgeingCohort {
 }
 
 impl Cohort for AgeingCohort {
-    fn survival_moments(&self, advance: f64) -> SurvivalMoments {
+    fn survival_moments(&self, advance: f64, watch: &Watch<'_>) -> SurvivalMoments {
         let Timed { law, evolution, velocity, .. } = &self.of;
         let (met, speed) = self.running_maximum.value_and_slope(advance);
         let (age, stretch) = (advance / velocity, self.start + advance);
@@ -278,7 +278,7 @@ impl Cohort for AgeingCohort {
             let add =
                 |group: ThresholdGroup| self.add(&mut survival_moments, group, aged.threshold(group.newborn));
             let known = |exposed: &ThermalHazardAt<'_>, place: usize| self.hazards(exposed, place, evaluated);
-            cached = self.of.grid.each(least, &exposed, &known, add);
+            cached = self.of.grid.each(least, &exposed, &known, watch, add);
             reached *= (-least.1.0).exp();
         }
         self.add_surviving(&mut survival_moments, cached, age);
@@ -287,7 +287,7 @@ impl Cohort for AgeingCohort {
         survival_moments
     }
 
-    fn breakpoints(&self) -> Vec<Breakpoint> {
+    fn breakpoints(&self, watch: &Watch<'_>) -> Vec<Breakpoint> {
         let meet = |hazard: &Breakpoint| {
             let here = hazard.position == self.start;
             let advance = if here { 0.0 } else { self.running_maximum.advance_to(hazard.position)? };
@@ -304,8 +304,8 @@ impl Cohort for AgeingCohort {
         // sides.
         let turns = self.running_maximum.turns().map(|advance| {
             let step = 1e-9 * advance.max(f64::MIN_POSITIVE);
-            let amplitude = self.survival_moments(advance + step).breaking[0]
-                - self.survival_moments(advance - step).breaking[0];
+            let amplitude = self.survival_moments(advance + step, watch).breaking[0]
+                - self.survival_moments(advance - step, watch).breaking[0];
             Breakpoint { position: advance, exponent: 0.0, amplitude }
         });
         let rare = |b: &Breakpoint| b.is_atom() && b.amplitude <= NEGLIGIBLE;

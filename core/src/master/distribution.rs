@@ -38,7 +38,8 @@ impl RenewalSolution {
             None => self.density_at(position, x, watch),
             Some(formation) => self.formed_density_at(formation, (position, x), watch),
         };
-        Stretches::evaluated(stretches, at, self.stretch_atoms(position), monitor)
+        let atoms = self.stretch_atoms(position, &Watch::new(monitor));
+        Stretches::evaluated(stretches, at, atoms, monitor)
     }
 
     /// How contacts form that are free for a time of a distribution before; `None` for others.
@@ -105,8 +106,8 @@ impl RenewalSolution {
         &self.solution.atoms[first.min(last)..last]
     }
 
-    fn stretch_atoms(&self, position: f64) -> Vec<Atom> {
-        let mut atoms = self.first.stretch_atoms(position);
+    fn stretch_atoms(&self, position: f64, watch: &Watch<'_>) -> Vec<Atom> {
+        let mut atoms = self.first.stretch_atoms(position, watch);
         let at_once = [Atom { position: 0.0, weight: 1.0 }];
         let waits = self.reformed.waits();
         let delays = waits.as_ref().map_or(at_once.as_slice(), |waits| waits.1);
@@ -116,7 +117,7 @@ impl RenewalSolution {
                 if delay.position > 0.0 && age < 0.0 {
                     continue;
                 }
-                let aged = self.reformed.formed().stretch_atoms(age.max(0.0));
+                let aged = self.reformed.formed().stretch_atoms(age.max(0.0), watch);
                 let weight = birth.weight * delay.weight;
                 atoms.extend(aged.into_iter().map(|a| Atom { weight: a.weight * weight, ..a }));
             }

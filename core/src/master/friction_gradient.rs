@@ -10,7 +10,7 @@ use super::{Extremum, Gradient};
 use crate::Result;
 use crate::law::EIGHTH_ORDER;
 use crate::life::{Life, LifeDerivative};
-use crate::monitor::{Monitor, Part};
+use crate::monitor::{Aside, Monitor, Part};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -77,7 +77,8 @@ impl Pull {
         let mut found: Vec<FrictionGradient> = changes.iter().zip(&gradients).map(friction).collect();
         for (gradient, name) in found.iter_mut().zip(parameters) {
             if relaxation.length().is_finite() && gradient.relaxation_length.is_nan() {
-                gradient.relaxation_length = self.relaxation_difference(name)?;
+                let aside = &mut Aside { fraction: 1.0, monitor: &mut *monitor };
+                gradient.relaxation_length = self.relaxation_difference(name, aside)?;
             }
         }
         Ok(found)
@@ -85,15 +86,15 @@ impl Pull {
 
     /// ∂X*/∂θ by central differences of eighth order, for tails that decay more slowly than any root tells: those of exponential
     /// thresholds, where X* is the length of the tail.
-    fn relaxation_difference(&self, name: &str) -> Result<f64> {
+    fn relaxation_difference(&self, name: &str, monitor: &mut dyn Monitor) -> Result<f64> {
         /// Step relative to the value.
         const STEP: f64 = 1e-2;
         let known = self.parameters().into_iter().find(|parameter| parameter.name == name);
         let value = known.map_or(f64::NAN, |parameter| parameter.value);
         let step = STEP * value.abs();
-        let length = |away: f64| -> Result<f64> {
-            let equation = self.equation.with_parameters(&[(name, value + away)], &mut ())?;
-            Ok(equation.relaxation()?.length())
+        let mut length = |away: f64| -> Result<f64> {
+            let equation = self.equation.with_parameters(&[(name, value + away)], monitor)?;
+            Ok(equation.relaxation_with(monitor)?.length())
         };
         let mut sum = 0.0;
         for (k, weight) in (1..).zip(EIGHTH_ORDER) {

@@ -122,10 +122,18 @@ impl SteadyState {
     /// # Errors
     /// As [`SteadyState::autocovariance`].
     pub fn spectrum_tail(&self, size: f64) -> Result<f64> {
+        self.spectrum_tail_with(size, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::spectrum_tail`]; stopped by the monitor.
+    pub fn spectrum_tail_with(&self, size: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         self.has_noise(size)?;
         let reforming = &self.equation.contacts.reforming;
         let (start, squared_start) = (reforming.mean(), reforming.upper_moment(2, -1.0));
-        let weighted = self.equation.weighted_by_stretch(&self.equation.reforming(), &mut ())?;
+        let weighted = self.equation.weighted_by_stretch(&self.equation.reforming(), monitor)?;
         let product = weighted.map_or(0.0, |WeightedLife { mean_start, life }| mean_start * life.mean());
         let square = squared_start + 2.0 * product + self.life.mean_square();
         let lost = square + squared_start - 2.0 * start * (start + self.mean);

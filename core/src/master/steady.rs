@@ -124,7 +124,7 @@ impl SteadyState {
     /// # Errors
     /// As [`Self::thresholds_met`]; stopped by the monitor.
     pub fn thresholds_met_with(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
-        let atoms = self.life.met_atoms();
+        let atoms = self.life.met_atoms(&Watch::new(monitor));
         Stretches::evaluated(stretches, |x, watch| self.life.met_density(x, watch), atoms, monitor)
     }
 

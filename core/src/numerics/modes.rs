@@ -3,6 +3,8 @@
 use rayon::prelude::*;
 
 use super::line::{Line, Scratch};
+use crate::Result;
+use crate::monitor::{Monitor, report};
 
 /// Number of lines transposed together: whole cache lines are read and written.
 const GROUP: usize = 32;
@@ -12,6 +14,9 @@ const BLOCK: usize = 8;
 
 /// Work below this many numbers is not split among threads.
 const SHARE: usize = 1 << 12;
+
+/// Numbers that are transformed along one direction between two questions to the monitor: some hundredths of a second.
+const ASKED: usize = 1 << 20;
 
 /// Transforms of the rows and columns of a field on a lattice to the modes of a [`Line`] each way.
 ///
@@ -48,48 +53,78 @@ impl Modes {
 
     /// Multiplies the amplitude of each mode of `field` by f(λ_column, λ_row), of the eigenvalues ≥ 0 down columns and along rows.
     /// Those of the lattice Laplacian are their sums.
-    pub fn apply(&mut self, field: &mut [f64], f: impl Fn(f64, f64) -> f64 + Sync) {
+    ///
+    /// # Errors
+    /// Stopped by the monitor; the field is then of no use.
+    pub fn apply(
+        &mut self,
+        field: &mut [f64],
+        f: impl Fn(f64, f64) -> f64 + Sync,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let [down, along] = std::mem::take(&mut self.eigenvalues);
-        self.multiply(field, |mode, column| {
+        let factor = |mode: usize, column: &mut [f64]| {
             column.iter_mut().zip(&down).for_each(|(amplitude, other)| *amplitude *= f(*other, along[mode]));
-        });
+        };
+        let multiplied = self.multiply(field, factor, monitor);
         self.eigenvalues = [down, along];
+        multiplied
     }
 
     /// Multiplies each mode of `field` by a factor. `factor(mode, column)` receives a mode along the rows and
     /// the amplitudes of all modes down that column.
-    pub fn multiply(&mut self, field: &mut [f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
+    ///
+    /// # Errors
+    /// Stopped by the monitor; the field is then of no use.
+    pub fn multiply(
+        &mut self,
+        field: &mut [f64],
+        factor: impl Fn(usize, &mut [f64]) + Sync,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         // Transforms along rows leave a transposed array, so that columns are contiguous for the second
         // transform.
-        self.along_rows(field);
-        self.down_columns(field, factor);
-        self.back_along_rows(field);
+        self.along_rows(field, monitor)?;
+        self.down_columns(field, factor, monitor)?;
+        self.back_along_rows(field, monitor)
     }
 
     /// Transforms all rows, in place if they are not padded.
-    fn along_rows(&mut self, field: &mut [f64]) {
+    fn along_rows(&mut self, field: &mut [f64], monitor: &mut dyn Monitor) -> Result<()> {
         let (line, width) = (&self.lines[1], self.sides[1]);
-        let share = SHARE.div_ceil(line.length());
+        let (share, batch) = (SHARE.div_ceil(line.length()), ASKED.div_ceil(line.length()));
         if self.rows.is_empty() {
             let step = |scratch: &mut Scratch, row: &mut [f64]| line.to_modes(row, scratch);
-            field.par_chunks_mut(width).with_min_len(share).for_each_init(|| line.scratch(), step);
-            return;
+            for (number, field) in field.chunks_mut(batch * width).enumerate() {
+                ask_before(number, monitor)?;
+                field.par_chunks_mut(width).with_min_len(share).for_each_init(|| line.scratch(), step);
+            }
+            return Ok(());
         }
-        let rows = self.rows.par_chunks_mut(line.length()).zip(field.par_chunks(width));
         let step = |scratch: &mut Scratch, (row, from): (&mut [f64], &[f64])| {
             row[..width].copy_from_slice(from);
             row[width..].fill(0.0);
             line.to_modes(row, scratch);
         };
-        rows.with_min_len(share).for_each_init(|| line.scratch(), step);
+        let batches = self.rows.chunks_mut(batch * line.length()).zip(field.chunks(batch * width));
+        for (number, (rows, field)) in batches.enumerate() {
+            ask_before(number, monitor)?;
+            let rows = rows.par_chunks_mut(line.length()).zip(field.par_chunks(width));
+            rows.with_min_len(share).for_each_init(|| line.scratch(), step);
+        }
+        Ok(())
     }
 
-    fn down_columns(&mut self, field: &[f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
+    fn down_columns(
+        &mut self,
+        field: &[f64],
+        factor: impl Fn(usize, &mut [f64]) + Sync,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let (line, height, width) = (&self.lines[0], self.sides[0], self.lines[1].length());
         let rows = if self.rows.is_empty() { field } else { &self.rows };
         // Transpose, transform, filter and inverse transform of a group of columns follow one
         // another while it is in the cache: the field passes through memory three times, not seven.
-        let groups = self.columns.par_chunks_mut(GROUP * height).enumerate();
         let step = |(scratch, padded): &mut (Scratch, Vec<f64>), (group, columns): (usize, &mut [f64])| {
             let first = GROUP * group;
             transpose(rows, width, first, columns, height);
@@ -110,15 +145,21 @@ impl Modes {
             }
         };
         let room = || (line.scratch(), vec![0.0; line.length()]);
-        groups.with_min_len(SHARE.div_ceil(GROUP * line.length())).for_each_init(room, step);
+        let (share, batch) = (SHARE.div_ceil(GROUP * line.length()), ASKED.div_ceil(GROUP * line.length()));
+        for (number, columns) in self.columns.chunks_mut(batch * GROUP * height).enumerate() {
+            ask_before(number, monitor)?;
+            let groups = columns.par_chunks_mut(GROUP * height).enumerate();
+            let numbered = groups.map(|(group, columns)| (number * batch + group, columns));
+            numbered.with_min_len(share).for_each_init(room, step);
+        }
+        Ok(())
     }
 
-    fn back_along_rows(&mut self, field: &mut [f64]) {
+    fn back_along_rows(&mut self, field: &mut [f64], monitor: &mut dyn Monitor) -> Result<()> {
         let (line, [height, width]) = (&self.lines[1], self.sides);
         let (modes, columns) = (line.length(), &self.columns);
         // The transforms are unnormalised: one factor at the end replaces one for each direction.
         let scale = 1.0 / (modes as f64 * self.lines[0].length() as f64);
-        let groups = field.par_chunks_mut(GROUP * width).enumerate();
         let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {
             transpose(columns, height, GROUP * group, &mut lines[..field.len() / width * modes], modes);
             for (row, line_of) in field.chunks_mut(width).zip(lines.chunks_mut(modes)) {
@@ -127,8 +168,20 @@ impl Modes {
             }
         };
         let room = || (line.scratch(), vec![0.0; GROUP * modes]);
-        groups.with_min_len(SHARE.div_ceil(GROUP * modes)).for_each_init(room, step);
+        let (share, batch) = (SHARE.div_ceil(GROUP * modes), ASKED.div_ceil(GROUP * modes));
+        for (number, field) in field.chunks_mut(batch * GROUP * width).enumerate() {
+            ask_before(number, monitor)?;
+            let groups = field.par_chunks_mut(GROUP * width).enumerate();
+            let numbered = groups.map(|(group, field)| (number * batch + group, field));
+            numbered.with_min_len(share).for_each_init(room, step);
+        }
+        Ok(())
     }
+}
+
+/// Asks the monitor before each batch but the first: a small field has one only, and is transformed in no time.
+fn ask_before(batch: usize, monitor: &mut dyn Monitor) -> Result<()> {
+    if batch == 0 { Ok(()) } else { report(monitor, 0.0) }
 }
 
 /// Writes columns `first`, `first` + 1, … of the matrix `from` (with `columns` columns) as rows of `to`,

@@ -4,7 +4,7 @@ use super::accuracy::ForceAccuracy;
 use super::sliding::{self, adopt};
 use super::summary::{DriveNumbers, Sliding};
 use super::{Output, fits, friction, in_time, interface};
-use crate::block::{Curve, Loading, StickSlip};
+use crate::block::{Block, Curve, Loading, StickSlip};
 use crate::contacts::Contacts;
 use crate::master::MasterEquation;
 use crate::monitor::{Aside, Monitor, Part};
@@ -101,7 +101,8 @@ pub(super) fn run(
     adopt(sliding::motion(&run), "", &mut record);
     adopt(sliding::course(&run), "", &mut record);
     if let Loading::Spring(stiffness) = master.loading() {
-        record_equilibria((&run, master.background()), fresh.as_ref(), stiffness, loading, &mut record)?;
+        let aside = &mut Aside { fraction: fractions[0] + fractions[1], monitor };
+        record_equilibria((&run, &master), (fresh.as_ref(), loading), stiffness, &mut record, aside)?;
     }
     let mut sliding = Sliding::new(&run);
     if let Some(ensemble) = ensemble {
@@ -175,13 +176,13 @@ fn check_size(task: &scenario::Drive, ensemble: bool, monitor: &dyn Monitor) -> 
 
 /// Records the equilibria of the slider on the first loading, and its potential around the first slip.
 fn record_equilibria(
-    (run, background): (&StickSlip, f64),
-    fresh: &dyn Population,
+    (run, block): (&StickSlip, &Block),
+    (fresh, reach): (&dyn Population, f64),
     stiffness: f64,
-    reach: f64,
     record: &mut Record,
+    monitor: &mut dyn Monitor,
 ) -> Result<()> {
-    let curve = Curve::new(fresh, reach, FINE, &mut ())?.with_background(background);
+    let curve = Curve::new(fresh, reach, FINE, monitor)?.with_background(block.background());
     let stable = curve.stable(stiffness).into_iter().map(f64::from).collect();
     let drive = curve.drive(stiffness);
     record.add(BRANCH_POSITION, curve.position.clone());

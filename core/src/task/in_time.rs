@@ -10,7 +10,7 @@ use crate::block::{Block, Slide};
 use crate::contacts::{Contacts, Rules, Stiffness};
 use crate::history::{History, Piece};
 use crate::master::{Trace, Transport};
-use crate::monitor::{Monitor, Part};
+use crate::monitor::{Aside, Monitor, Part};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 
@@ -88,7 +88,7 @@ pub(super) fn rigid(
     let mut record = trace_record(&trace, !contacts.rules.delay.is_none());
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
-        let (history, times) = settled(model, &history, &times)?;
+        let (history, times) = settled(model, (&history, &times), &mut Aside { fraction: master, monitor })?;
         let run = drawn.follow_with(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
         ensemble::add_force(&mut record, ENSEMBLE, run.force, run.error);
     }
@@ -113,12 +113,16 @@ fn transport(model: &Model, tolerance: f64, monitor: &mut dyn Monitor) -> Result
 
 /// The history and the times of single contacts. Those that are to start in steady sliding slide until they have forgotten
 /// their initial state first; time-independent ones start with the stretches of steady sliding.
-fn settled(model: &Model, history: &History, times: &[f64]) -> Result<(History, Vec<f64>)> {
+fn settled(
+    model: &Model,
+    (history, times): (&History, &[f64]),
+    monitor: &mut dyn Monitor,
+) -> Result<(History, Vec<f64>)> {
     let contacts = &model.contacts;
     let Some(velocity) = model.steady.filter(|_| contacts.rules.are_time_dependent()) else {
         return Ok((history.clone(), times.to_vec()));
     };
-    let steady = Steady::at(contacts, velocity, &mut ())?;
+    let steady = Steady::at(contacts, velocity, monitor)?;
     let duration = steady.distance / velocity;
     let pieces = [Piece { velocity, duration }].into_iter().chain(history.pieces().iter().copied());
     let whole = History::new(pieces.collect())?;

@@ -54,7 +54,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::law::Atom;
 use crate::master::{Pull, Relaxation, SteadyState};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Rising};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Compare, Contacts, Model, Scenario, Task};
 use crate::{Error, Result};
@@ -129,7 +129,7 @@ pub fn run_with(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let model = &scenario.build()?;
-    let output = compute(scenario, model, storage, monitor).map_err(Error::of_scenario)?;
+    let output = compute(scenario, model, storage, &mut Rising::new(monitor)).map_err(Error::of_scenario)?;
     Ok(summarised(scenario, output))
 }
 
@@ -142,7 +142,7 @@ pub fn run_fit(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summar
     let Task::Fit(task) = scenario.task()? else {
         return Err(Error::invalid("fit", "a table [fit]", "another task"));
     };
-    let (output, found) = fit::found(model, task, monitor).map_err(Error::of_scenario)?;
+    let (output, found) = fit::found(model, task, &mut Rising::new(monitor)).map_err(Error::of_scenario)?;
     let (summary, record) = summarised(scenario, output.erased());
     Ok((summary, record, found))
 }
@@ -227,7 +227,7 @@ macro_rules! tasks {
             /// As [`Self::run`]; stopped by the monitor.
             pub fn run_with(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
-                $module::run(model, self, monitor).map_err(Error::of_scenario)
+                $module::run(model, self, &mut Rising::new(monitor)).map_err(Error::of_scenario)
             }
         })*
 

@@ -7,7 +7,7 @@ use super::{Output, fits};
 use crate::Result;
 use crate::ensemble::{Ensemble, Snapshots};
 use crate::master::MasterEquation;
-use crate::monitor::{Monitor, Part};
+use crate::monitor::{Aside, Monitor, Part};
 use crate::numerics::periodogram::{Periodogram, welch};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
@@ -117,13 +117,14 @@ pub(super) fn run(
     let tolerance = model.master_equation.tolerance();
     let part = &mut Part::new(monitor, 0.2, 0.1);
     let autocovariance = steady.autocovariance_with(&displacements, size, tolerance, part)?;
+    let aside = &mut Aside { fraction: 0.3, monitor };
     let noise = Noise {
         size,
         kinetic_friction: steady.kinetic_friction() + model.background,
         force_std: steady.force_std(size),
         mean_life: life,
         at_zero: spectrum[0],
-        tail: steady.spectrum_tail(size)? / (2.0 * steady.kinetic_friction()),
+        tail: steady.spectrum_tail_with(size, aside)? / (2.0 * steady.kinetic_friction()),
     };
     let mut record = Record::default();
     record.add(WAVE_NUMBER, wave_numbers);

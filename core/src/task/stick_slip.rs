@@ -125,7 +125,7 @@ impl Springs {
             None => (0.0, Waiting::Quasistatic(Box::new(equation.population_with(tolerance, part)?))),
             Some(velocity) => {
                 let sliding = critical_in_sliding(contacts, velocity, &table, part)?;
-                let aside = &mut Aside { fraction: 0.0, monitor: part };
+                let aside = &mut Aside { fraction: 1.0, monitor: part };
                 let tolerance = model.master_equation.tolerance_of_a_block();
                 let transport = Transport::new_with(contacts.clone(), initial, tolerance, aside)?;
                 let tolerance = tolerance * mean;

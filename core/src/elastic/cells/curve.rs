@@ -231,8 +231,10 @@ impl Curve {
 
     /// The largest slope of the pieces from one place to another, at least 0.
     pub fn largest_tangent(&self, from: f64, to: f64) -> f64 {
-        let pieces = self.find(from)..=self.find(to);
-        self.slopes[pieces].iter().fold(0.0, |most, slopes| slopes.largest.max(most))
+        let (first, last) = (self.find(from), self.find(to));
+        // A piece that begins at the end is not known yet, also where a stopped slide has tabulated it.
+        let last = if last > first && self.starts[last] >= to { last - 1 } else { last };
+        self.slopes[first..=last].iter().fold(0.0, |most, slopes| slopes.largest.max(most))
     }
 
     /// Least and largest slope from one place to a later one.

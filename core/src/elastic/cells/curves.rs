@@ -237,8 +237,8 @@ impl Cells for Curves {
         self.largest_scale * self.first.error().max(self.fresh.error())
     }
 
-    fn extend_curves(&mut self, by: &[f64]) -> Result<bool> {
-        self.extend_by(longest(by), &mut ())
+    fn extend_curves(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<bool> {
+        self.extend_by(longest(by), monitor)
     }
 
     fn largest_tangent(&self) -> f64 {
@@ -252,8 +252,14 @@ impl Cells for Curves {
         self.first.largest_tangent(nearest(false)).max(self.fresh.largest_tangent(nearest(true)))
     }
 
-    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
-        self.extend_curves(by)?;
+    fn residual(
+        &mut self,
+        by: &[f64],
+        forces: &mut [f64],
+        tangents: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<f64> {
+        self.extend_curves(by, monitor)?;
         let batch = self.batch();
         Ok(change_chunks(forces, tangents, |first, forces, tangents| {
             batch.residual(first, by, forces, tangents)
@@ -264,8 +270,8 @@ impl Cells for Curves {
         self.batch().cell(cell).force()
     }
 
-    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
-        self.extend_curves(by)?;
+    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes], monitor: &mut dyn Monitor) -> Result<()> {
+        self.extend_curves(by, monitor)?;
         let batch = self.batch();
         fill(slopes, |cell| batch.cell(cell).slopes(by[cell]));
         Ok(())
@@ -308,11 +314,20 @@ impl Cells for Curves {
         }
     }
 
+    fn mark_curves(&mut self) {
+        [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::mark);
+    }
+
+    fn recall_curves(&mut self) {
+        self.margin = 0.0;
+        [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::recall);
+    }
+
     fn mark(&mut self) {
         self.marked.clone_from(&self.advances);
         self.settled_at_mark = self.settled;
         self.detached.clear();
-        [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::mark);
+        self.mark_curves();
     }
 
     fn unmark(&mut self) {
@@ -320,10 +335,9 @@ impl Cells for Curves {
     }
 
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
-        self.margin = 0.0;
         self.advances.clone_from(&self.marked);
         self.settled = self.settled_at_mark;
-        [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::recall);
+        self.recall_curves();
         for (cell, detached) in self.detached.drain() {
             self.courses[cell] = detached.course;
         }

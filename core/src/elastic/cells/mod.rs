@@ -154,8 +154,8 @@ pub trait Cells: std::fmt::Debug + Send + Sync {
     /// Extends the tabulated curves to cover the advances `by`. Returns true if they had to be extended.
     ///
     /// # Errors
-    /// Those of the population that is tabulated.
-    fn extend_curves(&mut self, by: &[f64]) -> Result<bool>;
+    /// Those of the population that is tabulated; stopped by the monitor.
+    fn extend_curves(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<bool>;
 
     /// Upper bound of the tangent of any cell from here to the end of the tabulated curves, at least 0.
     fn largest_tangent(&self) -> f64;
@@ -164,8 +164,14 @@ pub trait Cells: std::fmt::Debug + Send + Sync {
     /// returns the largest |residual|. Does not move the cells.
     ///
     /// # Errors
-    /// Those of the population that is tabulated.
-    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
+    /// Those of the population that is tabulated; stopped by the monitor.
+    fn residual(
+        &mut self,
+        by: &[f64],
+        forces: &mut [f64],
+        tangents: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<f64>;
 
     /// Friction force F_j of a cell at its present place.
     fn force(&self, cell: usize) -> f64;
@@ -173,8 +179,8 @@ pub trait Cells: std::fmt::Debug + Send + Sync {
     /// Least and largest tangent of each cell over the advances `by`.
     ///
     /// # Errors
-    /// Those of the population that is tabulated.
-    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()>;
+    /// Those of the population that is tabulated; stopped by the monitor.
+    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes], monitor: &mut dyn Monitor) -> Result<()>;
 
     /// The first advance, up to `by`, at which the tangent of a cell falls below `slope`, or at which contacts break
     /// together; none if there is none. The curve must cover `by`.
@@ -195,6 +201,12 @@ pub trait Cells: std::fmt::Debug + Send + Sync {
 
     /// Reattaches all detached cells: their contacts re-form where the cells are.
     fn reattach(&mut self);
+
+    /// Marks how far curves are known, in place of what was marked before.
+    fn mark_curves(&mut self);
+
+    /// Returns to what was known of the curves at the mark, for cells that have not moved since.
+    fn recall_curves(&mut self);
 
     /// Marks the present state, in place of the one marked before.
     fn mark(&mut self);

@@ -9,7 +9,7 @@ use super::cell::Cell;
 use super::tabulate::CurveTable;
 use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, checked};
 use crate::elastic::batch::{all, change_chunks, fill, gather, largest};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, report};
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
 
@@ -146,20 +146,39 @@ impl PopulationCell {
         }
     }
 
-    fn restore(&mut self, kept: PopulationCellState) -> Result<()> {
-        let PopulationCellState { resets, advance, intervals, settled } = kept;
+    fn restore(&mut self, kept: &PopulationCellState) -> Result<()> {
+        let &PopulationCellState { ref resets, advance, intervals, settled } = kept;
         let mut base = self.first.clone();
         // Contacts are not stored but recomputed: a population is deterministic, and one number per
         // reset replaces the state of every contact.
-        for &place in &resets {
+        for &place in resets {
             base = renewed(&*base, place, &mut ())?;
         }
         self.now = SinceReset { advance, ..SinceReset::new(base, settled, &mut ())? };
         self.now.table.resume(intervals, advance / self.scale, &mut ())?;
-        self.resets = resets;
+        self.resets.clone_from(resets);
         self.mark();
         Ok(())
     }
+}
+
+/// Changes all cells, each with its own value, on all threads. The monitor is asked between some of them and the next.
+///
+/// # Errors
+/// Those of a cell; stopped by the monitor.
+fn each<T: Sync>(
+    cells: &mut [PopulationCell],
+    values: &[T],
+    monitor: &mut dyn Monitor,
+    change: impl Fn(&mut PopulationCell, &T) -> Result<()> + Sync,
+) -> Result<()> {
+    /// Cells between two questions, each of which takes up to some tenths of a millisecond for hundreds of contacts.
+    const SOME: usize = 64;
+    for (cells, values) in cells.chunks_mut(SOME).zip(values.chunks(SOME)) {
+        report(monitor, 0.0)?;
+        cells.par_iter_mut().zip(values).try_for_each(|(cell, value)| change(cell, value))?;
+    }
+    Ok(())
 }
 
 /// Contacts that have advanced by `place` and re-formed there all together. A contact that breaks within the rounding error
@@ -243,16 +262,22 @@ impl Cells for Populations {
         self.known
     }
 
-    fn extend_curves(&mut self, by: &[f64]) -> Result<bool> {
+    fn extend_curves(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<bool> {
         if all(by.len(), |cell| self.cells[cell].knows(by[cell])) {
             return Ok(false);
         }
-        let extend = |(cell, by): (&mut PopulationCell, &f64)| {
-            if cell.knows(*by) { Ok(()) } else { cell.extend_curve(*by) }
-        };
-        self.cells.par_iter_mut().zip(by).try_for_each(extend)?;
+        let extended =
+            each(
+                &mut self.cells,
+                by,
+                monitor,
+                |cell, by| {
+                    if cell.knows(*by) { Ok(()) } else { cell.extend_curve(*by) }
+                },
+            );
+        // What was extended before a stop is known, too.
         self.know();
-        Ok(true)
+        extended.map(|()| true)
     }
 
     fn largest_tangent(&self) -> f64 {
@@ -263,8 +288,14 @@ impl Cells for Populations {
         largest(self.len(), from)
     }
 
-    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
-        self.extend_curves(by)?;
+    fn residual(
+        &mut self,
+        by: &[f64],
+        forces: &mut [f64],
+        tangents: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<f64> {
+        self.extend_curves(by, monitor)?;
         let cells = &self.cells;
         let chunk = |first: usize, forces: &mut [f64], tangents: &mut [f64]| {
             let each = (first..).zip(forces).zip(tangents).map(|((cell, force), tangent)| {
@@ -280,8 +311,8 @@ impl Cells for Populations {
         self.cells[cell].on_curve().force()
     }
 
-    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
-        self.extend_curves(by)?;
+    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes], monitor: &mut dyn Monitor) -> Result<()> {
+        self.extend_curves(by, monitor)?;
         fill(slopes, |cell| self.cells[cell].on_curve().slopes(by[cell]));
         Ok(())
     }
@@ -290,8 +321,8 @@ impl Cells for Populations {
         self.cells[cell].on_curve().instability(by, slope)
     }
 
-    fn advance(&mut self, by: &[f64], _monitor: &mut dyn Monitor) -> Result<()> {
-        self.extend_curves(by)?;
+    fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
+        self.extend_curves(by, monitor)?;
         for (PopulationCell { now, .. }, by) in
             self.cells.iter_mut().zip(by).filter(|(cell, _)| !cell.now.free)
         {
@@ -306,6 +337,16 @@ impl Cells for Populations {
 
     fn reattach(&mut self) {
         self.cells.iter_mut().for_each(|cell| cell.now.free = false);
+    }
+
+    fn mark_curves(&mut self) {
+        self.cells.iter_mut().for_each(|cell| cell.now.table.mark());
+        self.known_at_mark = self.known;
+    }
+
+    fn recall_curves(&mut self) {
+        self.cells.iter_mut().for_each(|cell| cell.now.table.recall());
+        self.known = self.known_at_mark;
     }
 
     fn mark(&mut self) {
@@ -343,7 +384,7 @@ impl Cells for Populations {
         CellsState(CellsSnapshot::Populations { cells, known: self.known })
     }
 
-    fn restore(&mut self, state: CellsState, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn restore(&mut self, state: CellsState, monitor: &mut dyn Monitor) -> Result<()> {
         let CellsSnapshot::Populations { cells, known } = state.0 else {
             return Err(Error::invalid("state", "that of cells with a population each", "another one"));
         };
@@ -351,7 +392,7 @@ impl Cells for Populations {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
         }
-        self.cells.par_iter_mut().zip(cells).try_for_each(|(cell, kept)| cell.restore(kept))?;
+        each(&mut self.cells, &cells, monitor, PopulationCell::restore)?;
         self.known = known;
         Ok(())
     }

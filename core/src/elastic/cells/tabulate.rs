@@ -38,6 +38,8 @@ pub(super) struct CurveTable {
     error: f64,
     /// Whether contacts break where the next piece begins.
     breaks: bool,
+    /// Whether the population stands at a break that it has not crossed yet.
+    crosses: bool,
     /// Energies at first.
     first: ContactEnergies,
     known: KnownPieces,
@@ -76,9 +78,21 @@ impl CurveTable {
         let first = population.energies();
         let curve = Curve::default();
         let (known, marked, since) = (KnownPieces::default(), KnownPieces::default(), Vec::new());
-        let (end, work, error, breaks) = (0.0, 0.0, 0.0, false);
-        let mut table =
-            Self { population, origin, curve, end, work, error, breaks, first, known, marked, since };
+        let (end, work, error, breaks, crosses) = (0.0, 0.0, 0.0, false, false);
+        let mut table = Self {
+            population,
+            origin,
+            curve,
+            end,
+            work,
+            error,
+            breaks,
+            crosses,
+            first,
+            known,
+            marked,
+            since,
+        };
         table.extend(monitor)?;
         table.curve.index();
         table.mark();
@@ -167,25 +181,35 @@ impl CurveTable {
         Ok(())
     }
 
-    /// Tabulates the next interval.
+    /// Tabulates the next interval. Where the monitor stops it, it goes on later.
     fn tabulate(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
-        let interval = self.population.smooth_interval(Direction::Forward, monitor)?;
-        if interval.length.is_infinite() {
-            self.push_endless();
-            return Ok(());
+        if !self.crosses {
+            let interval = self.population.smooth_interval(Direction::Forward, monitor)?;
+            if interval.length.is_infinite() {
+                self.push_endless();
+                return Ok(());
+            }
+            self.push_interval(interval)?;
+            self.crosses = interval.breaks;
         }
+        if self.crosses {
+            self.population.cross(monitor)?;
+            self.crosses = false;
+        }
+        Ok(())
+    }
+
+    /// Tabulates an interval, and moves the population to its end.
+    fn push_interval(&mut self, interval: SmoothInterval) -> Result<()> {
         let mut parts = Vec::new();
         self.split(0.0, interval.length, interval, HALVINGS, &mut parts);
         let origin = self.population.position();
         for part in parts {
             self.error = self.error.max(part.error);
-            self.push(&part, origin, monitor)?;
+            self.push(&part, origin)?;
         }
         self.end = self.population.position() - self.origin;
         self.breaks = interval.breaks;
-        if interval.breaks {
-            self.population.cross(monitor)?;
-        }
         Ok(())
     }
 
@@ -216,7 +240,7 @@ impl CurveTable {
     }
 
     /// Moves the population through a part that lies ahead of `origin`, and tabulates the energies on the way.
-    fn push(&mut self, part: &TabulatedPart, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    fn push(&mut self, part: &TabulatedPart, origin: f64) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);
             let (key, what) = ("population".into(), "a friction curve in pieces".into());
@@ -224,7 +248,8 @@ impl CurveTable {
         }
         let mut read = [self.population.energies(); 6];
         for (i, energies) in read.iter_mut().enumerate().skip(1) {
-            let interval = self.population.smooth_interval(Direction::Forward, monitor)?;
+            // Known, so that nothing has to be solved, and no piece is left half done.
+            let interval = self.population.smooth_interval(Direction::Forward, &mut ())?;
             // Energies are read at six equidistant places, by moving the population there: it has
             // their values only, no tangents as for the force.
             let target = origin + part.start + part.length * i as f64 / 5.0;

@@ -1,13 +1,18 @@
 //! Preconditioned conjugate gradients for coupled cells on springs of different stiffness.
 
 use super::Coupling;
+use crate::Result;
 use crate::elastic::batch::{all, change, largest, sum, sweep};
+use crate::monitor::{Monitor, report};
 
 /// Residual of a solution with one diagonal for all cells, relative to the largest force: about the rounding error.
 const ROUNDED: f64 = 1e-14;
 
 /// Number of iterations after which a solution is given up.
 pub const MOST_ITERATIONS: usize = 100;
+
+/// Number of cells from which on the monitor is asked in every iteration: a hundred of them take some hundredths of a second.
+const MANY: usize = 1 << 12;
 
 /// [`Coupling::solve_variable`], (d + A) δ = r for a diagonal d, by preconditioned conjugate gradients (M. R. Hestenes and E. Stiefel, J. Res. Natl.
 /// Bur. Stand. 49, 409 (1952), doi:10.6028/jres.049.044), until max |r − (d + A) δ| ≤ `goal`; `right` is r on entry, and δ
@@ -28,17 +33,18 @@ pub(super) fn solve_variable<C: Coupling + ?Sized>(
     diagonal: &[f64],
     right: &mut [f64],
     goal: f64,
-) -> Option<usize> {
+    monitor: &mut dyn Monitor,
+) -> Result<Option<usize>> {
     let number = right.len();
     let forward = all(number, |j| right[j] >= 0.0);
     let initial = largest(number, |j| right[j].abs());
     if initial == 0.0 {
-        return Some(0);
+        return Ok(Some(0));
     }
     let mean = sum(number, |j| diagonal[j].abs()) / number as f64;
     // `right` is the residual from here on; z is the preconditioned residual, p the direction, q = (m + A) p.
     let (mut solution, mut p) = (vec![0.0; number], right.to_vec());
-    let exact = coupling.precondition(mean, &mut p);
+    let exact = coupling.precondition(mean, &mut p, monitor)?;
     let (mut q, mut z) = (right.to_vec(), vec![0.0; number]);
     let add = |a: f64, b: f64| a + b;
     // (d + A) p of a cell.
@@ -48,15 +54,18 @@ pub(super) fn solve_variable<C: Coupling + ?Sized>(
     let mut curvature = if exact { sweep([], [&p, &q, diagonal], energy, add) } else { 0.0 };
     let mut applied = 1;
     while applied < MOST_ITERATIONS {
+        if number >= MANY {
+            report(monitor, 0.0)?;
+        }
         if !exact {
-            coupling.forces(&p, &mut q);
+            coupling.forces(&p, &mut q, monitor)?;
             change(&mut q, |j, force| mean * p[j] - force);
             curvature = sweep([], [&p, &q, diagonal], energy, add);
         }
         // A direction of negative curvature proves that the matrix is not positive definite: the
         // interface is unstable there.
         if curvature.is_nan() || curvature <= 0.0 {
-            return None;
+            return Ok(None);
         }
         let length = rz / curvature;
         // The new residual goes to z, too, to be preconditioned there.
@@ -67,7 +76,7 @@ pub(super) fn solve_variable<C: Coupling + ?Sized>(
         if sweep([&mut solution, right, &mut z], [&p, &q, diagonal], step, f64::max) <= goal {
             break;
         }
-        coupling.precondition(mean, &mut z);
+        coupling.precondition(mean, &mut z, monitor)?;
         applied += 1;
         let before = rz;
         rz = sweep([], [right, &z], |[], [r, z]| ([], r * z), add);
@@ -84,7 +93,7 @@ pub(super) fn solve_variable<C: Coupling + ?Sized>(
     }
     right.copy_from_slice(&solution);
     let least = -(goal / initial).sqrt() * largest(number, |j| right[j]);
-    (!forward || all(number, |j| right[j] >= least)).then_some(applied)
+    Ok((!forward || all(number, |j| right[j] >= least)).then_some(applied))
 }
 
 /// [`Coupling::solve_uniform`] by conjugate gradients, to a residual of rounding errors.
@@ -92,7 +101,9 @@ pub(super) fn solve_uniform<C: Coupling + ?Sized>(
     coupling: &mut C,
     diagonal: f64,
     right: &mut [f64],
-) -> usize {
+    monitor: &mut dyn Monitor,
+) -> Result<usize> {
     let goal = ROUNDED * right.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    coupling.solve_variable(&vec![diagonal; right.len()], right, goal).unwrap_or_default()
+    let solved = coupling.solve_variable(&vec![diagonal; right.len()], right, goal, monitor)?;
+    Ok(solved.unwrap_or_default())
 }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::batch;
 use crate::error::positive;
+use crate::monitor::Monitor;
 use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
@@ -27,6 +28,8 @@ const BYTES: u64 = 1 << 40;
 /// Lett. 68, 670 (1992), doi:10.1103/PhysRevLett.68.670).
 ///
 /// Slices hold one value per cell, row by row: displacements are lengths, A has the unit of a stiffness.
+///
+/// What takes long for many cells asks its monitor in between. Where that stops it, what was to be written is of no use.
 pub trait Coupling: std::fmt::Debug + Send + Sync {
     /// Arrangement of the cells.
     fn shape(&self) -> Shape;
@@ -35,23 +38,46 @@ pub trait Coupling: std::fmt::Debug + Send + Sync {
     fn edges(&self) -> Edges;
 
     /// Forces = −A X, of all cells.
-    fn forces(&mut self, displacements: &[f64], forces: &mut [f64]);
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn forces(&mut self, displacements: &[f64], forces: &mut [f64], monitor: &mut dyn Monitor) -> Result<()>;
 
     /// Preconditioner: replaces r in `right` by P⁻¹ r, with a symmetric positive definite matrix P near d + A for the
     /// `diagonal` d > 0. Costs little more than [`Coupling::forces`]. Returns whether P = d + A.
-    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64], monitor: &mut dyn Monitor) -> Result<bool>;
 
     /// Solves (d + A) δ = r with the same `diagonal` d > 0 for all cells; `right` is r on entry and δ on return. Iterative
     /// solutions have a residual of 1e-14 of the largest force. Returns the number of applications of the preconditioner.
-    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
-        conjugate_gradients::solve_uniform(self, diagonal, right)
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn solve_uniform(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<usize> {
+        conjugate_gradients::solve_uniform(self, diagonal, right, monitor)
     }
 
     /// Solves (d + A) δ = r with a diagonal d_j that varies from cell to cell and may be negative, until no residual force is
     /// larger than `goal`; `right` is r on entry and δ on return. Returns the number of applications of the preconditioner,
     /// [`MOST_ITERATIONS`] where the solution was given up; none if the matrix is not positive definite.
-    fn solve_variable(&mut self, diagonal: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
-        conjugate_gradients::solve_variable(self, diagonal, right, goal)
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn solve_variable(
+        &mut self,
+        diagonal: &[f64],
+        right: &mut [f64],
+        goal: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<usize>> {
+        conjugate_gradients::solve_variable(self, diagonal, right, goal, monitor)
     }
 
     /// A_jj, the stiffness of the slider against the displacement of one cell alone.
@@ -101,12 +127,13 @@ impl Elasticity {
     /// The coupling of cells of this shape.
     ///
     /// # Errors
-    /// What [`Neighbours::new`] and [`HalfSpace::new`] refuse.
-    pub fn build(self, shape: Shape, edges: Edges) -> Result<Box<dyn Coupling>> {
+    /// What [`Neighbours::new`] and [`HalfSpace::new_with`] refuse.
+    pub fn build(self, shape: Shape, edges: Edges, monitor: &mut dyn Monitor) -> Result<Box<dyn Coupling>> {
         match self {
             Self::Neighbours { stiffness } => neighbours(shape, edges, stiffness),
             Self::HalfSpace { modulus, cell, poisson_ratio, sliding } => {
-                half_space(shape, edges, Solid::new(modulus, poisson_ratio, sliding), cell)
+                let solid = Solid::new(modulus, poisson_ratio, sliding);
+                Ok(Box::new(HalfSpace::new_with(shape, edges, solid, cell, monitor)?))
             }
         }
     }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;
 use crate::elastic::batch;
+use crate::monitor::Monitor;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::numerics::springs::Chain;
@@ -83,7 +84,12 @@ impl Coupling for Neighbours {
         self.edges
     }
 
-    fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
+    fn forces(
+        &mut self,
+        displacements: &[f64],
+        forces: &mut [f64],
+        _monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let [rows, columns] = self.shape.sides();
         let (edges, stiffness) = (self.edges, self.stiffness);
         let row_of = |row: usize| &displacements[row * columns..(row + 1) * columns];
@@ -98,39 +104,52 @@ impl Coupling for Neighbours {
         } else {
             forces.par_chunks_mut(columns).enumerate().with_min_len(SHARE.div_ceil(columns)).for_each(sweep);
         }
+        Ok(())
     }
 
     /// The exact inverse, or, where neighbours are not much stiffer than the diagonal, that of a diagonal matrix.
-    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64], monitor: &mut dyn Monitor) -> Result<bool> {
         // A diagonal preconditioner has a condition number of about 1 + 8K_int/d on a lattice:
         // below the limit a few cheap iterations beat two transforms.
         let stiff = self.stiffness > STIFF * diagonal;
         if stiff {
-            self.solve_uniform(diagonal, right);
+            self.solve_uniform(diagonal, right, monitor)?;
         } else {
             let spring = diagonal + self.stiffness * self.shape.neighbours() as f64;
             batch::change(right, |_, force| force / spring);
         }
-        stiff
+        Ok(stiff)
     }
 
-    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+    fn solve_uniform(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<usize> {
         let stiffness = self.stiffness;
         match &mut self.solver {
             Solver::Chain(chain) => {
                 chain.solve(|_| diagonal, right);
             }
             Solver::Square(modes) => {
-                modes.apply(right, |down, along| (diagonal + stiffness * (along + down)).recip())
+                let inverse = |down: f64, along: f64| (diagonal + stiffness * (along + down)).recip();
+                modes.apply(right, inverse, monitor)?;
             }
         }
-        1
+        Ok(1)
     }
 
-    fn solve_variable(&mut self, diagonal: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
+    fn solve_variable(
+        &mut self,
+        diagonal: &[f64],
+        right: &mut [f64],
+        goal: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<usize>> {
         match &mut self.solver {
-            Solver::Chain(chain) => chain.solve(|j| diagonal[j], right).then_some(1),
-            Solver::Square(_) => conjugate_gradients::solve_variable(self, diagonal, right, goal),
+            Solver::Chain(chain) => Ok(chain.solve(|j| diagonal[j], right).then_some(1)),
+            Solver::Square(_) => conjugate_gradients::solve_variable(self, diagonal, right, goal, monitor),
         }
     }
 

@@ -4,7 +4,7 @@ use crate::Result;
 use crate::dynamics::{ImplicitStage, SlidingCell, StageSolver};
 use crate::elastic::Coupling;
 use crate::elastic::batch::largest;
-use crate::monitor::{Cost, Watch};
+use crate::monitor::{Cost, Monitor, Watch};
 use crate::rate_dependent::RateDependentContacts;
 
 /// Iterations of the secant method after which the step is taken to be too long.
@@ -83,11 +83,11 @@ impl StageSolver for CoupledCells<'_> {
     fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>> {
         let mut guesses: Vec<Guess> =
             stage.from.iter().map(|from| Guess::none(from, stage.duration)).collect();
-        let Correction { by, .. } = self.correct(stage, &guesses);
+        let Correction { by, .. } = self.correct(stage, &guesses, watch)?;
         advance(stage, &mut guesses, &by, watch)?;
         for _ in 0..ROUNDS {
             watch.check()?;
-            let Correction { by, stands } = self.correct(stage, &guesses);
+            let Correction { by, stands } = self.correct(stage, &guesses, watch)?;
             // A secant method: contacts give their force after an advance, but no derivative of it
             // over a whole stage.
             if by.iter().all(|by| by.abs() <= stage.accuracy) {
@@ -102,11 +102,11 @@ impl StageSolver for CoupledCells<'_> {
         Ok(None)
     }
 
-    fn coupling_forces(&mut self, cells: &[SlidingCell]) -> Vec<f64> {
+    fn coupling_forces(&mut self, cells: &[SlidingCell], monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let positions: Vec<f64> = cells.iter().map(|cell| cell.position).collect();
         let mut forces = vec![0.0; positions.len()];
-        self.0.forces(&positions, &mut forces);
-        forces
+        self.0.forces(&positions, &mut forces, monitor)?;
+        Ok(forces)
     }
 
     fn self_stiffness(&self, cell: usize) -> f64 {
@@ -116,27 +116,40 @@ impl StageSolver for CoupledCells<'_> {
 
 impl CoupledCells<'_> {
     /// Solves (springs + A) δ = right; whether the matrix is positive definite.
-    pub fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn respond(&mut self, springs: &[f64], right: &mut [f64], monitor: &mut dyn Monitor) -> Result<bool> {
         let goal = SOLVED * largest(right.len(), |j| right[j].abs());
-        self.0.solve_variable(springs, right, goal).is_some()
+        Ok(self.0.solve_variable(springs, right, goal, monitor)?.is_some())
     }
 
     /// The residual: forces that are not in balance at the guessed end of the stage.
-    fn excess(&mut self, stage: &ImplicitStage<'_>, guesses: &[Guess]) -> Vec<f64> {
+    fn excess(
+        &mut self,
+        stage: &ImplicitStage<'_>,
+        guesses: &[Guess],
+        mut watch: &Watch<'_>,
+    ) -> Result<Vec<f64>> {
         let positions: Vec<f64> =
             stage.from.iter().zip(guesses).map(|(from, guess)| from.position + guess.advance).collect();
         let mut excess = vec![0.0; positions.len()];
-        self.0.forces(&positions, &mut excess);
+        self.0.forces(&positions, &mut excess, &mut watch)?;
         for (j, (excess, guess)) in excess.iter_mut().zip(guesses).enumerate() {
             *excess += stage.equation.connection(j) * (stage.drive - positions[j]);
             *excess -= guess.force + stage.drag(j, guess.advance);
         }
-        excess
+        Ok(excess)
     }
 
     /// The correction by which the residual vanishes where slopes do not change.
-    fn correct(&mut self, stage: &ImplicitStage<'_>, guesses: &[Guess]) -> Correction {
-        let (number, excess) = (guesses.len(), self.excess(stage, guesses));
+    fn correct(
+        &mut self,
+        stage: &ImplicitStage<'_>,
+        guesses: &[Guess],
+        mut watch: &Watch<'_>,
+    ) -> Result<Correction> {
+        let (number, excess) = (guesses.len(), self.excess(stage, guesses, watch)?);
         let may_turn = |j: usize| stage.from[j].known.may_turn;
         let stand = |j: usize| !may_turn(j) && guesses[j].advance == 0.0 && excess[j] <= 0.0;
         let stands: Vec<bool> = (0..number).map(stand).collect();
@@ -156,14 +169,14 @@ impl CoupledCells<'_> {
         let holding: Vec<f64> = (0..number).map(hold).collect();
         let right = |j: usize| if stands[j] { 0.0 } else { excess[j] };
         let mut by: Vec<f64> = (0..number).map(right).collect();
-        if !self.respond(&springs, &mut by) {
+        if !self.respond(&springs, &mut by, &mut watch)? {
             by = (0..number).map(right).collect();
-            self.respond(&holding, &mut by);
+            self.respond(&holding, &mut by, &mut watch)?;
         }
         for (j, by) in by.iter_mut().enumerate().filter(|(j, _)| !may_turn(*j)) {
             *by = (guesses[j].advance + *by).max(0.0) - guesses[j].advance;
         }
-        Correction { by, stands }
+        Ok(Correction { by, stands })
     }
 }
 

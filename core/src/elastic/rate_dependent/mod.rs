@@ -148,8 +148,21 @@ impl RateDependentInterface {
     /// coupling; cells that slide steadily at different velocities.
     pub fn new(
         contacts: Vec<Box<dyn RateDependentContacts>>,
+        coupling: Box<dyn Coupling>,
+        setting: RateDependentInterfaceParameters,
+    ) -> Result<Self> {
+        Self::new_with(contacts, coupling, setting, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`RateDependentInterface::new`]; stopped by the monitor.
+    pub fn new_with(
+        contacts: Vec<Box<dyn RateDependentContacts>>,
         mut coupling: Box<dyn Coupling>,
         setting: RateDependentInterfaceParameters,
+        monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         setting.check()?;
         let (number, shape) = (contacts.len(), coupling.shape());
@@ -191,7 +204,7 @@ impl RateDependentInterface {
             .zip(&contacts)
             .map(|(spring, contacts)| spring * drive - resistance(contacts.as_ref()));
         let mut positions: Vec<f64> = balance.collect();
-        CoupledCells(coupling.as_mut()).respond(&springs, &mut positions);
+        CoupledCells(coupling.as_mut()).respond(&springs, &mut positions, monitor)?;
         let cells = contacts.into_iter().zip(positions).map(|(contacts, x)| SlidingCell::new(contacts, x));
         let mut interface = Self {
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
@@ -209,7 +222,7 @@ impl RateDependentInterface {
             path: (drive, drive),
         };
         interface.look = interface.seen();
-        interface.update_coupling_energy();
+        interface.update_coupling_energy(monitor)?;
         interface.begun = interface.stored();
         Ok(interface)
     }
@@ -420,7 +433,7 @@ impl RateDependentInterface {
             }
             // From the beginning of the segment, so that rounding errors of steps do not add up.
             self.motion.drive = segment.at(self.motion.time);
-            self.observe(segment.pulled);
+            self.observe(segment.pulled)?;
             let events = self.slips.take_ended();
             if !events.is_empty() {
                 return Ok(events);
@@ -442,8 +455,7 @@ impl RateDependentInterface {
         if self.step(velocity, left, monitor)? >= left {
             self.motion.drive = drive;
         }
-        self.observe(velocity);
-        Ok(())
+        self.observe(velocity)
     }
 
     /// Makes one step of at most `left`, with the load point at a velocity. Returns its duration.
@@ -452,14 +464,16 @@ impl RateDependentInterface {
     }
 
     /// Finds the events after a step; slips are ten times as fast as `pulled`.
-    fn observe(&mut self, pulled: f64) {
+    fn observe(&mut self, pulled: f64) -> Result<()> {
         let now = self.seen();
         // Events are found between two snapshots, so that the stages of a step, which may be
         // rejected, need not know of them.
         let before = std::mem::replace(&mut self.look, now);
-        self.update_coupling_energy();
+        // The step is made: it is not stopped any more, and each of its stages took several such products.
+        self.update_coupling_energy(&mut ())?;
         self.slips.pass(&before, &self.look, pulled, self.coupling.as_ref());
         self.record_slip_rates();
+        Ok(())
     }
 
     /// A snapshot of the cells.
@@ -474,11 +488,12 @@ impl RateDependentInterface {
         MotionSnapshot { time: *time, drive: *drive, cells }
     }
 
-    fn update_coupling_energy(&mut self) {
+    fn update_coupling_energy(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let positions = self.positions();
         let mut forces = vec![0.0; positions.len()];
-        self.coupling.forces(&positions, &mut forces);
+        self.coupling.forces(&positions, &mut forces, monitor)?;
         self.coupling_energy = self.coupling.energy(&positions, &forces);
+        Ok(())
     }
 
     /// Stored energies at present.

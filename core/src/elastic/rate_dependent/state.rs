@@ -33,7 +33,6 @@ impl RateDependentInterface {
         let most = self.rates.as_ref().map(SlipRates::most);
         self.rates = rates.zip(most).map(|(rates, most)| rates.with_most(most));
         self.look = self.seen();
-        self.update_coupling_energy();
-        Ok(())
+        self.update_coupling_energy(&mut ())
     }
 }

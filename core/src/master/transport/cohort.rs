@@ -110,6 +110,11 @@ impl Cohort {
         cohort
     }
 
+    /// Bytes that it takes beside its place in a list.
+    pub(super) fn bytes(&self) -> u64 {
+        self.state.bytes()
+    }
+
     /// Its seed, if its contacts have re-formed.
     pub(super) fn seed(&self) -> Option<u32> {
         self.seed

@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 use super::path::{Path, Place, StepPart};
 use super::seeds::Seed;
 use super::step_context::StepContext;
-use crate::Result;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::monitor::{Monitor, Watch, fits};
 use crate::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Sink, Workspace};
+use crate::{Error, Result};
 
 /// Diffusing thresholds.
 #[derive(Debug)]
@@ -109,6 +109,17 @@ const WORKSPACE: usize = 8;
 /// Smallest number of cells.
 const FEWEST: f64 = 16.0;
 
+/// Largest number of coarse cells, enough for thresholds of c.v. 1e-3 at the default tolerance. Of those of c.v. 1e-4, which need
+/// more, a minute moves a slider by less than a thousandth of its way.
+const MOST: f64 = 1e5;
+
+impl ThresholdMasses {
+    /// Bytes of the masses.
+    pub(super) fn bytes(&self) -> u64 {
+        self.levels.iter().map(|masses| size_of_val(masses.as_slice()) as u64).sum()
+    }
+}
+
 impl Diffusing {
     /// Thresholds of these contacts, which re-form at the `seeds`; `scale` is the width of the narrowest law of theirs.
     /// `None` where they do not diffuse.
@@ -126,6 +137,14 @@ impl Diffusing {
         let (low, high) = maturing.support;
         let coarser = tolerance.powf(0.25);
         let cells = (CELLS * (high - low) / (scale * coarser)).ceil().max(FEWEST);
+        if cells > MOST {
+            let least = CELLS * (high - low) / (MOST * coarser);
+            let expected = format!(
+                "a width of at least {least:.2e} where thresholds diffuse from {low:.3} to {high:.3} and are followed in time: \
+                 wider ones, or a larger tolerance"
+            );
+            return Err(Error::invalid("thresholds", expected, format!("{scale:.2e}")));
+        }
         // Both levels, each with its faces, the masses of new contacts, and work space for steps.
         let needed = 3.0 * cells * ((2 + seeds.len() + WORKSPACE) * size_of::<f64>()) as f64;
         let what = format!("{cells} cells for thresholds that diffuse from {low} to {high}");
@@ -147,11 +166,6 @@ impl Diffusing {
         watch.check()?;
         diffusing.newborn.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
         Ok(Some(diffusing))
-    }
-
-    /// Bytes of the masses of a cohort.
-    pub(super) fn bytes(&self) -> u64 {
-        self.levels.iter().map(|cells| (cells.cells() * size_of::<f64>()) as u64).sum()
     }
 
     /// Amount of work of a step of a cohort: cells in both its halves.

@@ -32,12 +32,18 @@ pub(super) enum CohortThresholds {
     Shared(SurvivingFraction),
 }
 
-impl CohortModel {
-    /// Bytes that the thresholds of a cohort take beside it.
+impl CohortThresholds {
+    /// Bytes that they take beside their cohort.
     pub(super) fn bytes(&self) -> u64 {
-        if let Self::Diffusing(diffusing) = self { diffusing.bytes() } else { 0 }
+        match self {
+            Self::Ranked(left) => left.bytes(),
+            Self::Diffusing(masses) => masses.bytes(),
+            Self::Shared(_) => 0,
+        }
     }
+}
 
+impl CohortModel {
     /// The thresholds of contacts that form at a seed.
     pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
         match self {

@@ -74,6 +74,14 @@ struct Band {
     exponents: Vec<Nodal>,
 }
 
+impl SurvivingRanks {
+    /// Bytes of its point masses and of its band.
+    pub(super) fn bytes(&self) -> u64 {
+        let band = self.band.as_ref().map_or(0, |band| size_of_val(band.exponents.as_slice()));
+        (size_of_val(self.atoms.as_slice()) + band) as u64
+    }
+}
+
 /// Contacts with a larger A have broken.
 const GONE: f64 = 60.0;
 

@@ -62,8 +62,10 @@ impl Transport {
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
         let mut ageing_cohorts = transport.formed(&transport.seeds, monitor)?;
-        // A list that grows is copied to one of twice its length.
-        let each = 3 * size_of::<Cohort>() as u64 + transport.model.bytes();
+        // A list that grows is copied to one of twice its length, without what its cohorts take beside it.
+        let each = 3 * size_of::<Cohort>() as u64;
+        let beside = |cohorts: &[Cohort]| cohorts.iter().map(Cohort::bytes).sum::<u64>();
+        let mut taken = 0;
         let allowed = monitor.memory();
         let watch = Watch::new(monitor);
         let shared = transport.model.table().map(|table| mean_field::steady(table, contacts, velocity));
@@ -96,17 +98,15 @@ impl Transport {
                     cohort.place.below += path.advance(ends[0], at);
                     cohort.place.above += path.advance(at, ends[1]);
                     cohort.mass *= 0.5 * duration;
+                    taken += cohort.bytes();
                     cohorts.push(cohort);
                 }
             }
             watch.check()?;
             let number = cohorts.len() + 2 * after.len();
-            fits(
-                "tolerance",
-                format!("{number} cohorts of steady sliding, and more"),
-                number as u64 * each,
-                allowed,
-            )?;
+            let what = format!("{number} cohorts of steady sliding, and more");
+            let needed = number as u64 * each + taken + 2 * beside(&after);
+            fits("tolerance", what, needed, allowed)?;
             ageing_cohorts = after;
             if lost < 0.5 * most {
                 duration = (2.0 * duration).min(transport.pace.longest(velocity));

@@ -74,7 +74,9 @@ impl Interface {
                 Box::new(if let Some(scales) = scales { cells.scaled(scales)? } else { cells })
             }
         };
-        elastic::Interface::new(cells, self.elasticity()?, self.setting(length))
+        let aside = &mut Aside { fraction: 0.0, monitor };
+        let coupling = self.elasticity(aside)?;
+        elastic::Interface::new_with(cells, coupling, self.setting(length), aside)
     }
 
     /// Cells that move in time. Time-dependent contacts are solved by transport with a `tolerance`, athermal ones by the master
@@ -115,7 +117,9 @@ impl Interface {
             slip_fraction: ensemble.map_or(0.0, |_| Block::SLIP_FRACTION),
             area,
         };
-        RateDependentInterface::new(cells, self.elasticity()?, setting)
+        let aside = &mut Aside { fraction: 1.0, monitor };
+        let coupling = self.elasticity(aside)?;
+        RateDependentInterface::new_with(cells, coupling, setting, aside)
     }
 
     /// The same interface with the disorder drawn from the seed plus `further`.
@@ -213,8 +217,8 @@ impl Interface {
         Ok((0..self.size()).map(|_| in_time(population.copy())).collect())
     }
 
-    fn elasticity(&self) -> Result<Box<dyn elastic::Coupling>> {
-        self.coupling.build(self.shape()?, self.edges)
+    fn elasticity(&self, monitor: &mut dyn Monitor) -> Result<Box<dyn elastic::Coupling>> {
+        self.coupling.build(self.shape()?, self.edges, monitor)
     }
 
     /// Parameters of the interface for contacts of mean threshold `length`.

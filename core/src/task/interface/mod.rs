@@ -15,7 +15,7 @@ use super::fits;
 use super::summary::{Catalogue, InterfaceNumbers};
 use super::{Output, Storage};
 use crate::elastic::{Event, SlipRates};
-use crate::monitor::{Monitor, Preparation};
+use crate::monitor::{Monitor, Preparation, Rising};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
@@ -70,6 +70,7 @@ impl Drive {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, which is driven", "none"))?;
+        let monitor = &mut Rising::new(monitor);
         run(model, self, (interface, &Units::default()), Storage::default(), monitor)
             .map_err(Error::of_scenario)
     }
@@ -89,6 +90,7 @@ impl Protocol {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, whose load point is moved", "none"))?;
+        let monitor = &mut Rising::new(monitor);
         run_protocol(model, self, (interface, &Units::default()), Storage::default(), monitor)
             .map_err(Error::of_scenario)
     }

@@ -11,6 +11,7 @@ use self::periodic::Periodic;
 use self::solid::WaveStiffness;
 use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;
+use crate::monitor::Monitor;
 use crate::shape::{Edges, Shape};
 
 /// The elasticity of a half-space of shear modulus G and Poisson's ratio ν, whose surface moves along one direction, x, under square
@@ -49,6 +50,20 @@ impl HalfSpace {
     /// No cells, or fewer than three in a periodic direction; those of [`Solid::check`]; a side not above 0; more cells than fit in
     /// 1 TiB.
     pub fn new(shape: Shape, edges: Edges, solid: impl Into<Solid>, cell: f64) -> Result<Self> {
+        Self::new_with(shape, edges, solid, cell, &mut ())
+    }
+
+    /// The same with a monitor: many cells under open edges take long.
+    ///
+    /// # Errors
+    /// As [`HalfSpace::new`]; stopped by the monitor.
+    pub fn new_with(
+        shape: Shape,
+        edges: Edges,
+        solid: impl Into<Solid>,
+        cell: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let solid = solid.into();
         shape.check(edges)?;
         solid.check()?;
@@ -64,7 +79,7 @@ impl HalfSpace {
         fits(shape, bytes)?;
         let kind = match edges {
             Edges::Periodic => Method::Periodic(Box::new(Periodic::new(shape, stiffness))),
-            Edges::Open => Method::OpenEdges(Box::new(OpenEdges::new(shape, stiffness))),
+            Edges::Open => Method::OpenEdges(Box::new(OpenEdges::new(shape, stiffness, monitor)?)),
         };
         Ok(Self { shape, kind })
     }
@@ -95,28 +110,33 @@ impl Coupling for HalfSpace {
         }
     }
 
-    fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
+    fn forces(&mut self, displacements: &[f64], forces: &mut [f64], monitor: &mut dyn Monitor) -> Result<()> {
         match &mut self.kind {
-            Method::Periodic(periodic) => periodic.forces(displacements, forces),
-            Method::OpenEdges(open) => open.forces(displacements, forces),
+            Method::Periodic(periodic) => periodic.forces(displacements, forces, monitor),
+            Method::OpenEdges(open) => open.forces(displacements, forces, monitor),
         }
     }
 
     /// The exact inverse where edges are periodic, otherwise that of free edges.
-    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64], monitor: &mut dyn Monitor) -> Result<bool> {
         match &mut self.kind {
-            Method::Periodic(periodic) => periodic.solve(diagonal, right),
-            Method::OpenEdges(open) => open.precondition(diagonal, right),
+            Method::Periodic(periodic) => periodic.solve(diagonal, right, monitor)?,
+            Method::OpenEdges(open) => open.precondition(diagonal, right, monitor)?,
         }
-        matches!(self.kind, Method::Periodic(_))
+        Ok(matches!(self.kind, Method::Periodic(_)))
     }
 
-    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+    fn solve_uniform(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<usize> {
         if let Method::Periodic(periodic) = &mut self.kind {
-            periodic.solve(diagonal, right);
-            return 1;
+            periodic.solve(diagonal, right, monitor)?;
+            return Ok(1);
         }
-        conjugate_gradients::solve_uniform(self, diagonal, right)
+        conjugate_gradients::solve_uniform(self, diagonal, right, monitor)
     }
 
     fn self_stiffness(&self, cell: usize) -> f64 {

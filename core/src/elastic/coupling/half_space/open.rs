@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::{WaveStiffness, from_first, sides};
+use crate::Result;
+use crate::monitor::{Monitor, report};
 use crate::numerics::fractional::{row_share_of_sqrt_laplacian, sqrt_laplacian};
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
@@ -30,7 +32,7 @@ struct Pairs {
 }
 
 impl OpenEdges {
-    pub(super) fn new(shape: Shape, stiffness: WaveStiffness) -> Self {
+    pub(super) fn new(shape: Shape, stiffness: WaveStiffness, monitor: &mut dyn Monitor) -> Result<Self> {
         let sides = sides(shape);
         let mut weights = match shape {
             Shape::Chain(length) => (0..length).map(along_a_chain).collect(),
@@ -42,20 +44,33 @@ impl OpenEdges {
             let rows = row_share_of_sqrt_laplacian(sides);
             weights.iter_mut().zip(&rows).for_each(|(weight, row)| *weight += excess * row);
         }
-        Self { stiffness, pairs: Pairs::new(sides, &weights), free: Modes::new(sides, sides.map(Line::free)) }
+        let pairs = Pairs::new(sides, &weights, monitor)?;
+        Ok(Self { stiffness, pairs, free: Modes::new(sides, sides.map(Line::free)) })
     }
 
-    pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
-        self.pairs.stiffness(displacements, forces);
+    pub(super) fn forces(
+        &mut self,
+        displacements: &[f64],
+        forces: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
+        self.pairs.stiffness(displacements, forces, monitor)?;
         forces.iter_mut().for_each(|force| *force = -*force);
+        Ok(())
     }
 
     /// Approximates (diagonal + A)⁻¹ r in the modes of free edges.
-    pub(super) fn precondition(&mut self, diagonal: f64, right: &mut [f64]) {
+    pub(super) fn precondition(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let Self { stiffness, free, .. } = self;
         // The function of the Laplacian with free edges is not A, whose cells act through the half-space
         // outside of the patch, but close to it, which is enough for a preconditioner.
-        free.apply(right, |down, along| (diagonal + stiffness.against(down, along)).recip());
+        let inverse = |down: f64, along: f64| (diagonal + stiffness.against(down, along)).recip();
+        free.apply(right, inverse, monitor)
     }
 
     pub(super) fn self_stiffness(&self, cell: usize) -> f64 {
@@ -70,41 +85,45 @@ fn along_a_chain(distance: usize) -> f64 {
 }
 
 impl Pairs {
-    fn new(sides: [usize; 2], weights: &[f64]) -> Self {
+    fn new(sides: [usize; 2], weights: &[f64], monitor: &mut dyn Monitor) -> Result<Self> {
         // Zero padding to twice the length makes the cyclic convolution a linear one.
         let lines = sides.map(|side| Line::periodic(padded(side)));
         let height = lines[0].length() / 2 + 1;
+        report(monitor, 0.0)?;
         let spectrum = spectrum(weights, sides, &lines);
+        report(monitor, 0.0)?;
         let mut pairs =
             Self { modes: Modes::new(sides, lines), spectrum, height, self_stiffness: Vec::new() };
         let mut self_stiffness = vec![1.0; weights.len()];
-        pairs.convolve(&mut self_stiffness);
+        pairs.convolve(&mut self_stiffness, monitor)?;
         pairs.self_stiffness = self_stiffness;
-        pairs
+        Ok(pairs)
     }
 
-    fn convolve(&mut self, field: &mut [f64]) {
+    fn convolve(&mut self, field: &mut [f64], monitor: &mut dyn Monitor) -> Result<()> {
         let (spectrum, height) = (&self.spectrum, self.height);
-        self.modes.multiply(field, |mode, column| {
+        let factor = |mode: usize, column: &mut [f64]| {
             let factors = &spectrum[mode.div_ceil(2) * height..][..height];
             column[0] *= factors[0];
             for (pair, factor) in column[1..].chunks_mut(2).zip(&factors[1..]) {
                 pair.iter_mut().for_each(|amplitude| *amplitude *= factor);
             }
-        });
+        };
+        self.modes.multiply(field, factor, monitor)
     }
 
     /// A x.
-    fn stiffness(&mut self, x: &[f64], image: &mut [f64]) {
+    fn stiffness(&mut self, x: &[f64], image: &mut [f64], monitor: &mut dyn Monitor) -> Result<()> {
         // A is applied to differences from the first cell: a common displacement makes no force,
         // and would only add rounding errors in the convolution.
         from_first(x, image);
-        self.convolve(image);
+        self.convolve(image, monitor)?;
         image
             .iter_mut()
             .zip(x)
             .zip(&self.self_stiffness)
             .for_each(|((y, near), self_stiffness)| *y = self_stiffness * (*near - x[0]) - *y);
+        Ok(())
     }
 }
 
@@ -197,13 +216,14 @@ mod tests {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let solids = [(20, 1.0), (200, 1.0), (200, 1.9)];
         for (side, columns) in solids {
-            let mut open = OpenEdges::new(Shape::Square([side, side]), WaveStiffness { columns, rows: 1.0 });
+            let stiffness = WaveStiffness { columns, rows: 1.0 };
+            let mut open = OpenEdges::new(Shape::Square([side, side]), stiffness, &mut ()).unwrap();
             for (diagonal, wave) in [(1e-4, 0.0), (1e-4, 0.02), (1e-4, 3.0), (0.1, 0.0), (0.1, 0.3)] {
                 let right: Vec<f64> = (0..side * side).map(|j| (wave * (j * j) as f64).cos()).collect();
                 let mut near = right.clone();
-                open.precondition(diagonal, &mut near);
+                open.precondition(diagonal, &mut near, &mut ()).unwrap();
                 let mut forces = vec![0.0; near.len()];
-                open.forces(&near, &mut forces);
+                open.forces(&near, &mut forces, &mut ()).unwrap();
                 let held = diagonal * product(&near, &near) - product(&near, &forces);
                 let ratio = held / product(&near, &right);
                 assert!((0.7..1.4).contains(&ratio), "{side} {columns} {diagonal} {wave}: {ratio}");

@@ -1,6 +1,8 @@
 //! A half-space with periodic edges.
 
 use super::{WaveStiffness, from_first};
+use crate::Result;
+use crate::monitor::Monitor;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
@@ -20,15 +22,26 @@ impl Periodic {
         Self { stiffness, modes: Modes::new(super::sides(shape), lines), self_stiffness }
     }
 
-    pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
+    pub(super) fn forces(
+        &mut self,
+        displacements: &[f64],
+        forces: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let stiffness = self.stiffness;
         from_first(displacements, forces);
-        self.modes.apply(forces, |down, along| -stiffness.against(down, along));
+        self.modes.apply(forces, |down, along| -stiffness.against(down, along), monitor)
     }
 
-    pub(super) fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+    pub(super) fn solve(
+        &mut self,
+        diagonal: f64,
+        right: &mut [f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let stiffness = self.stiffness;
-        self.modes.apply(right, |down, along| (diagonal + stiffness.against(down, along)).recip());
+        let inverse = |down: f64, along: f64| (diagonal + stiffness.against(down, along)).recip();
+        self.modes.apply(right, inverse, monitor)
     }
 
     pub(super) fn self_stiffness(&self) -> f64 {
