@@ -883,6 +883,11 @@ class Description:
         **changes
             New values of arguments by their names.
 
+        Returns
+        -------
+        Description
+            One of the same class.
+
         Raises
         ------
         ValueError
@@ -1348,6 +1353,10 @@ class ExactGaussian(ClosedForm):
         ----------
         j
             The number of the root, 1 or above.
+
+        Returns
+        -------
+        complex
         """
 
     @overload
@@ -1359,6 +1368,11 @@ class ExactGaussian(ClosedForm):
         ----------
         position
             Positions X, 0 or above: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
@@ -1398,6 +1412,11 @@ class ExactQuenched:
         ----------
         position
             Positions X, 0 or above: a number or an array of any shape.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            A number for a number, an array of the same shape for an array.
         """
 
     @overload
@@ -1464,6 +1483,22 @@ class FrictionGradient:
     @property
     def kinetic_friction(self, /) -> float:
         """∂F_k/∂θ, force per unit of the parameter."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the derivatives as bars, each in units of its own; it needs matplotlib, whose styles it follows.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to plot on; new ones by default.
+        **style
+            Arguments of the bar() of the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
 
     @property
     def relaxation_length(self, /) -> float:
@@ -1986,6 +2021,11 @@ class Law(Description):
             Values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and
             Weibull have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters
             instead, among them loc and scale.
+
+        Returns
+        -------
+        Law
+            One of this class.
         """
 
     @overload

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, TypeAlias
 import numpy as np
 
 from asperity import _plot
-from asperity._plot import axis, errors, fit_ends, ink, muted, new_axes
+from asperity._plot import axes_or_new, axis, errors, fit_ends, ink, muted
 from asperity._smooth import along_logarithm
 
 if TYPE_CHECKING:
@@ -50,8 +50,7 @@ def draw(record: "Record", ax: "Axes | None" = None, kind: str | None = None, **
     if kind is None or kind not in known:
         expected = f"one of {', '.join(known)}" if known else "a record of a task"
         raise ValueError(f"plot.kind: expected {expected}, got {kind}")
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     KINDS[kind].draw(record, ax, **style)
     return ax
 
@@ -576,6 +575,7 @@ KINDS: Mapping[str, Kind] = {
     "motion": Kind(motion, ("time", "force"), ("event_drive",)),
     "trace": Kind(sliding, ("drive", "force")),
     "force": Kind(force, ("position", "force"), ("drive", "time", "expected")),
+    "compared": Kind(force, ("compared_position", "compared_force", "position", "force", "time")),
     "residuals": Kind(residuals, ("reading_position", "whitened_residual")),
     "whitened": Kind(residuals, ("position", "whitened")),
     "free_form": Kind(free_form, ("free_form_threshold", "free_form_density")),

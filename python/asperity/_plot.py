@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
         Block,
         Contacts,
         Estimates,
+        FrictionGradient,
         Gradient,
         Healing,
         Interface,
@@ -69,8 +71,7 @@ def pull(
     **style: Any,
 ) -> "Axes":
     """F(X) with a band of its standard deviation, and sample paths, given as their positions and forces."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     first = len(ax.lines)
     friction(pull, ax, **style)
     color = ax.lines[first].get_color()
@@ -87,7 +88,12 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
     """The expected force with a band of two standard deviations, the readings, and the whitened residuals."""
     readings = fit.readings
     measured = "force" in readings
-    axes = tuple(axes) if axes is not None else new_panels(2 if measured else 1)
+    panels = 2 if measured else 1
+    if axes is None:
+        axes = new_panels(panels)
+    elif not isinstance(axes, Iterable):
+        raise TypeError(f"axes: expected {panels} axes of matplotlib, got {type(axes).__name__}")
+    axes = tuple(axes)
     position, expected, reach = readings["position"], readings["expected"], 2 * readings["std"]
     above = axes[0]
     numbers = readings["curve"] if "curve" in readings else 0 * position
@@ -152,8 +158,7 @@ def curve(record: "Record", ax: "Axes", names: dict[str, str], **style: Any) -> 
 
 def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """The measured force around a velocity step, with the fit before the step and from the peak on."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     position, fitted = step.position, step.fitted
     ax.plot(position, step.force, ".", markersize=3, color=muted(), label="measured")
     after = position >= 0.0
@@ -167,8 +172,7 @@ def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) 
 
 def healing(healing: "Healing", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """Static friction against the logarithm of the hold time, with the fit at 200 hold times."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     ax.plot(healing.hold, healing.force, "o", color=ink(), markersize=4, label="measured")
     low, high = math.log10(min(healing.hold)), math.log10(max(healing.hold))
     times = [10 ** (low + (high - low) * i / 199) for i in range(200)]
@@ -187,8 +191,7 @@ def steady_state(steady: "SteadyState", ax: "Axes | None" = None, **style: Any) 
 
 def stretches(found: "StretchDensity", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """Densities of stretches, point masses as stems with their weights on the right."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     rows = found.density if found.density.ndim == 2 else found.density[None, :]
     several = len(rows) > 1
     atoms = found.atoms if isinstance(found.atoms, list) else [found.atoms]
@@ -196,12 +199,21 @@ def stretches(found: "StretchDensity", ax: "Axes | None" = None, **style: Any) -
     stems = []
     for row, one, color in zip(rows, atoms, colors, strict=True):
         own = style if color is None else {"color": color, **style}
-        (line,) = ax.plot(found.stretch, row, **own)
+        line = outline(ax, found.stretch, row, **own)
         stems.append((one.position, one.weight, line.get_color()))
     ax.set_ylim(bottom=0.0)
     masses(ax, stems)
     ax.set(xlabel=axis("x", ""), ylabel=axis("Q", ""))
     return ax
+
+
+def outline(
+    ax: "Axes", stretch: "NDArray[np.float64]", density: "NDArray[np.float64]", **style: Any
+) -> "Line2D":
+    """A density as a line, which has no points where all is in point masses."""
+    empty = not (density > 0.0).any()
+    (line,) = ax.plot(stretch[:0] if empty else stretch, density[:0] if empty else density, **style)
+    return line
 
 
 def density(law: "Law") -> "StretchDensity":
@@ -230,14 +242,13 @@ def contacts(
         ax = law(contacts.areas.law, ax, **style)
         ax.set_xlabel("area of a contact")
         return ax
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     laws = {"thresholds": contacts.thresholds, "re-forming": contacts.reforming, "initial": initial}
     stems = []
     for name, one in laws.items():
         if one is not None:
             found = density(one)
-            (line,) = ax.plot(found.stretch, found.density, **{"label": name, **style})
+            line = outline(ax, found.stretch, found.density, **{"label": name, **style})
             stems.append((one.atoms.position, one.atoms.weight, line.get_color()))
     ax.set_ylim(bottom=0.0)
     masses(ax, stems)
@@ -261,14 +272,12 @@ def law(law: "Law", ax: "Axes | None" = None, **style: Any) -> "Axes":
     import numpy as np
 
     found = density(law)
-    x = found.stretch
     ax = stretches(found, ax, **style)
     at = law.ppf([0.05, 0.5, 0.95])
     here = law.pdf(at)
     continuous = ~np.isin(at, law.atoms.position) & np.isfinite(here)
-    (curve, *_) = (line for line in reversed(ax.lines) if np.size(line.get_xdata()) == len(x))
     dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
-    ax.plot(at[continuous], here[continuous], **dots, color=curve.get_color())
+    ax.plot(at[continuous], here[continuous], **dots, color=ax.lines[-1].get_color())
     # At a pole it is drawn up to that at the quantile of 5 %.
     if not np.isfinite(found.density).all() and continuous.any():
         ax.set_ylim(top=1.1 * float(here[continuous].max()))
@@ -285,14 +294,30 @@ def gradient(
     return ax
 
 
+def friction_gradient(gradient: "FrictionGradient", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The derivatives of friction as bars; those that are not known or not finite have none."""
+    ax = axes_or_new(ax)
+    known = {
+        "F_s": gradient.static_friction,
+        "F_k": gradient.kinetic_friction,
+        "X^*": gradient.relaxation_length,
+        "K_c": gradient.critical_stiffness,
+    }
+    heights = [math.nan if value is None else value for value in known.values()]
+    ax.bar(range(len(known)), heights, **{"width": 0.6, **style})
+    ax.axhline(0.0, color=ink(), linewidth=0.6)
+    ax.set_xticks(range(len(known)), [rf"$\partial {symbol}/\partial\theta$" for symbol in known])
+    ax.set(xlabel="number of friction", ylabel="derivative by the parameter θ")
+    return ax
+
+
 def threshold_response(
     response: "ThresholdResponse", position: "NDArray[np.float64]", ax: "Axes | None" = None, **style: Any
 ) -> "Axes":
     """The response to the probability of some of the thresholds against the position."""
     import numpy as np
 
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     order = np.argsort(response.thresholds)
     shown = order[np.unique(np.linspace(0, len(order) - 1, 7).round().astype(int))]
     curves = response(position)
@@ -319,8 +344,7 @@ def spots(spots: "Spots", ax: "Axes | None" = None, **style: Any) -> "Axes":
 
     from asperity._pictures import colorbar
 
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     pixel = math.sqrt(float(spots.area.sum()) / np.count_nonzero(spots.labels))
     loads = np.concatenate([[np.nan], spots.load])[spots.labels]
     low, high = float(spots.load.min()), float(spots.load.max())
@@ -351,8 +375,7 @@ def masses(ax: "Axes", stems: "Sequence[tuple[NDArray[Any], NDArray[Any], Any]]"
 
 def relaxation(relaxation: "Relaxation", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """The roots of the characteristic equation in the complex plane."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     roots = relaxation.roots
     dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4}
     (line,) = ax.plot(roots.real, roots.imag, **{**dots, **style})
@@ -370,8 +393,7 @@ def lines(
     **style: Any,
 ) -> "Axes":
     """Curves with labels, and the symbols of the axes."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     for x, y, label in curves:
         ax.plot(x, y, **{"label": label, **style})
     ax.set(xlabel=axis(names[0], ""), ylabel=axis(names[1], ""))
@@ -382,8 +404,7 @@ def lines(
 
 def events(events: "Events", ax: "Axes | None", x: str, y: str, **style: Any) -> "Axes":
     """A column of events against another."""
-    if ax is None:
-        ax = new_axes()
+    ax = axes_or_new(ax)
     dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4}
     ax.plot(events[x], events[y], **{**dots, **style})
     ax.set(xlabel=x.replace("_", " "), ylabel=y.replace("_", " "))
@@ -427,6 +448,15 @@ def shades(count: int) -> "list[Any]":
 
     shown = pyplot().get_cmap()
     return [shown(share) for share in np.linspace(0.0, 0.85, count)]
+
+
+def axes_or_new(ax: "Axes | None") -> "Axes":
+    """The axes, or new ones."""
+    if ax is None:
+        return new_axes()
+    if not callable(getattr(ax, "plot", None)):
+        raise TypeError(f"ax: expected axes of matplotlib, got {type(ax).__name__}")
+    return ax
 
 
 def new_axes() -> "Axes":

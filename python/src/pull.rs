@@ -750,6 +750,28 @@ impl FrictionGradient {
         self.gradient.critical_stiffness
     }
 
+    /// Plots the derivatives as bars, each in units of its own; it needs matplotlib, whose styles it follows.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax : matplotlib.axes.Axes, optional
+    ///     Axes to plot on; new ones by default.
+    /// **style
+    ///     Arguments of the bar() of the axes.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("friction_gradient", (slf, ax), style)
+    }
+
     fn __repr__(&self) -> String {
         let Self { gradient } = self;
         let peak = gradient.static_friction.map_or_else(|| "not reached".into(), |force| force.to_string());

@@ -168,6 +168,54 @@ def test_distributions_have_pictures(law: asp.Law) -> None:
     assert np.all(np.isin(at, law.ppf([0.05, 0.5, 0.95])))
     assert len(at) == (3 if expected == 1.0 else 2 if expected > 0.0 else 0)
     assert axes.lines[0].get_color() == "red"
+    # A point mass is a stem, without a line of density 0.
+    assert (len(x) == 0) == (expected == 0.0)
+
+
+# What is described or is a few numbers has no picture of its own.
+WITHOUT_PICTURE = {
+    "Ageing",
+    "Areas",
+    "Atoms",
+    "Correlation",
+    "Damped",
+    "Description",
+    "DistributionDistance",
+    "Drift",
+    "Dropped",
+    "Energy",
+    "Estimate",
+    "Event",
+    "Explorer",
+    "FrictionEstimates",
+    "FrozenRank",
+    "HealingLaw",
+    "Inertial",
+    "InterfaceEnergy",
+    "Label",
+    "Logarithmic",
+    "MachineStep",
+    "MeanField",
+    "MeasuredNoise",
+    "Misfit",
+    "Motion",
+    "PosteriorNumber",
+    "Simulation",
+    "Smoluchowski",
+    "Stability",
+    "State",
+    "StaticFriction",
+    "Step",
+    "StickSlipStability",
+    "Temperature",
+    "VelocityLimits",
+    "WithError",
+}
+
+
+def test_every_result_and_task_has_plot() -> None:
+    classes = {name for name in asp.__all__ if isinstance(getattr(asp, name), type)}
+    assert {name for name in classes if not hasattr(getattr(asp, name), "plot")} == WITHOUT_PICTURE
 
 
 def test_derivatives_predictions_and_spots_have_pictures() -> None:
@@ -175,6 +223,14 @@ def test_derivatives_predictions_and_spots_have_pictures() -> None:
     by_mean = pull.gradient("thresholds.mean")
     line = by_mean.plot().lines[0]
     np.testing.assert_array_equal(line.get_ydata(), by_mean(pull.position))
+    of_friction = pull.friction_gradient("thresholds.mean")
+    axes = of_friction.plot(color="red")
+    bars: list[Any] = list(axes.patches)
+    heights = [bar.get_height() for bar in bars]
+    kept = (of_friction.static_friction, of_friction.kinetic_friction)
+    assert heights == [*kept, of_friction.relaxation_length, of_friction.critical_stiffness]
+    assert axes.get_xlabel()
+    assert axes.get_ylabel()
     response = pull.threshold_response(np.linspace(0.8, 1.2, 9))
     axes = response.plot()
     assert len(axes.lines) == 7

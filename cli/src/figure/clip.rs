@@ -8,6 +8,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene};
 
 use super::curve::Point;
+use super::simplify::simplified;
 
 /// Largest distance of a point beyond a frame that is rounding.
 const NEAR: f64 = 0.02;
@@ -58,7 +59,7 @@ impl Frame {
                     let (stroke, stroke_dasharray) = (stroke.clone(), stroke_dasharray.clone());
                     Primitive::PolyLine { points, stroke, stroke_width, stroke_dasharray }
                 };
-                parts.extend(self.pieces(&points).into_iter().map(piece));
+                parts.extend(self.pieces(&points).iter().map(|points| piece(simplified(points))));
             }
             Primitive::Path(path) => parts.extend(self.path(*path)),
             Primitive::Line { x1, y1, x2, y2, .. } if !self.has((0.5 * (x1 + x2), 0.5 * (y1 + y2))) => {}
@@ -89,11 +90,11 @@ impl Frame {
         }
         let filled = !matches!(path.fill, None | Some(Color::None));
         let d: String = match filled {
-            true => runs.iter().map(|run| written(&self.area(&run.points), true)).collect(),
+            true => runs.iter().map(|run| written(&simplified(&self.area(&run.points)), true)).collect(),
             false => runs
                 .iter()
                 .flat_map(|run| self.pieces(&run.closed()))
-                .map(|run| written(&run, false))
+                .map(|run| written(&simplified(&run), false))
                 .collect(),
         };
         (!d.is_empty()).then(|| Primitive::Path(Box::new(PathData { d, ..path })))

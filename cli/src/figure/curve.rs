@@ -65,6 +65,12 @@ pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -
     })
 }
 
+/// A density as a line; none where all is in point masses, which stems show.
+pub fn density_line(x: &[f64], density: &[f64], color: &str, width: f64) -> Option<Plot> {
+    let is_there = density.iter().any(|&height| height > 0.0);
+    is_there.then(|| line(curve(x, density), color, width, None))
+}
+
 /// Points, with error bars if there are errors.
 pub fn errors(x: &[f64], y: &[f64], error: &[f64], color: &str) -> Vec<Plot> {
     let points = || x.iter().zip(y);

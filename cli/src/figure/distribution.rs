@@ -6,7 +6,7 @@ use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
-use super::curve::{Point, below, curve, line};
+use super::curve::{Point, below, curve, density_line, line};
 use super::style::{self, BLACK, BLUE, ORANGE, Page, Plots, RED};
 use super::ticks;
 
@@ -23,7 +23,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     legend.push(style::line("stretches in steady sliding, Q(x)", BLACK, None));
     crosses(outcome, &mut plots, &mut legend);
-    plots.push(line(curve(stretch, steady), BLACK, 2.0, None));
+    plots.extend(density_line(stretch, steady, BLACK, 2.0));
     plots.extend(stems(record, "steady_atom", left, BLACK));
     let axis = second(outcome, thresholds)?;
     legend.extend(axis.legend);

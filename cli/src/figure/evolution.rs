@@ -7,7 +7,7 @@ use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
-use super::curve::{curve, histogram, line};
+use super::curve::{density_line, histogram};
 use super::distribution::stem;
 use super::style::{self, BLUE, ORANGE, Page, Plots};
 use super::ticks;
@@ -82,7 +82,7 @@ fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)
         let heights: Vec<f64> = heights.iter().map(|h| h.min(top)).collect();
         plots.push(histogram(bin, &heights, ORANGE));
     }
-    plots.push(line(curve(stretch, density), BLUE, 1.6, None));
+    plots.extend(density_line(stretch, density, BLUE, 1.6));
     plots.extend(atoms.into_iter().flat_map(|(x, weight)| stem((x, weight * top), BLUE)));
     let layout = style::layout((0.0, end), (0.0, top))
         .with_title(format!("X = {}", style::digits(position)))

@@ -3,8 +3,10 @@
 mod advance;
 mod catalogue;
 mod clip;
+mod compared;
 mod corner;
 mod covariance;
+mod coverage;
 mod creep;
 mod curve;
 mod distribution;
@@ -26,6 +28,7 @@ mod potential;
 mod protocol;
 mod raster;
 mod shapes;
+mod simplify;
 mod sizes;
 mod slip;
 mod slip_rate;
@@ -75,7 +78,7 @@ fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String
     }
     let page = formats::page(style);
     let scenes = [
-        ("force", force::scene(outcome, page)),
+        ("force", force::scene(outcome, page).or_else(|| compared::scene(outcome, page))),
         ("evolution", evolution::scene(outcome, page)),
         ("distribution", distribution::scene(outcome, page)),
         ("covariance", covariance::scene(outcome, page)),

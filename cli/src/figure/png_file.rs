@@ -72,17 +72,28 @@ impl Rows {
     }
 
     fn subtract(&mut self, row: &[u8]) {
-        /// Dots that are compared at once.
-        const TOGETHER: usize = 8;
-        let blocks = row.chunks(DRAWN * TOGETHER).zip(self.above.chunks(DRAWN * TOGETHER));
-        let differences = self.differences[1..].chunks_mut(self.samples * TOGETHER);
-        for ((now, above), differences) in blocks.zip(differences).filter(|((now, above), _)| now != above) {
-            let dots = now.chunks_exact(DRAWN).zip(above.chunks_exact(DRAWN));
-            for ((now, above), difference) in dots.zip(differences.chunks_exact_mut(self.samples)) {
-                for ((difference, now), above) in difference.iter_mut().zip(now).zip(above) {
-                    *difference = now.wrapping_sub(*above);
-                }
+        /// Bytes of dots that are compared at once: arrays of this length are compared without a loop.
+        const TOGETHER: usize = 8 * DRAWN;
+        let (blocks, rest) = row.as_chunks::<TOGETHER>();
+        let (above, rest_above) = self.above.as_chunks::<TOGETHER>();
+        let differences = &mut self.differences[1..];
+        let samples = self.samples;
+        for (i, (now, above)) in blocks.iter().zip(above).enumerate() {
+            if now != above {
+                subtracted(now, above, &mut differences[8 * samples * i..], samples);
             }
+        }
+        subtracted(rest, rest_above, &mut differences[8 * samples * blocks.len()..], samples);
+    }
+}
+
+/// Writes the differences of dots to those above, where there are any.
+fn subtracted(now: &[u8], above: &[u8], differences: &mut [u8], samples: usize) {
+    let dots = now.as_chunks::<DRAWN>().0.iter().zip(above.as_chunks::<DRAWN>().0);
+    let dots = dots.zip(differences.chunks_exact_mut(samples));
+    for ((now, above), difference) in dots.filter(|((now, above), _)| now != above) {
+        for ((difference, now), above) in difference.iter_mut().zip(now).zip(above) {
+            *difference = now.wrapping_sub(*above);
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene};
-use tiny_skia::{Path, PathBuilder, PixmapMut, PixmapPaint, PixmapRef, Rect, Stroke, StrokeDash, Transform};
+use tiny_skia::{
+    Paint, Path, PathBuilder, PixmapMut, PixmapPaint, PixmapRef, Rect, Stroke, StrokeDash, Transform,
+};
 
 use super::clip::runs;
+use super::coverage::Coverage;
 use super::letters::{Letters, Text};
 use super::raster::CellImage;
 use super::{curve::Point, grey};
@@ -13,6 +16,10 @@ use super::{curve::Point, grey};
 pub enum Shape {
     /// An area with its colour, the last part of which is the opacity.
     Area(Path, [u8; 4]),
+    /// A rectangle with its sides along the axes: most of the lines of a picture.
+    Bar(Rect, [u8; 4]),
+    /// A text with its colour: red, green, blue.
+    Letters(Coverage, [u8; 3]),
     /// Cells: red, green, blue and opacity, their number across and down, and where they are.
     Image(Vec<u8>, [u32; 2], Transform),
 }
@@ -22,21 +29,33 @@ impl Shape {
     pub fn draw(&self, dots: &mut PixmapMut, first: u32) {
         let up = Transform::from_translate(0.0, -(first as f32));
         match self {
-            Self::Area(path, [red, green, blue, opacity]) => {
-                let bounds = path.bounds();
-                if bounds.bottom() < first as f32 || bounds.top() > (first + dots.height()) as f32 {
-                    return;
-                }
-                let mut paint = tiny_skia::Paint::default();
-                paint.set_color_rgba8(*red, *green, *blue, *opacity);
-                dots.fill_path(path, &paint, tiny_skia::FillRule::Winding, up, None);
+            Self::Area(path, colour) if is_on(dots, first, path.bounds()) => {
+                dots.fill_path(path, &paint(*colour), tiny_skia::FillRule::Winding, up, None);
             }
+            Self::Bar(bar, colour) if is_on(dots, first, *bar) => {
+                if let Some(bar) = bar.transform(up) {
+                    dots.fill_rect(bar, &paint(*colour), Transform::identity(), None);
+                }
+            }
+            Self::Letters(letters, colour) => letters.draw(dots, first, *colour),
             Self::Image(cells, [columns, rows], place) => {
                 let Some(image) = PixmapRef::from_bytes(cells, *columns, *rows) else { return };
                 dots.draw_pixmap(0, 0, image, &PixmapPaint::default(), place.post_concat(up), None);
             }
+            Self::Area(..) | Self::Bar(..) => {}
         }
     }
+}
+
+/// Whether a part of a shape with these bounds is on dots whose first row is this one of the picture.
+fn is_on(dots: &PixmapMut, first: u32, bounds: Rect) -> bool {
+    bounds.bottom() >= first as f32 && bounds.top() <= (first + dots.height()) as f32
+}
+
+fn paint([red, green, blue, opacity]: [u8; 4]) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(red, green, blue, opacity);
+    paint
 }
 
 /// The shapes of a picture in the order in which they are drawn, without the background, which is white. `scale` is the number of
@@ -65,6 +84,15 @@ impl Drawn<'_> {
                 self.moved.push(transform.as_deref().and_then(translation).unwrap_or_default());
             }
             Primitive::GroupEnd => drop(self.moved.pop()),
+            Primitive::Line { x1, y1, x2, y2, stroke, stroke_width, stroke_dasharray: None }
+                if (x1 == x2) != (y1 == y2) =>
+            {
+                let half = 0.5 * stroke_width;
+                let (wide, high) = if x1 == x2 { (half, 0.0) } else { (0.0, half) };
+                let sides = [x1.min(*x2) - wide, y1.min(*y2) - high, x1.max(*x2) + wide, y1.max(*y2) + high];
+                let [left, top, right, bottom] = sides.map(|side| side as f32);
+                self.bar(Rect::from_ltrb(left, top, right, bottom), stroke, None);
+            }
             Primitive::Line { x1, y1, x2, y2, stroke, stroke_width, stroke_dasharray } => {
                 let path = line(&[(*x1, *y1), (*x2, *y2)], false);
                 self.stroke(path, stroke, *stroke_width, stroke_dasharray.as_deref());
@@ -75,9 +103,11 @@ impl Drawn<'_> {
             Primitive::Path(path) => self.path(path),
             Primitive::Rect { x, y, width, height, fill, stroke, stroke_width, opacity } => {
                 let sides = [x, y, width, height].map(|side| *side as f32);
-                let path =
-                    Rect::from_xywh(sides[0], sides[1], sides[2], sides[3]).map(PathBuilder::from_rect);
-                self.area(path, (fill, *opacity), (stroke.as_ref(), *stroke_width));
+                let bar = Rect::from_xywh(sides[0], sides[1], sides[2], sides[3]);
+                self.bar(bar, fill, *opacity);
+                if let Some(stroke) = stroke {
+                    self.stroke(bar.map(PathBuilder::from_rect), stroke, stroke_width.unwrap_or(1.0), None);
+                }
             }
             Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width } => {
                 self.circle((*cx, *cy), *r, (fill, *fill_opacity), (stroke.as_ref(), *stroke_width));
@@ -95,8 +125,12 @@ impl Drawn<'_> {
                     Text { content, size: f64::from(*size), anchor: *anchor, is_bold: *bold, is_typeset };
                 let turned = Transform::from_rotate(rotate.unwrap_or(0.0) as f32);
                 let place = turned.post_translate(*x as f32, *y as f32);
+                let place = place.post_concat(self.place());
                 let outline = self.letters.outline(&text).and_then(|outline| outline.transform(place));
-                self.fill(outline, color.as_ref().unwrap_or(&Color::Rgb(0, 0, 0)), None);
+                let covered = outline.as_ref().and_then(Coverage::of);
+                let colour = grey::rgb(color.as_ref().unwrap_or(&Color::Rgb(0, 0, 0)), self.grey);
+                self.shapes
+                    .extend(covered.zip(colour).map(|(letters, colour)| Shape::Letters(letters, colour)));
             }
             // Rich texts are in no picture, and clip paths are cut.
             _ => {}
@@ -113,6 +147,15 @@ impl Drawn<'_> {
             self.fill(lines.clone(), fill, path.opacity);
         }
         self.stroke(lines, &path.stroke, path.stroke_width, path.stroke_dasharray.as_deref());
+    }
+
+    /// A filled rectangle.
+    fn bar(&mut self, bar: Option<Rect>, colour: &Color, opacity: Option<f64>) {
+        let Some([red, green, blue]) = grey::rgb(colour, self.grey) else { return };
+        let opacity = (255.0 * opacity.unwrap_or(1.0)).round() as u8;
+        if let Some(bar) = bar.and_then(|bar| bar.transform(self.place())) {
+            self.shapes.push(Shape::Bar(bar, [red, green, blue, opacity]));
+        }
     }
 
     fn circle(
