@@ -176,7 +176,9 @@ for (const sheet of sheets) {
   sheet.onclick = () => begin(texts[name] ?? examples.find((example) => example.dataset.sheet === name)?.text ?? "");
 }
 
-byId("save").onclick = () => download(new Blob([state.text], { type: "application/toml" }), "scenario.toml");
+/** A scenario whose first line names its schema to editors. @param {string} text */
+const forEditors = (text) => (text.startsWith("#:schema") ? text : `#:schema asperity.schema.json\n${text}`);
+byId("save").onclick = () => download(new Blob([forEditors(state.text)], { type: "application/toml" }), "scenario.toml");
 /** @param {string} text @param {string} what */
 const copy = (text, what) => navigator.clipboard.writeText(text).then(() => (byId("status").textContent = `${what} copied`), () => prompt(`Copy the ${what}:`, text));
 byId("link").onclick = () => {

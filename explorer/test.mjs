@@ -164,6 +164,7 @@ test("each control changes the text and the numbers", () =>
     await tab.locator('[id="block.slip"]').selectOption("reset");
     await settled(tab);
     assert.match(await text(tab), /slip = "reset"/);
+    assert.equal(await saved(tab, "Save scenario"), `#:schema asperity.schema.json\n${await text(tab)}`);
   }));
 
 /** The text of the file that a button saves. */

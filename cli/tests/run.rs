@@ -173,6 +173,25 @@ fn the_written_scenario_gives_the_same_bytes_on_any_number_of_threads() {
     assert_eq!((first.len(), second.len()), (second.len(), third.len()));
 }
 
+/// Editors read the schema from a file; a line that names none would only be in their way.
+#[test]
+fn the_written_scenario_names_the_schema_that_is_around_it() {
+    let folder = folder();
+    let written = || std::fs::read_to_string(folder.path().join("out/quick/scenario.toml")).unwrap();
+    folder.succeed(&["run", "quick.toml", "--no-figures"]);
+    let without = written();
+    assert!(!without.contains("#:schema"));
+    let schema = folder.succeed(&["schema"]);
+    folder.write("asperity.schema.json", &schema);
+    folder.succeed(&["run", "quick.toml", "--no-figures"]);
+    assert_eq!(written(), format!("#:schema ../../asperity.schema.json\n{without}"));
+    // It is read as before.
+    folder.succeed(&["plot", "out/quick", "--figures", "svg"]);
+    folder.succeed(&["run", "out/quick/scenario.toml", "--no-figures", "-o", "out/again"]);
+    let again = std::fs::read_to_string(folder.path().join("out/again/scenario.toml")).unwrap();
+    assert_eq!(again, written());
+}
+
 #[test]
 fn a_folder_of_ours_is_replaced_whole_and_any_other_left_alone() {
     let folder = folder();

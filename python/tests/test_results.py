@@ -100,6 +100,17 @@ def test_models_compute_what_scenarios_do() -> None:
     np.testing.assert_array_equal(sample["stretch_density"], result["ensemble_stretch_density"])
 
 
+def test_the_written_scenario_names_the_schema_that_is_around_it(tmp_path: Path) -> None:
+    result = asp.run({"contacts": {"thresholds": asp.Gaussian(1.0, 0.1)}, "pull": {"points": 11}})
+    (tmp_path / "asperity.schema.json").write_text("{}", encoding="utf-8")
+    result.save(tmp_path / "results")
+    text = (tmp_path / "results" / "scenario.toml").read_text(encoding="utf-8")
+    line, _, rest = text.partition("\n")
+    assert line == "#:schema ../asperity.schema.json"
+    assert rest == result.scenario
+    assert asp.open_result(tmp_path / "results").scenario == result.scenario
+
+
 @pytest.mark.parametrize("written", DRIVES, ids=lambda path: path.stem, indirect=True)
 def test_blocks_are_driven_as_by_the_command(written: tuple[Path, Path]) -> None:
     _, folder = written

@@ -53,6 +53,12 @@ fn after_names(table: &mut Map<String, Value>) {
             rules.extend(table.remove_entry(key));
         }
     }
+    // Where a required key is missing, another one that is needed would be a second message.
+    if let (Some(required), Some(any)) = (rules.get("required").cloned(), rules.get("anyOf").cloned()) {
+        rules.remove("anyOf");
+        rules.insert("if".into(), json!({ "required": required }));
+        rules.insert("then".into(), json!({ "anyOf": any }));
+    }
     let conditions = conditions(table);
     if !conditions.is_empty() {
         rules.insert("allOf".into(), conditions.into());

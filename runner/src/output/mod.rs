@@ -12,6 +12,7 @@ mod listing;
 mod netcdf;
 mod posterior;
 mod read;
+mod schema_line;
 mod view;
 
 use std::io;
@@ -33,6 +34,7 @@ pub(crate) use hdf5::{Array, Values as Place, place};
 pub(crate) use netcdf::{text, write_numbers};
 pub(crate) use read::{open, text as text_of};
 pub use read::{read, read_drawn};
+pub(crate) use schema_line::{scenario_file, without_schema};
 
 /// A finished run.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +110,7 @@ pub fn write_only(
     const LARGE: u64 = 1 << 20;
     let variables = Variables { record: &outcome.record, stored };
     let large = variables.bytes() > LARGE;
-    let mut files = vec![NewFile::of("scenario.toml", outcome.scenario.as_bytes())];
+    let mut files = vec![scenario_file(dir, "scenario.toml", &outcome.scenario)];
     if only.json {
         files.push(NewFile::of("summary.json", json(&outcome.summary)));
         files.extend(outcome.summary.numbers.fit().map(|fit| NewFile::of("fit.json", json(fit))));
@@ -120,8 +122,7 @@ pub fn write_only(
             large,
         }));
     }
-    files
-        .extend(fitted::fitted(outcome).into_iter().map(|(name, text)| NewFile::of(name, text.into_bytes())));
+    files.extend(fitted::fitted(outcome).iter().map(|(name, text)| scenario_file(dir, name, text)));
     if only.netcdf {
         let write = move |to: &mut dyn io::Write| {
             netcdf::assemble(outcome, variables).map_err(io::Error::other)?.write(to)

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 
 use super::attributes::FORMAT_ATTRIBUTE;
 use super::drawn::{Described, Selection};
-use super::{Error, FORMAT, Outcome, Result};
+use super::{Error, FORMAT, Outcome, Result, without_schema};
 
 /// Reads the files of [`super::write`], with every number unchanged.
 ///
@@ -31,7 +31,7 @@ pub fn read_drawn(dir: &Path, most: u64) -> Result<Outcome> {
 
 fn read_with(dir: &Path, record: impl FnOnce(&Path) -> Result<Record>) -> Result<Outcome> {
     let path = dir.join("summary.json");
-    let scenario = text(&dir.join("scenario.toml"))?;
+    let scenario = without_schema(text(&dir.join("scenario.toml"))?);
     let summary = summary(&text(&path)?).map_err(Error::malformed(&path))?;
     Ok(Outcome { scenario, summary, record: record(&dir.join("result.nc"))? })
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::dataset::{Axis, Dataset, Labelled, Values};
 use super::error::Result;
 use super::{netcdf, table};
-use crate::output::{self, Attachment, NewFile, Written};
+use crate::output::{self, Attachment, NewFile, Written, scenario_file};
 
 /// What a sweep has found, in `summary.json` and on the terminal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -136,7 +136,7 @@ pub fn write(dir: &Path, dataset: &Dataset, attachments: &[Attachment]) -> Resul
     summary.push(b'\n');
     let result = netcdf::assemble(dataset)?;
     let files = vec![
-        NewFile::of("scenario.toml", dataset.scenario.as_bytes()),
+        scenario_file(dir, "scenario.toml", &dataset.scenario),
         NewFile::of("summary.json", summary),
         NewFile {
             name: "sweep.csv".to_owned(),

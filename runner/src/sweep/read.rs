@@ -6,14 +6,14 @@ use netcdf_reader::{NcFile, NcSliceInfo, NcSliceInfoElem, NcType, NcVariable};
 
 use super::dataset::{Axis, Dataset, Labelled, Values};
 use super::drawn::{is_drawn, replicas, rows, step};
-use crate::output::{Error, Result, open, text_of};
+use crate::output::{Error, Result, open, text_of, without_schema};
 
 /// What pictures show of the sweep in a folder; the whole of it is never in memory.
 ///
 /// # Errors
 /// A file that is missing, cannot be read, or was not written by asperity.
 pub fn read_drawn(folder: &Path) -> Result<Dataset> {
-    let scenario = text_of(&folder.join("scenario.toml"))?;
+    let scenario = without_schema(text_of(&folder.join("scenario.toml"))?);
     let path = folder.join("sweep.nc");
     drawn(&open(&path)?, scenario).map_err(|error| Error::Malformed { path, what: error.to_string() })
 }
