@@ -118,10 +118,10 @@ def law(x: "Law | rv_frozen | gaussian_kde | NDArray[np.float64] | Sequence[floa
     if stats is not None and isinstance(x, (stats.rv_continuous, stats.rv_discrete)):
         if isinstance(x, stats.rv_histogram):
             return series(x, "rv_histogram")
-        raise TypeError(f"law: expected {expected}, got scipy.stats.{x.name}, which is not frozen")
+        raise TypeError(f"x: expected {expected}, got scipy.stats.{x.name}, which is not frozen")
     if all(callable(getattr(x, method, None)) for method in ("pdf", "cdf", "support")):
         return series(x, type(x).__name__)
-    raise TypeError(f"law: expected {expected}, got {type(x).__name__}")
+    raise TypeError(f"x: expected {expected}, got {type(x).__name__}")
 
 
 def from_scipy(frozen: Any) -> Law:

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from asperity import _show
+from asperity._arguments import table, word
 
 if TYPE_CHECKING:
     import numpy as np
@@ -106,7 +107,7 @@ class Events(Sequence[Event]):
     """
 
     def __init__(self, columns: "Mapping[str, NDArray[Any]]") -> None:
-        self._columns = dict(columns)
+        self._columns: dict[str, NDArray[Any]] = dict(table("columns", columns, "arrays by name"))
         self._row = row(tuple(columns))
 
     @property
@@ -115,7 +116,12 @@ class Events(Sequence[Event]):
         return tuple(self._columns)
 
     def keys(self) -> "KeysView[str]":
-        """The names of the columns, as of a mapping: `dict(events)` has the columns."""
+        """The names of the columns, as of a mapping: `dict(events)` has the columns.
+
+        Returns
+        -------
+        KeysView[str]
+        """
         return self._columns.keys()
 
     def to_pandas(self) -> "DataFrame":
@@ -166,7 +172,7 @@ class Events(Sequence[Event]):
 
         if y is None:
             y = "size" if "size" in self._columns else "drop"
-        return _plot.events(self, ax, x, y, **style)
+        return _plot.events(self, ax, word("x", x), word("y", y), **style)
 
     def __len__(self) -> int:
         return len(self._columns["drive"])

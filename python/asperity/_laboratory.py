@@ -2,6 +2,7 @@
 
 import csv
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from os import PathLike, fspath
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from asperity._arguments import number as _number, whole as _whole, wrong
 from asperity._core import VelocityStep, _measured_pieces, read_velocity_step
 
 if TYPE_CHECKING:
@@ -126,7 +128,7 @@ class LaboratoryRecord:
         ValueError
             For a count below 1.
         """
-        if count < 1:
+        if _whole("count", count) < 1:
             raise ValueError(f"count: expected a number of readings above 0, got {count}")
         whole = len(self) // count * count
         means = {
@@ -151,9 +153,10 @@ class LaboratoryRecord:
         list of Motion
             Kind, velocity with its standard error, and the range of readings.
         """
+        apart, least = _number("apart", apart), _whole("least", least)
         pieces = _measured_pieces(self.time, self.displacement, apart, least)
         fastest = max(abs(piece[3]) for piece in pieces)
-        limit = 1e-3 * fastest if still is None else still
+        limit = 1e-3 * fastest if still is None else _number("still", still)
         found: list[Motion] = []
         for start, stop, begin, velocity, error in pieces:
             kind: Literal["forward", "hold", "backward"]
@@ -241,9 +244,11 @@ class LaboratoryRecord:
         -------
         VelocityStep
         """
-        parts = self.motions() if motions is None else motions
+        if motions is not None and not isinstance(motions, Iterable):
+            raise wrong("motions", "a list of Motion", motions)
+        parts = self.motions() if motions is None else list(motions)
         steps = [pair for pair in pairwise(parts) if all(part.kind == "forward" for part in pair)]
-        if not 0 <= number < len(steps):
+        if not 0 <= _whole("number", number) < len(steps):
             raise ValueError(
                 f"number: expected one of the {len(steps)} velocity steps, from 0 on, got {number}"
             )
@@ -255,9 +260,9 @@ class LaboratoryRecord:
         # The reading nearest to the step may be on either side of it.
         near = np.abs(elapsed) > 0.5 * np.median(np.diff(part.time))
         if before is not None:
-            near &= position >= -before
+            near &= position >= -_number("before", before)
         if after is not None:
-            near &= position <= after
+            near &= position <= _number("after", after)
         ratio = fast.velocity / slow.velocity
         return read_velocity_step(position[near], part.force[near], ratio, **options)
 
@@ -280,8 +285,9 @@ class LaboratoryRecord:
         """
         from asperity import _plot
 
-        if ax is None:
-            ax = _plot.new_axes()
+        if against not in self.roles:
+            raise ValueError(f"against: expected one of {', '.join(self.roles)}, got {against!r}")
+        ax = _plot.axes_or_new(ax)
         ax.plot(self._column(against), self.force, **style)
         ax.set(xlabel=self._label(against), ylabel=self._label("force"))
         return ax

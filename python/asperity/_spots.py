@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from asperity._arguments import flag, number, whole
 from asperity._bridge import projected
 from asperity._core import Contacts, Law, Point, Tabulated
 
@@ -142,9 +143,9 @@ class Spots:
             found = "neither" if shear_strength is None else "both"
             raise TypeError(f"shear_strength: expected either shear_strength or local_friction, got {found}")
         for name, value in (("E", E), ("shear_strength", shear_strength), ("local_friction", local_friction)):
-            if value is not None and not (0.0 < value < np.inf):
+            if value is not None and not (0.0 < number(name, value) < np.inf):
                 raise ValueError(f"{name}: expected a number above 0, got {value}")
-        if not -1.0 < nu <= 0.5:
+        if not -1.0 < number("nu", nu) <= 0.5:
             raise ValueError(f"nu: expected a Poisson's ratio above -1, at most 0.5, got {nu}")
         if spots not in ("new", "present"):
             raise ValueError(f'spots: expected "new" or "present", got {spots!r}')
@@ -286,6 +287,11 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
         worst = values[~np.isfinite(values)]
         found = worst[0] if worst.size else values.min()
         raise ValueError(f"pressure: expected finite pressures of 0 or above, got {found}")
+    pixel, periodic, at_least = (
+        number("pixel", pixel),
+        flag("periodic", periodic),
+        whole("at_least", at_least),
+    )
     if not 0.0 < pixel < np.inf:
         raise ValueError(f"pixel: expected a length above 0, got {pixel}")
     if at_least < 1:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asperity._arguments import table, whole, wrong
 from asperity._core import Description, __version__, _Sweep, _sweep_cases, scenario as scenario_of
 
 if TYPE_CHECKING:
@@ -108,11 +109,16 @@ def sweep(
         scenario = scenario_of(scenario, **(task or {}))  # type: ignore[arg-type]
     elif task is not None:
         raise TypeError(f"task: expected a model beside it, got {type(scenario).__name__}")
+    threads = None if threads is None else whole("threads", threads)
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise wrong("executor", "an executor with the method submit", executor)
     if callable(scenario):
         if keep is not None:
             raise TypeError("keep: expected None beside a function, which returns what is kept")
         return _of_function(scenario, over or {}, executor, folder, threads, progress)
-    over = _in_order(scenario) if over is None else over
+    over = _in_order(scenario) if over is None else table("over", over, "values by dotted key")
+    if keep is not None and (isinstance(keep, str) or not isinstance(keep, Iterable)):
+        raise wrong("keep", "a list of what is kept", keep)
     plan = _Sweep.of_scenario(scenario, _table(over, keep), folder)
     if executor is None:
         plan.compute(threads, progress=progress)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from asperity import _pictures, _show
+from asperity._arguments import numbers, table
 from asperity._core import Block, Ensemble, Interface, Lattice, MasterEquation, run
 
 if TYPE_CHECKING:
@@ -281,7 +282,7 @@ def _given(**tables: Any) -> dict[str, Any]:
 
 
 def _sampled(ensemble: "Mapping[str, Any] | None") -> dict[str, Any]:
-    return {} if ensemble is None else {"ensemble": dict(ensemble)}
+    return {} if ensemble is None else {"ensemble": dict(table("ensemble", ensemble, "its keys"))}
 
 
 def _solved(tolerance: float | None) -> dict[str, Any]:
@@ -600,7 +601,7 @@ def creep(
     [350.0, 22.0]
     """
     task: dict[str, Any] = {
-        "forces": np.atleast_1d(np.asarray(forces, dtype=float)).tolist(),
+        "forces": np.atleast_1d(numbers("forces", forces)).tolist(),
         "duration": duration,
         "points": points,
     }
@@ -774,7 +775,7 @@ def compare(
     """
     if not isinstance(model, MasterEquation | Ensemble):
         raise TypeError(f"model: expected a MasterEquation or an Ensemble, got {type(model).__name__}")
-    place, measured = (np.asarray(values, dtype=float).ravel() for values in (position, force))
+    place, measured = numbers("position", position).ravel(), numbers("force", force).ravel()
     pull: dict[str, Any] = {"distance": distance, "points": points, "start": model.start}
     scenario: dict[str, Any] = {"contacts": model.contacts, "initial": model.initial, "pull": pull}
     if isinstance(model, Ensemble):

@@ -318,6 +318,13 @@ impl<'py> FromPyObject<'_, 'py> for Seed {
     argument_type!("_Seed");
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Self::named("seed", &value)
+    }
+}
+
+impl Seed {
+    /// The seed under `key`.
+    pub fn named(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         const EXPECTED: &str = "a whole number from 0 to 2^63 - 1, or a numpy.random.Generator";
         static GENERATOR: Import = Import::new("numpy.random", "Generator");
         static OLDER: Import = Import::new("numpy.random", "RandomState");
@@ -332,11 +339,11 @@ impl<'py> FromPyObject<'_, 'py> for Seed {
                     .extract()
                     .map(Self);
             }
-            return Err(wrong_type("seed", EXPECTED, &value));
+            return Err(wrong_type(key, EXPECTED, value));
         }
         match value.extract::<u64>() {
             Ok(seed) if i64::try_from(seed).is_ok() => Ok(Self(seed)),
-            _ => Err(invalid("seed", EXPECTED, value.str()?)),
+            _ => Err(invalid(key, EXPECTED, value.str()?)),
         }
     }
 }

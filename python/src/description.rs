@@ -167,6 +167,11 @@ impl Description {
     /// **changes
     ///     New values of arguments by their names.
     ///
+    /// Returns
+    /// -------
+    /// Description
+    ///     One of the same class.
+    ///
     /// Raises
     /// ------
     /// ValueError

@@ -115,6 +115,11 @@ impl Gaussian {
     /// ----------
     /// position
     ///     Positions X, 0 or above: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
@@ -126,6 +131,10 @@ impl Gaussian {
     /// ----------
     /// j
     ///     The number of the root, 1 or above.
+    ///
+    /// Returns
+    /// -------
+    /// complex
     fn relaxation_root<'py>(&self, py: Python<'py>, j: Whole) -> PyResult<Bound<'py, PyComplex>> {
         let j = j.get("j")?;
         if j == 0 {
@@ -301,6 +310,11 @@ impl Quenched {
     /// ----------
     /// position
     ///     Positions X, 0 or above: a number or an array of any shape.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     A number for a number, an array of the same shape for an array.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))

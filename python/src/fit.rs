@@ -110,7 +110,7 @@ pub fn fit(
     position: &Bound<'_, PyAny>,
     force: Option<&Bound<'_, PyAny>>,
     free: Argument<Vec<String>>,
-    initial: Option<AnyLaw>,
+    initial: Option<Argument<AnyLaw>>,
     start: Argument<String>,
     velocity: Option<Real>,
     noise: Argument<String>,
@@ -148,7 +148,7 @@ pub fn fit(
         numbers: [("velocity", velocity), ("reading", reading), ("drift", drift)],
         machine: [("offset", offset), ("trend", trend), ("origin", origin)],
     };
-    let interface = interface(contacts, initial, &start)?;
+    let interface = interface(contacts, initial.get("initial")?, &start)?;
     let known = if let Compliance::Known(compliance) = compliance { compliance } else { 0.0 };
     let background = interface.contacts.background().map_err(error::core)?;
     let machine = Machine { compliance: known, background, offset, trend, origin };

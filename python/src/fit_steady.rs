@@ -89,7 +89,7 @@ pub fn fit_steady(
     spacing: Real,
     force: &Bound<'_, PyAny>,
     free: Argument<Vec<String>>,
-    initial: Option<AnyLaw>,
+    initial: Option<Argument<AnyLaw>>,
     start: Argument<String>,
     velocity: Option<Real>,
     reading: Option<Real>,
@@ -105,7 +105,7 @@ pub fn fit_steady(
     let reading = reading.get("reading")?;
     let offset = offset.get("offset")?;
     let prior = prior.get("prior")?;
-    let interface = interface(contacts, initial, &start)?;
+    let interface = interface(contacts, initial.get("initial")?, &start)?;
     let background = interface.contacts.background().map_err(error::core)?;
     if background > 0.0 {
         let expected = "none: offset is the constant part of a measured force";
@@ -361,7 +361,7 @@ impl SteadyEstimates {
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let spectrum = slf.get().spectrum.bind(slf.py());
-        Record::plot(spectrum, ax, Some("periodogram"), style)
+        Record::plot(spectrum, ax, Some(Argument::text("periodogram")), style)
     }
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]

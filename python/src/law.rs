@@ -239,14 +239,15 @@ impl Law {
         &self,
         py: Python<'py>,
         size: Option<Size>,
-        random_state: Option<Seed>,
+        random_state: Option<&Bound<'py, PyAny>>,
         seed: Option<Seed>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let seed = match (seed, random_state) {
             (Some(_), Some(_)) => {
-                return Err(PyTypeError::new_err("expected seed or random_state, got both"));
+                return Err(PyTypeError::new_err("seed: expected seed or random_state, got both"));
             }
-            (Some(seed), None) | (None, Some(seed)) => seed,
+            (Some(seed), None) => seed,
+            (None, Some(state)) => Seed::named("random_state", state)?,
             (None, None) => Seed::of_the_system(py)?,
         };
         let shape = size.map(|size| size.0);
@@ -397,6 +398,9 @@ impl Law {
         ub: Option<Real>,
         conditional: Argument<bool>,
     ) -> PyResult<f64> {
+        if let Some(wrong) = func.filter(|func| !func.is_callable()) {
+            return Err(error::wrong_type("func", "a function of x", wrong));
+        }
         let lb = lb.get("lb")?;
         let ub = ub.get("ub")?;
         let conditional = conditional.get("conditional")?;
@@ -424,6 +428,11 @@ impl Law {
     ///     Values of 0 or above, of any length. Gaussian, Gamma, Lognormal, Rectangular, Point, Exponential and
     ///     Weibull have parameters to fit; Gaussian is truncated at 0 here, too. scipy.stats returns the parameters
     ///     instead, among them loc and scale.
+    ///
+    /// Returns
+    /// -------
+    /// Law
+    ///     One of this class.
     #[classmethod]
     #[pyo3(signature = (samples: "ArrayLike") -> "Self")]
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {

@@ -3,7 +3,7 @@
 use asperity::fit::{Machine, Measurement};
 use pyo3::prelude::*;
 
-use crate::argument::Whole;
+use crate::argument::{Real, Whole};
 use crate::convert;
 use crate::error;
 use crate::typed::argument_type;
@@ -33,7 +33,7 @@ impl<'py> FromPyObject<'_, 'py> for Compliance {
         match value.extract::<String>() {
             Ok(word) if word == "free" => Ok(Self::Free),
             Ok(word) => Err(error::invalid("compliance", "a number or \"free\"", word)),
-            Err(_) => value.extract().map(Self::Known),
+            Err(_) => value.extract::<Real>()?.get("compliance").map(Self::Known),
         }
     }
 }

@@ -11,6 +11,7 @@ use pyo3::types::PyDict;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::argument::{Argument, Optional as _};
 use crate::pickle::{self, Reduced, VERSION, damaged};
 use crate::result::attributes;
 use crate::{convert, typed, values};
@@ -265,9 +266,10 @@ impl Record {
     pub fn plot<'py>(
         slf: &Bound<'py, Self>,
         ax: Option<&Bound<'py, PyAny>>,
-        kind: Option<&str>,
+        kind: Option<Argument<String>>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let kind = kind.get("kind")?;
         slf.py().import("asperity._pictures")?.call_method("draw", (slf, ax, kind), style)
     }
 

@@ -266,7 +266,7 @@ impl Result {
 ), text_signature = "(scenario, overrides=None, *, progress=None, folder=None, checkpoint=None, resume=False, threads=None)")]
 pub fn run(
     scenario: &Bound<'_, PyAny>,
-    overrides: Option<&Bound<'_, PyDict>>,
+    overrides: Option<&Bound<'_, PyAny>>,
     progress: Option<Bound<'_, PyAny>>,
     folder: Option<Argument<PathBuf>>,
     checkpoint: Option<&Bound<'_, PyAny>>,
@@ -383,7 +383,10 @@ fn written(value: &toml::Value) -> PyResult<String> {
 }
 
 /// Overrides in the form of the command line, `key=value`.
-pub fn assignments(overrides: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
+pub fn assignments(overrides: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let expected = "a dict of values by dotted key";
+    let overrides =
+        overrides.cast::<PyDict>().map_err(|_| error::wrong_type("overrides", expected, overrides))?;
     let assignment = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String =
             key.extract().map_err(|_| error::wrong_type("overrides", "keys that are texts", &key))?;

@@ -334,8 +334,11 @@ impl Simulation {
     /// ------
     /// ValueError
     ///     For the state of another model, or of another version of asperity.
-    fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
-        let mut rest = state;
+    #[pyo3(signature = (state: "bytes"))]
+    fn restore(&self, py: Python<'_>, state: &Bound<'_, PyAny>) -> PyResult<()> {
+        let expected = "bytes that a simulation has saved";
+        let state = state.cast::<PyBytes>().map_err(|_| error::wrong_type("state", expected, state))?;
+        let mut rest = state.as_bytes();
         let Heading { version, model, velocity } = read(&mut rest).map_err(error::core)?;
         if version != env!("CARGO_PKG_VERSION") {
             let expected = format!("one that asperity {} wrote", env!("CARGO_PKG_VERSION"));

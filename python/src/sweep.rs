@@ -19,6 +19,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
 use rayon::ThreadPoolBuilder;
 
+use crate::argument::{Argument, Optional as _};
 use crate::result::{Text, assignments, attributes};
 use crate::watch::{detached, watched};
 use crate::{error, typed};
@@ -104,8 +105,8 @@ impl Sweep {
     ))]
     fn of_scenario(
         scenario: &Bound<'_, PyAny>,
-        overrides: Option<&Bound<'_, PyDict>>,
-        folder: Option<PathBuf>,
+        overrides: Option<&Bound<'_, PyAny>>,
+        folder: Option<Argument<PathBuf>>,
     ) -> PyResult<Self> {
         let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
         let Text { text, name, folder: relative } = Text::of(scenario)?;
@@ -114,7 +115,7 @@ impl Sweep {
         let relative =
             std::path::absolute(if relative.as_os_str().is_empty() { ".".into() } else { relative })?;
         let specification = (text, name, relative, overrides);
-        Self::new(Kind::Scenario(Box::new(plan), specification), folder)
+        Self::new(Kind::Scenario(Box::new(plan), specification), folder.get("folder")?)
     }
 
     /// The sweep of a function over arguments with these values; `hash` and `text` identify it in a folder.
@@ -124,12 +125,12 @@ impl Sweep {
         hash: String,
         text: String,
         axes: Vec<(String, Bound<'_, PyAny>)>,
-        folder: Option<PathBuf>,
+        folder: Option<Argument<PathBuf>>,
     ) -> PyResult<Self> {
         let axes: Vec<Axis> =
             axes.into_iter().map(|(name, values)| argument(name, &values)).collect::<PyResult<_>>()?;
         let cases = axes.iter().map(|axis| axis.length).product();
-        Self::new(Kind::Function(Identity { hash, text, cases }, axes), folder)
+        Self::new(Kind::Function(Identity { hash, text, cases }, axes), folder.get("folder")?)
     }
 
     /// The number of cases.

@@ -1,5 +1,6 @@
 """What `help` shows has the sections of numpydoc that apply, and its examples do what they show."""
 
+import ast
 import dataclasses
 import doctest
 import inspect
@@ -69,6 +70,31 @@ def test_sections_are_those_of_numpydoc(name: str) -> None:
     known = ["Parameters", "Returns", "Yields", "Attributes", "Raises", "Notes", "Examples"]
     found = list(sections(CALLED[name]))
     assert found == [section for section in known if section in found]
+
+
+def returned(function: ast.FunctionDef) -> str | None:
+    """The type of what a function returns."""
+    return None if function.returns is None else ast.unparse(function.returns)
+
+
+def returning() -> Iterator[str]:
+    """Functions and methods that return something, as the stubs and the modules in Python say."""
+    for path in sorted(Path(asp.__file__).parent.glob("_*.py*")):
+        if path.suffix not in (".py", ".pyi"):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        owners: list[tuple[str, Any]] = [("", tree)]
+        owners += [(f"{node.name}.", node) for node in tree.body if isinstance(node, ast.ClassDef)]
+        for owner, node in owners:
+            for function in node.body:
+                if isinstance(function, ast.FunctionDef) and returned(function) not in (None, "None"):
+                    yield f"asperity.{owner}{function.name}"
+
+
+@pytest.mark.parametrize("name", sorted(set(returning()) & set(CALLED)))
+def test_what_returns_something_says_what(name: str) -> None:
+    found = sections(CALLED[name])
+    assert "Returns" in found or "Yields" in found
 
 
 @pytest.mark.parametrize("name", NAMES)
