@@ -152,7 +152,7 @@ impl Contacts {
         if self.stiffness.table().is_none() {
             return Ok(());
         }
-        let expected = "no table where contacts are followed in time: their stiffness is equal or proportional to the threshold";
+        let expected = "no table where contacts are followed in time: stiffness or stiffness_per_threshold, equal or proportional to the threshold";
         Err(Error::invalid("stiffness.of_threshold", expected, "a table"))
     }
 
@@ -180,7 +180,9 @@ impl Contacts {
     pub fn check(&self, initial: &Initial) -> Result<()> {
         self.rules.check(&self.thresholds)?;
         if let (Stiffness::Tabulated(_), Some(rule)) = (&self.stiffness, self.rules.first()) {
-            let expected = format!("no table beside {rule}: contacts without temperature, ageing and delay");
+            let expected = format!(
+                "no table beside {rule}: stiffness or stiffness_per_threshold, or no temperature, ageing and delay"
+            );
             return Err(Error::invalid("stiffness.of_threshold", expected, "a table"));
         }
         let at_once = 1.0 - self.thresholds.survival(0.0);
