@@ -245,8 +245,9 @@ impl ThermalHazardAt<'_> {
     fn cumulative_hazard(&self, newborn: f64) -> f64 {
         /// Sixteen Gauss points integrate to 1e-12 over five times the distance of a singularity: they gain 2.4³².
         const WIDEST: f64 = 5.0;
-        /// Factor by which the distance to the threshold falls on an interval, where the barrier is a half power of it.
-        const NEARER: f64 = 3.0;
+        /// The same where singularities are only estimated: that of a barrier that is a half power of the distance to the threshold,
+        /// from this distance at both ends, and those of thresholds from a table of ranks.
+        const NARROWER: f64 = 1.5;
         /// A half power of the distance to the threshold does not matter nearer than this, in thresholds.
         const NEAREST: f64 = 1e-4;
         let ThermalHazard { temperature, evolution, velocity, .. } = self.thermal;
@@ -256,15 +257,16 @@ impl ThermalHazardAt<'_> {
         // Thresholds are singular functions of the age at −τ, and the barrier of the distance to the threshold at 0.
         let before = velocity * evolution.time_scale();
         let rooted = temperature.barrier == Barrier::Catastrophe;
+        let widest = if rooted || evolution.error() > 0.0 { NARROWER } else { WIDEST };
         let cut = |low: f64, high: f64| {
-            let near = low + WIDEST * (low + before);
+            let near = low + widest * (low + before);
             if near < high {
                 return Some(near);
             }
             let is_far = || {
                 let h = [low, high].map(|u| contact.threshold(u / velocity));
                 let left = [h[0] - self.start - low, h[1] - self.start - high];
-                (left[1] - left[0]).abs() <= NEARER * left[0].min(left[1]).max(NEAREST * h[1])
+                (left[1] - left[0]).abs() <= widest * left[0].min(left[1]).max(NEAREST * h[1])
             };
             (rooted && !is_far()).then_some(0.5 * (low + high))
         };
