@@ -37,7 +37,7 @@ async function native(request, timeout) {
     origin, "asperity-token": pathname.split("/")[1], "asperity-session": "native", "asperity-number": "1", "content-type": "application/octet-stream",
   };
   const sent = fetch(`${origin}/compute`, { method: "POST", headers, body: JSON.stringify(request), signal: AbortSignal.timeout(timeout) });
-  const response = await sent.then((found) => found.json().then((answer) => ({ found, answer })), (error) => {
+  const response = await sent.then((found) => found.json().then((answer) => ({ found, answer }))).catch((error) => {
     if (error.name === "TimeoutError") return null;
     throw error;
   });

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import asperity as asp
-import matplotlib as mpl
 import numpy as np
 import pytest
 
-mpl.use("agg")
+# Results are asked for their pictures, too.
+matplotlib = pytest.importorskip("matplotlib")
+matplotlib.use("agg")
 
 GAUSSIAN = asp.Gaussian(1.0, 0.1)
 CONTACTS = asp.Contacts(GAUSSIAN)
