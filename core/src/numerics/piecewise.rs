@@ -102,7 +102,7 @@ impl Piecewise {
     }
 
     /// Interpolates several functions on the cells that the first of them needs. Also returns the error of the integral of
-    /// the first one between edges between which noise would have asked for [`MOST_CELLS`], and the tolerance is larger; else 0.
+    /// the first one between edges between which noise would have asked for too many cells, and the tolerance is larger; else 0.
     pub fn resolve_all<const K: usize>(
         f: impl Fn(f64) -> [f64; K],
         edges: &[f64],
@@ -131,7 +131,7 @@ impl Piecewise {
 
     /// Interpolates several functions on the same cells: those between `boundaries`, bisected until the truncation error ×
     /// half width of each function is at most its tolerance, or is rounding. `limits` are the tolerance and the magnitude
-    /// of each; tolerances are larger where noise would ask for [`MOST_CELLS`].
+    /// of each; tolerances are larger where noise would ask for too many cells.
     pub fn resolve_each(f: impl Fn(f64) -> Vec<f64>, boundaries: &[f64], limits: &[(f64, f64)]) -> Vec<Self> {
         let start = boundaries.first().copied().into_iter().collect::<Vec<_>>();
         let mut out = vec![Self { boundaries: start, coefficients: Vec::new() }; limits.len()];

@@ -30,7 +30,7 @@ impl Trace {
     /// `unit` is N_c⟨k⟩ × the mean threshold.
     ///
     /// # Errors
-    /// [`Error::Accuracy`].
+    /// [`crate::Error::Accuracy`].
     pub fn check(&self, unit: f64, required: Option<f64>) -> Result<()> {
         let what = || "the force of contacts followed through time".to_owned();
         required.map_or(Ok(()), |required| Tolerance::from(required).allows(self.error / unit, what))
