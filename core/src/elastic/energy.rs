@@ -59,8 +59,8 @@ impl EnergyBudget {
         };
     }
 
-    /// Adds a motion in balance, after which the slider stores the energy `coupling`. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, the energy that
-    /// springs and slider gain, and the work ∫ΣF_j dX_j on the contacts.
+    /// Adds a motion in balance, after which the slider stores the energy `coupling`. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts
+    /// and with the balance of forces, the energy that springs and slider gain, and the work ∫ΣF_j dX_j on the contacts.
     pub fn add_creep(&mut self, model: &InterfaceModel, configuration: &Configuration, coupling: f64) {
         let (before, now) = (self.stored, model.stored(configuration, coupling));
         let springs = now.spring - before.spring + now.coupling - before.coupling;

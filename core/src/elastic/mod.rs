@@ -360,16 +360,17 @@ impl Interface {
         // Curves that a stopped stride has extended are not known afterwards, so that the next one begins as this one did.
         let before = *pace;
         model.cells.mark_curves();
-        let stride = match model.creep(configuration, pace, drive, monitor) {
-            Ok(stride) => stride,
-            Err(error) => {
-                model.cells.recall_curves();
-                *pace = before;
-                return Err(error);
-            }
-        };
-        let Stride::Lost(drive) = stride else { return Ok(false) };
-        let coupling = model.coupling_energy(configuration, monitor)?;
+        let stride = model.creep(configuration, pace, drive, monitor);
+        // Where balance is lost nothing has moved: a stop while the energy is computed undoes this stride, too.
+        let lost = stride.and_then(|stride| match stride {
+            Stride::Balanced => Ok(None),
+            Stride::Lost(drive) => Ok(Some((drive, model.coupling_energy(configuration, monitor)?))),
+        });
+        let lost = lost.inspect_err(|_| {
+            model.cells.recall_curves();
+            *pace = before;
+        })?;
+        let Some((drive, coupling)) = lost else { return Ok(false) };
         energy.add_creep(model, configuration, coupling);
         let from = std::mem::replace(&mut configuration.drive, drive);
         energy.add_drive(model, configuration, from);

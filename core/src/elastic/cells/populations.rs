@@ -266,15 +266,10 @@ impl Cells for Populations {
         if all(by.len(), |cell| self.cells[cell].knows(by[cell])) {
             return Ok(false);
         }
-        let extended =
-            each(
-                &mut self.cells,
-                by,
-                monitor,
-                |cell, by| {
-                    if cell.knows(*by) { Ok(()) } else { cell.extend_curve(*by) }
-                },
-            );
+        let extend = |cell: &mut PopulationCell, by: &f64| {
+            if cell.knows(*by) { Ok(()) } else { cell.extend_curve(*by) }
+        };
+        let extended = each(&mut self.cells, by, monitor, extend);
         // What was extended before a stop is known, too.
         self.know();
         extended.map(|()| true)
