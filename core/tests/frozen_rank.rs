@@ -5,14 +5,18 @@ mod common;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Contacts, Initial, Start, ThresholdEvolution, ThresholdFokkerPlanck};
+use asperity::contacts::{
+    Ageing, Contacts, Initial, Start, Temperature, ThresholdEvolution, ThresholdFokkerPlanck,
+};
 use asperity::ensemble::{Disorder, Ensemble};
+use asperity::history::{History, Piece};
 use asperity::law::{Exponential, Gamma, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
 use asperity::monitor::Monitor;
 use common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
-use common::gaussian;
+use common::sliders::Impatient;
+use common::{contacts, gaussian, initial, lognormal, point, weibull};
 
 /// F_k, and the error that the life tells.
 fn told(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
@@ -181,4 +185,26 @@ fn copies_of_contacts_compute_their_thresholds_once() {
     }
     // The last one was kept: made anew, to the same bits.
     assert_eq!(aged(&contacts), (threshold, true));
+}
+
+/// Thresholds from 0, as a power, to thousands of means mature at the same thresholds: how high the barriers of new contacts are
+/// matters only where they break when they are new.
+#[test]
+fn thresholds_of_any_size_that_mature_slide_as_single_contacts_do() {
+    /// Twenty times what it asks; a sum over thresholds of one age asked more often than this before it resolved a thousandth.
+    const QUESTIONS: usize = 1_000_000;
+    for thresholds in [weibull(0.41, 1.0), lognormal(1.0, 3.0)] {
+        let mut contacts = contacts(&thresholds, &point(0.0));
+        contacts.rules.ageing = Some(Ageing::FrozenRank { mature: gaussian(1.5, 0.2), time: 1.0 });
+        contacts.rules.temperature = Some(Temperature::new(0.05, 1.0));
+        let start = initial(&point(0.0));
+        let equation = MasterEquation::at_with(contacts.clone(), &start, 0.1, &mut Impatient(QUESTIONS));
+        let expected = equation.unwrap().steady_state().kinetic_friction();
+        let ensemble = Ensemble::new(contacts, start, 20_000, 1, Disorder::Annealed).unwrap();
+        let slide = History::new(vec![Piece { velocity: 0.1, duration: 300.0 }]).unwrap();
+        let trace = ensemble.follow(&slide, &[300.0]).unwrap();
+        let errors = (trace.force[0] - expected).abs() / trace.error[0];
+        println!("{expected}: {} ± {}", trace.force[0], trace.error[0]);
+        assert!(errors < 4.0, "{expected}, {} ± {}", trace.force[0], trace.error[0]);
+    }
 }

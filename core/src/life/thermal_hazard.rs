@@ -180,13 +180,16 @@ impl ThermalHazardAt<'_> {
         self.thermal.exponent(self.stretch, self.aged.threshold(newborn))
     }
 
-    /// The difference of the exponents of two fresh thresholds, now or at formation, whichever is larger.
+    /// The difference of the exponents of two fresh thresholds, now or at formation, whichever is larger. Exponents at formation
+    /// count as far as contacts break then that count beside those that break now.
     pub(super) fn apart(&self, newborn: [f64; 2]) -> f64 {
-        let [now, then] = [self.stretch, self.start].map(|x| {
-            let [low, high] = newborn.map(|h| if x == self.stretch { self.aged.threshold(h) } else { h });
-            (self.thermal.exponent(x, high) - self.thermal.exponent(x, low)).abs()
-        });
-        now.max(then)
+        /// Barriers that are higher than those now by so much leave 1e-26 of the breaking now: 1e-17 of its integral where it lasts
+        /// for a billionth of the advance.
+        const FORGOTTEN: f64 = 60.0;
+        let now = newborn.map(|h| self.exponent(h));
+        let most = now[0].max(now[1]) + FORGOTTEN;
+        let then = newborn.map(|h| self.thermal.exponent(self.start, h).min(most));
+        (now[1] - now[0]).abs().max((then[1] - then[0]).abs())
     }
 
     /// A, and w/v now, of contacts with this fresh threshold.
