@@ -187,6 +187,47 @@ fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: u
     interface.run(3.21, &mut |_, _| ()).unwrap();
 }
 
+/// Cells that follow the master equation in time, contacts one by one, or that are athermal and have a mass, on a chain that
+/// slips.
+fn interfaces_in_time() {
+    let ageing = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 }), ..Rules::default() };
+    let ranked = Ageing::FrozenRank { mature: gaussian(1.5, 0.2), time: 1.0 };
+    let warm =
+        Rules { temperature: Some(Temperature::new(1e-3, 1.0)), ageing: Some(ranked), ..Rules::default() };
+    let law = gaussian(1.0, 0.1);
+    for (rules, mass) in
+        [(ageing.clone(), None), (warm, None), (ageing, Some(1.0)), (Rules::default(), Some(1.0))]
+    {
+        for size in [None, Some(50)] {
+            let contacts = Contacts { rules: rules.clone(), ..contacts(&law, &point(0.0)) };
+            in_time(
+                &contacts,
+                mass,
+                size.map(|size| scenario::Ensemble { size: Some(size), ..Default::default() }),
+            );
+        }
+    }
+}
+
+fn in_time(contacts: &Contacts, mass: Option<f64>, ensemble: Option<scenario::Ensemble>) {
+    const TOLERANCE: f64 = 1e-4;
+    let springs = scenario::Elasticity::Neighbours { stiffness: 1.0 };
+    let viscosity = mass.is_none().then_some(1.0);
+    let described = scenario::Interface { mass, viscosity, ..table(Shape::Chain(16), springs) };
+    let start = initial(&point(0.0));
+    let ensemble = ensemble.as_ref();
+    for with_error in [false, true] {
+        let said = needed(described.fits(contacts, ensemble, with_error, 0));
+        let taken = most(|| {
+            let start = scenario::CellStart::Initial(&start);
+            let cells = described.in_time(contacts, start, TOLERANCE, TOLERANCE, ensemble, &mut ()).unwrap();
+            let mut cells = if with_error { cells.with_error() } else { cells };
+            cells.run(4.0, 0.1, &mut |_, _| ()).unwrap();
+        });
+        holds("an interface in time", taken, said);
+    }
+}
+
 /// Cohorts of steady sliding, whose number is not known before, are refused when they have taken what is allowed.
 fn cohorts() {
     const ALLOWED: u64 = 100_000_000;
@@ -200,7 +241,7 @@ fn cohorts() {
 
 /// The same where each cohort has many panels of thresholds: at low temperature, between thresholds down to 0.
 fn cohorts_of_many_panels() {
-    const ALLOWED: u64 = 60_000_000;
+    const ALLOWED: u64 = 20_000_000;
     /// Panels that all cohorts share are kept up to this.
     const PANELS: f64 = 43e6;
     let thresholds: SharedLaw =
@@ -222,6 +263,7 @@ fn nothing_takes_more_than_it_is_refused_for() {
     blocks_in_time();
     lattices();
     interfaces();
+    interfaces_in_time();
     cohorts();
     cohorts_of_many_panels();
 }

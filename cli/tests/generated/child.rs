@@ -15,6 +15,8 @@ pub struct Limits {
     pub seconds: u64,
     /// Bytes of addresses.
     pub bytes: u64,
+    /// Seconds of the processor after which it is interrupted.
+    pub patience: Option<f64>,
 }
 
 /// How a child ended.
@@ -59,8 +61,7 @@ pub fn run(arguments: &[&str], folder: &Path, aside: &Path, limits: Limits) -> E
         .stderr(File::create(&errors).expect("a file for the errors"))
         .spawn()
         .expect("a shell");
-    let patience = Duration::from_secs(PATIENCE * (limits.seconds + PATIENCE));
-    let (seconds, ended) = watch(&child, patience);
+    let (seconds, ended) = watch(&child, limits);
     if !ended {
         let _ = child.kill();
     }
@@ -69,12 +70,13 @@ pub fn run(arguments: &[&str], folder: &Path, aside: &Path, limits: Limits) -> E
     Ended { status, seconds, errors }
 }
 
-/// Looks at a child until it has ended, which its entry in /proc outlives until it is waited for: its seconds, and
-/// whether it did end.
-fn watch(child: &Child, patience: Duration) -> (f64, bool) {
+/// Looks at a child until it has ended, which its entry in /proc outlives until it is waited for, and interrupts it when it is time:
+/// its seconds, and whether it did end.
+fn watch(child: &Child, limits: Limits) -> (f64, bool) {
     let (began, entry) = (Instant::now(), format!("/proc/{}", child.id()));
-    let mut seconds = 0.0;
-    while began.elapsed() < patience {
+    let longest = Duration::from_secs(PATIENCE * (limits.seconds + PATIENCE));
+    let (mut seconds, mut patience) = (0.0, limits.patience);
+    while began.elapsed() < longest {
         let stat = std::fs::read_to_string(format!("{entry}/stat")).unwrap_or_default();
         // After the name in parentheses: the state, and as 12th and 13th the ticks in user and system mode.
         let fields: Vec<_> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
@@ -82,6 +84,10 @@ fn watch(child: &Child, patience: Duration) -> (f64, bool) {
         seconds = (ticks(11) + ticks(12)) / TICKS;
         if fields.first().is_none_or(|state| *state == "Z") {
             return (seconds, true);
+        }
+        if patience.take_if(|patience| seconds > *patience).is_some() {
+            let interrupt = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+            assert!(interrupt.is_ok(), "{interrupt:?}");
         }
         std::thread::sleep(Duration::from_millis(3));
     }

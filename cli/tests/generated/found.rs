@@ -8,7 +8,7 @@ use std::path::Path;
 use super::child::Limits;
 use super::verdict;
 
-const LIMITS: Limits = Limits { seconds: 20, bytes: 1 << 30 };
+const LIMITS: Limits = Limits { seconds: 20, bytes: 1 << 30, patience: None };
 
 #[test]
 fn what_failed_once_does_not_again() {

@@ -8,7 +8,7 @@ const MEBIBYTE: u64 = 1 << 20;
 /// A check reads the scenario and builds its distributions, which keep a few thousand numbers each: some milliseconds, and
 /// 10 MiB. The slowest distributions are those of areas and those renormalised by a coupling, of which nodes are found by
 /// quadrature, in up to half a second. Address space holds the program itself, 20 MiB, too.
-pub const CHECK: Limits = Limits { seconds: 2, bytes: 256 * MEBIBYTE };
+pub const CHECK: Limits = Limits { seconds: 2, bytes: 256 * MEBIBYTE, patience: None };
 
 /// What a run may take, of a case whose numbers are small: at most 30 points, 2000 contacts, 64 cells, 6 runs, 3 steps.
 ///
@@ -28,5 +28,5 @@ pub fn run(case: &Case) -> Limits {
     let moved = case.given("block") || case.given("interface");
     let thrice = if moved && case.given("master_equation.tolerance") { 3.0 } else { 1.0 };
     let seconds = thrice * (10.0 + each * case.solutions() as f64);
-    Limits { seconds: seconds.min(60.0) as u64, bytes: 1024 * MEBIBYTE }
+    Limits { seconds: seconds.min(60.0) as u64, bytes: 1024 * MEBIBYTE, patience: None }
 }

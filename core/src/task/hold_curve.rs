@@ -9,7 +9,7 @@ use crate::Result;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
 use crate::master::Transport;
-use crate::monitor::{Monitor, Part, report};
+use crate::monitor::{Monitor, Part, Preparation, report};
 use crate::rate_state::Healing;
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
@@ -120,8 +120,9 @@ fn held_and_slid(
     monitor: &mut dyn Monitor,
 ) -> Result<(Columns, f64)> {
     let holds = task.holds();
-    let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let mut held = Transport::steady_with(contacts, task.velocity, tolerance, aside)?;
+    let mut preparation = Preparation::new(monitor);
+    let mut held = Transport::steady_with(contacts, task.velocity, tolerance, &mut preparation)?;
+    let monitor = &mut preparation.rest();
     let mut columns = Columns::default();
     let (mut before, mut error) = (0.0, 0.0_f64);
     for (done, &hold) in holds.iter().enumerate() {

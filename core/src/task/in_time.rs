@@ -10,7 +10,7 @@ use crate::block::{Block, Slide};
 use crate::contacts::{Contacts, Rules, Stiffness};
 use crate::history::{History, Piece};
 use crate::master::{Trace, Transport};
-use crate::monitor::{Aside, Monitor, Part};
+use crate::monitor::{Aside, Monitor, Part, Preparation};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 
@@ -197,16 +197,17 @@ fn move_block(
 ) -> Result<(Slide, Option<ForceAccuracy>)> {
     let mean = model.contacts.thresholds.mean();
     let tolerance = model.master_equation.tolerance_of_a_block();
-    let transport =
-        |tolerance: f64, part: &mut Part<'_>| transport(model, tolerance, &mut Part::new(part, 0.0, 0.0));
     if model.master_equation.tolerance.is_none() {
-        let part = &mut Part::new(monitor, 0.0, 1.0);
-        let contacts = transport(tolerance, part)?;
-        return Ok((block.follow_with(&contacts, drive, times, tolerance * mean, part)?, None));
+        let mut preparation = Preparation::new(monitor);
+        let contacts = transport(model, tolerance, &mut preparation)?;
+        let rest = &mut preparation.rest();
+        return Ok((block.follow_with(&contacts, drive, times, tolerance * mean, rest)?, None));
     }
     let (run, accuracy) = as_required(model, tolerance, monitor, |tolerance, part| {
-        let contacts = transport(tolerance, part)?;
-        let run = block.follow_with_error(&contacts, drive, times, tolerance * mean, part)?;
+        let mut preparation = Preparation::new(part);
+        let contacts = transport(model, tolerance, &mut preparation)?;
+        let rest = &mut preparation.rest();
+        let run = block.follow_with_error(&contacts, drive, times, tolerance * mean, rest)?;
         let accuracy = ForceAccuracy::in_time(model, run.error.unwrap_or(0.0));
         Ok((run, accuracy))
     })?;

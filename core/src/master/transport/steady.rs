@@ -13,7 +13,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::contacts::{Contacts, Initial, Start};
 use crate::law::Point;
-use crate::monitor::{Monitor, Watch, fits};
+use crate::monitor::{Aside, Monitor, Part, Preparation, Watch, fits};
 
 /// Fraction of contacts that breaks in a panel of ages, in units of the fourth root of the tolerance.
 const DEATHS: f64 = 3.0;
@@ -21,6 +21,15 @@ const DEATHS: f64 = 3.0;
 /// Largest difference of that between the halves of a panel, times the panel's fraction of a life, in units
 /// of the tolerance.
 const BEND: f64 = 12.0;
+
+/// Part of the work that the first of the two solutions is, whose panels are half as long.
+const FINE: f64 = 2.0 / 3.0;
+
+/// The fraction done where this fraction of contacts is left, and nothing is followed below `least`: most panels are of the
+/// ages at which contacts break, and a few of those at which hardly any are left.
+fn done(left: f64, least: f64) -> f64 {
+    0.5 * (1.0 - left) + 0.5 * (left.ln() / least.ln()).clamp(0.0, 1.0)
+}
 
 impl Transport {
     /// Contacts in steady sliding at a velocity v: formed at the rate Γ_s = 1/(∫s da + ⟨τ⟩), with s(a) the
@@ -45,9 +54,20 @@ impl Transport {
         super::positive("velocity", velocity)?;
         contacts.check(&relaxed())?;
         contacts.have_no_stiffness_table()?;
-        let rule = ThresholdRule::of(contacts, monitor)?;
-        let mut sliding = |tolerance| Self::sliding(contacts, rule.clone(), velocity, tolerance, monitor);
-        Ok(sliding(tolerance)?.beside(sliding(super::rough(tolerance))?))
+        let mut preparation = Preparation::new(monitor);
+        let rule = ThresholdRule::of(contacts, &mut preparation)?;
+        let mut rest = preparation.rest();
+        let mut sliding = |tolerance, start, share| {
+            Self::sliding(
+                contacts,
+                rule.clone(),
+                velocity,
+                tolerance,
+                &mut Part::new(&mut rest, start, share),
+            )
+        };
+        let fine = sliding(tolerance, 0.0, FINE)?;
+        Ok(fine.beside(sliding(super::rough(tolerance), FINE, 1.0 - FINE)?))
     }
 
     fn sliding(
@@ -57,11 +77,12 @@ impl Transport {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mut transport = Self::empty(contacts, rule, tolerance, monitor)?;
+        let aside = &mut Aside { fraction: 0.0, monitor };
+        let mut transport = Self::empty(contacts, rule, tolerance, aside)?;
         let mut cohorts = Vec::new();
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
-        let mut ageing_cohorts = transport.formed(&transport.seeds, monitor)?;
+        let mut ageing_cohorts = transport.formed(&transport.seeds, aside)?;
         // A list that grows is copied to one of twice its length, without what its cohorts take beside it.
         let each = 3 * size_of::<Cohort>() as u64;
         let beside = |cohorts: &[Cohort]| cohorts.iter().map(Cohort::bytes).sum::<u64>();
@@ -73,7 +94,10 @@ impl Transport {
         let mut context = StepContext::new(&watch, thresholds.as_ref());
         let mut duration = transport.pace.longest(velocity);
         let held = |cohorts: &[Cohort]| cohorts.iter().map(Cohort::attached).sum::<f64>();
-        while held(&ageing_cohorts) > super::LEAST * tolerance {
+        let least = super::LEAST * tolerance;
+        let mut left = held(&ageing_cohorts);
+        while left > least {
+            watch.done(done(left, least));
             let path = Path::steady(velocity, duration);
             let mut after = ageing_cohorts.clone();
             let mut advance_part =
@@ -108,8 +132,9 @@ impl Transport {
             let needed = number as u64 * each + taken + 2 * beside(&after);
             fits("tolerance", what, needed, allowed)?;
             ageing_cohorts = after;
+            left = held(&ageing_cohorts);
             if lost < 0.5 * most {
-                duration = (2.0 * duration).min(transport.pace.longest(velocity));
+                duration = (2.0 * duration).min(transport.pace.longest_of(left, velocity));
             }
         }
         let rate = 1.0 / (held(&cohorts) + contacts.rules.delay.mean());

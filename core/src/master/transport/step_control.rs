@@ -13,6 +13,9 @@ pub(super) struct StepControl {
     /// Largest stretching in a step.
     #[serde(skip)]
     reach: f64,
+    /// The same if the density of thresholds had no jumps.
+    #[serde(skip)]
+    farthest: f64,
     /// Whether the density of thresholds has no jumps.
     #[serde(skip)]
     smooth: bool,
@@ -57,6 +60,7 @@ impl StepControl {
         let coarsest = coarsest(contacts, tolerance);
         Self {
             reach: smooth.min(coarsest),
+            farthest: smooth,
             smooth: coarsest.is_infinite(),
             extrapolation_error: SURPRISE * tolerance.powf(0.75),
             curvature: BEND * tolerance,
@@ -68,8 +72,8 @@ impl StepControl {
 
     /// The same with the settings of `other`, which are not serialised.
     pub(super) fn of(self, other: &Self) -> Self {
-        let &Self { reach, smooth, extrapolation_error, curvature, .. } = other;
-        Self { reach, smooth, extrapolation_error, curvature, ..self }
+        let &Self { reach, farthest, smooth, extrapolation_error, curvature, .. } = other;
+        Self { reach, farthest, smooth, extrapolation_error, curvature, ..self }
     }
 
     /// Whether the density of thresholds has no jumps, so that forces are smooth inside steps.
@@ -101,6 +105,15 @@ impl StepControl {
     /// The longest step at a velocity.
     pub(super) fn longest(&self, velocity: f64) -> f64 {
         if velocity == 0.0 { f64::INFINITY } else { self.reach / velocity.abs() }
+    }
+
+    /// The longest panel of ages at a velocity if it concerns this fraction of contacts. What jumps of the density miss is of second
+    /// order in its length, and in proportion to the fraction.
+    pub(super) fn longest_of(&self, fraction: f64, velocity: f64) -> f64 {
+        /// Fraction below which contacts are rare.
+        const RARE: f64 = 1e-3;
+        let wider = (RARE / fraction).sqrt().max(1.0);
+        (self.reach * wider).min(self.farthest.max(self.reach)) / velocity.abs()
     }
 
     /// Discards the last step: the next one does not continue it.

@@ -14,7 +14,7 @@ use crate::elastic::{self, RateDependentInterface, RateDependentInterfaceParamet
 use crate::ensemble::lattice::{self, Lattice};
 use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
-use crate::monitor::{Aside, Monitor, report};
+use crate::monitor::{Aside, Monitor, Part, report};
 use crate::population::Population;
 use crate::rate_dependent::{PopulationInTime, RateDependentContacts};
 use crate::{Error, Result};
@@ -265,7 +265,9 @@ fn rate_dependent(
     // Cells of the same temperature, and, in steady sliding, of the same velocity, share one solution, which takes long to
     // compute.
     let mut alike: HashMap<[Option<u64>; 2], Transport> = HashMap::new();
+    let each = 1.0 / scales.len() as f64;
     let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
+        let monitor = &mut Part::new(monitor, cell as f64 * each, each);
         report(monitor, 0.0)?;
         let contacts = cooler(contacts, scale);
         let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
