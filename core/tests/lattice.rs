@@ -3,12 +3,14 @@
 mod common;
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start, Stiffness, Temperature};
 use asperity::ensemble::lattice::{Avalanche, Edges, Lattice, LatticeCoupling, Shape, Until, record};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::SharedLaw;
+use asperity::monitor::Monitor;
 use asperity::numerics::powerlaw::fit_counts;
 use common::{gaussian, initial, master, point, rectangular};
 
@@ -279,4 +281,42 @@ fn exponents_of_identical_contacts() {
     let [conservative, dissipative] = [of(0.25, 20.0, 10_000), of(0.2, 200.0, 200_000)];
     assert!((0.15..0.30).contains(&conservative), "{conservative}");
     assert!((0.75..0.95).contains(&dissipative), "{dissipative}");
+}
+
+/// Says stop when it is asked for the second time: at the start of a run it is asked for the first time.
+#[derive(Default)]
+struct Second(bool);
+
+impl Monitor for Second {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        if std::mem::replace(&mut self.0, true) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Avalanches of so many breaks take many seconds on large lattices.
+#[test]
+fn a_lattice_that_is_stopped_within_an_avalanche_goes_on_bit_for_bit() {
+    let new = || {
+        let coupling = square(128, Edges::Periodic, 0.2495);
+        lattice(&gaussian(1.0, 0.1), &point(0.0), &point(0.0), &coupling)
+    };
+    let (mut whole, mut stopped, until) = (new(), new(), Until::Drive(1.0));
+    let [mut expected, mut found] = [Vec::new(), Vec::new()];
+    whole.run(until, &mut |avalanche| expected.push(*avalanche)).unwrap();
+    let largest = expected.iter().map(|avalanche| avalanche.size).max().unwrap();
+    let (mut stops, mut within) = (0, 0);
+    while let Err(error) = stopped.run_with(until, &mut Second::default(), &mut |one| found.push(*one)) {
+        assert!(matches!(error, Error::Stopped), "{error}");
+        stops += 1;
+        within += usize::from(stopped.next_drive() == stopped.drive());
+        if stops % 2 == 0 {
+            let state = serde_json::to_string(&stopped.state()).unwrap();
+            stopped = new();
+            stopped.restore(serde_json::from_str(&state).unwrap()).unwrap();
+        }
+    }
+    assert!(largest > 1 << 18 && within > 3, "{largest} breaks, {stops} stops, {within} within avalanches");
+    assert_eq!(found, expected);
+    assert_eq!(stopped.forces(), whole.forces());
+    assert!(stopped.scar().eq(whole.scar()));
 }

@@ -32,6 +32,19 @@ impl Avalanche {
     }
 }
 
+/// An avalanche that goes on, with the sums over its generations so far.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct OngoingAvalanche {
+    pub(super) epicentre: usize,
+    pub(super) size: u64,
+    pub(super) duration: u64,
+    /// In units of the stiffness of a contact.
+    pub(super) released: f64,
+    /// What edges and drive have absorbed, in the same units.
+    pub(super) lost: f64,
+    pub(super) force_before: f64,
+}
+
 /// A catalogue as columns.
 pub fn record(avalanches: &[Avalanche]) -> Record {
     let mut record = Record::default();

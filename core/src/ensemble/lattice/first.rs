@@ -2,22 +2,22 @@
 
 use super::{Lattice, REPORT};
 use crate::Result;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, report};
 
 impl Lattice {
     /// Drives the contacts until each has broken; returns the drives of their first breaks, along rows.
     ///
     /// # Errors
-    /// Stopped by the monitor, which receives the fraction that has broken; the lattice is then between two
-    /// avalanches.
+    /// Stopped by the monitor, which receives the fraction that has broken, as [`Lattice::next_event_with`].
     pub fn first_breaks(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let mut first = vec![f64::INFINITY; self.size()];
-        let (mut broken, mut events) = (0, 0);
+        let (mut broken, mut events, mut fraction) = (0, 0, 0.0);
         while broken < first.len() {
             if events % REPORT == 0 {
-                report(monitor, broken as f64 / first.len() as f64)?;
+                fraction = broken as f64 / first.len() as f64;
+                report(monitor, fraction)?;
             }
-            let drive = self.next_event().drive;
+            let drive = self.next_event_with(&mut Aside { fraction, monitor })?.drive;
             for contact in self.scar() {
                 broken += usize::from(first[contact] == f64::INFINITY);
                 first[contact] = first[contact].min(drive);

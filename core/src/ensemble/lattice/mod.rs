@@ -10,6 +10,7 @@ mod grid;
 mod minima;
 mod state;
 
+use avalanche::OngoingAvalanche;
 pub use avalanche::{Avalanche, record};
 pub use coupling::LatticeCoupling;
 pub use state::LatticeState;
@@ -23,7 +24,7 @@ use self::grid::ContactGrid;
 use self::minima::Minima;
 use super::{Disorder, Ensemble};
 use crate::contacts::{Contacts, Initial, Stiffness};
-use crate::monitor::{Monitor, Watch, fits, report};
+use crate::monitor::{Aside, Monitor, Watch, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
 
@@ -40,6 +41,9 @@ const TOGETHER: f64 = 1e-13;
 
 /// Avalanches between two reports to the monitor.
 const REPORT: u64 = 1 << 10;
+
+/// Breaks between two questions to the monitor whether to stop, some milliseconds.
+const ASK: u64 = 1 << 16;
 
 /// When to stop driving a lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,6 +120,10 @@ pub struct Lattice {
     /// Whether the contact at a site broke in the last avalanche; the list of these sites.
     broken: Vec<bool>,
     scar: Vec<u32>,
+    /// An avalanche within which a monitor has stopped the lattice.
+    ongoing: Option<OngoingAvalanche>,
+    /// Breaks since the monitor was asked.
+    unasked: u64,
 }
 
 impl Lattice {
@@ -173,6 +181,8 @@ impl Lattice {
             released: Vec::new(),
             broken: vec![false; ends.len()],
             scar: Vec::new(),
+            ongoing: None,
+            unasked: 0,
             grid,
             births,
             born,
@@ -209,6 +219,9 @@ impl Lattice {
 
     /// X at which the next contact breaks.
     pub fn next_drive(&self) -> f64 {
+        if self.ongoing.is_some() {
+            return self.drive();
+        }
         self.base + self.minima.least().max(self.drive)
     }
 
@@ -238,14 +251,14 @@ impl Lattice {
     /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor, between two avalanches; the lattice can continue.
+    /// Stopped by the monitor, as [`Lattice::next_event_with`]; the lattice can continue.
     pub fn run_with(
         &mut self,
         until: Until,
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(&Avalanche),
     ) -> Result<()> {
-        let (start, mut events) = (self.drive(), 0);
+        let (start, mut events, mut fraction) = (self.drive(), 0, 0.0);
         while self.goes_on(until, events) {
             if events % REPORT == 0 {
                 let done = match until {
@@ -253,9 +266,10 @@ impl Lattice {
                     Until::Drive(end) => (self.drive() - start) / (end - start),
                 };
                 // Not a number for an empty interval.
-                report(monitor, done.max(0.0))?;
+                fraction = done.max(0.0);
+                report(monitor, fraction)?;
             }
-            each(&self.next_event());
+            each(&self.next_event_with(&mut Aside { fraction, monitor })?);
             events += 1;
         }
         if let Until::Drive(end) = until {
@@ -274,30 +288,38 @@ impl Lattice {
 
     /// Drives the contacts to the next break, and runs its avalanche.
     pub fn next_event(&mut self) -> Avalanche {
-        // Breaking positions are relative to `base`. They keep their digits because it follows the drive.
-        if self.drive > self.span {
-            self.rebase();
-        }
-        self.drive = self.minima.least().max(self.drive);
-        let force_before = self.force();
-        let epicentre = self.start_avalanche();
-        let (mut size, mut duration, mut released, mut lost) = (0, 0, 0.0, 0.0);
+        self.next_event_with(&mut ()).expect("an avalanche that no monitor stops")
+    }
+
+    /// The same with a monitor, which hears of no progress.
+    ///
+    /// # Errors
+    /// Stopped by the monitor, maybe between two generations of the avalanche: it is then the next one, and goes on as if it had
+    /// not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is that before it.
+    pub fn next_event_with(&mut self, monitor: &mut dyn Monitor) -> Result<Avalanche> {
+        let mut event = self.ongoing.take().unwrap_or_else(|| self.begin_event());
         // One generation per iteration, as in parallel updates of the automaton.
         while !self.front.is_empty() {
-            size += self.front.len() as u64;
-            duration += 1;
+            if self.unasked >= ASK {
+                self.unasked = 0;
+                report(monitor, 0.0).inspect_err(|_| self.ongoing = Some(event))?;
+            }
+            self.unasked += self.front.len() as u64;
+            event.size += self.front.len() as u64;
+            event.duration += 1;
             let all = self.break_front();
-            released += all;
+            event.released += all;
             // Springs to the drive take the dissipated fraction, open edges what would go beyond them.
             // Losses are summed, not taken as a difference of total forces, which would lose the
             // digits of small avalanches.
-            lost += self.dissipated * all + self.distribute();
+            event.lost += self.dissipated * all + self.distribute();
             mem::swap(&mut self.front, &mut self.following);
             self.following.clear();
         }
         self.update_minima();
-        self.stretch.add(-lost);
-        Avalanche {
+        self.stretch.add(-event.lost);
+        let OngoingAvalanche { epicentre, size, duration, released, force_before, .. } = event;
+        Ok(Avalanche {
             drive: self.drive(),
             epicentre,
             size,
@@ -306,7 +328,19 @@ impl Lattice {
             released: self.scale * released,
             force_before,
             force_after: self.force(),
+        })
+    }
+
+    /// Drives the contacts to the next break.
+    fn begin_event(&mut self) -> OngoingAvalanche {
+        // Breaking positions are relative to `base`. They keep their digits because it follows the drive.
+        if self.drive > self.span {
+            self.rebase();
         }
+        self.drive = self.minima.least().max(self.drive);
+        let force_before = self.force();
+        let epicentre = self.start_avalanche();
+        OngoingAvalanche { epicentre, size: 0, duration: 0, released: 0.0, lost: 0.0, force_before }
     }
 }
 

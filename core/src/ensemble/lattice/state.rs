@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::avalanche::OngoingAvalanche;
 use super::births::BirthRecord;
 use super::{Lattice, Minima};
 use crate::numerics::compensated::Compensated;
@@ -16,41 +17,75 @@ pub struct LatticeState {
     /// Where contacts break, along rows.
     ends: Vec<f64>,
     born: Vec<BirthRecord>,
+    /// An avalanche that goes on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ongoing: Option<StoppedAvalanche>,
+}
+
+/// An avalanche within which a lattice was stopped.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct StoppedAvalanche {
+    sums: OngoingAvalanche,
+    /// The contacts that break next, and those that have broken, along rows.
+    front: Vec<usize>,
+    scar: Vec<usize>,
 }
 
 impl Lattice {
     /// The present state.
     pub fn state(&self) -> LatticeState {
         let ends = (0..self.size()).map(|number| self.ends[self.grid.place(number)]).collect();
+        let front = || self.front.iter().map(|&place| self.grid.number(place as usize)).collect();
+        let stopped = |sums| StoppedAvalanche { sums, front: front(), scar: self.scar().collect() };
         LatticeState {
             base: self.base,
             drive: self.drive,
             stretch: self.stretch,
             ends,
             born: self.born.clone(),
+            ongoing: self.ongoing.map(stopped),
         }
     }
 
     /// Restores a state of a lattice with the same description; the list of contacts in the last avalanche is
-    /// then empty.
+    /// then empty, unless it goes on.
     ///
     /// # Errors
     /// A state with another number of contacts, or with another kind of thresholds.
     pub fn restore(&mut self, state: LatticeState) -> Result<()> {
-        let LatticeState { base, drive, stretch, ends, born } = state;
+        let LatticeState { base, drive, stretch, ends, born, ongoing } = state;
         if (ends.len(), born.len()) != (self.size(), self.born.len()) {
             let expected =
                 format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());
             let found = format!("{}, {} of them with thresholds drawn", ends.len(), born.len());
             return Err(Error::invalid("state", expected, found));
         }
+        let known = |stopped: &StoppedAvalanche| {
+            stopped.front.iter().chain(&stopped.scar).all(|&number| number < self.size())
+        };
+        if !ongoing.as_ref().is_none_or(known) {
+            let expected = format!("an avalanche of contacts below {}", self.size());
+            return Err(Error::invalid("state", expected, "one of others"));
+        }
         for (number, &end) in ends.iter().enumerate() {
             self.ends[self.grid.place(number)] = end;
         }
         (self.base, self.drive, self.stretch, self.born) = (base, drive, stretch, born);
         self.minima = Minima::new(&self.ends);
-        self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
+        self.resume(ongoing);
         Ok(())
+    }
+
+    /// Continues within an avalanche, or between two.
+    fn resume(&mut self, stopped: Option<StoppedAvalanche>) {
+        self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
+        self.front.clear();
+        self.ongoing = stopped.as_ref().map(|stopped| stopped.sums);
+        let Some(StoppedAvalanche { front, scar, .. }) = stopped else { return };
+        let place = |number: usize| self.grid.place(number) as u32;
+        self.front.extend(front.into_iter().map(place));
+        self.scar.extend(scar.into_iter().map(place));
+        self.scar.iter().for_each(|&place| self.broken[place as usize] = true);
     }
 
     /// Moves the origin of the drive to the present one: otherwise stretches would lose digits as the drive

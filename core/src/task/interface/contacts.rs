@@ -50,7 +50,7 @@ impl DrivenInterface for DrivenContacts {
             if self.lattice.next_drive() > to {
                 return self.lattice.run_with(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
             }
-            let avalanche = self.lattice.next_event();
+            let avalanche = self.lattice.next_event_with(monitor)?;
             let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };
             each(BrokenContacts { avalanche, scar });
         }

@@ -42,7 +42,7 @@ pub trait DrivenInterface {
     /// reached `to`.
     ///
     /// # Errors
-    /// A stop by the monitor; the interface is then between two events.
+    /// A stop by the monitor; the interface goes on from there.
     fn advance(
         &mut self,
         to: f64,
