@@ -187,7 +187,7 @@ pub struct Explore {
 /// How pictures are drawn, instead of [figure] in the scenario.
 #[derive(Debug, Args)]
 pub struct Pictures {
-    /// File formats of the pictures, separated by commas [default: svg,png]
+    /// File formats of the pictures, separated by commas [default: svg]
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', value_parser = format())]
     pub figures: Option<Vec<FigureFormat>>,
     /// Width of a picture in mm, such as 86 for a column [default: 175]

@@ -145,6 +145,12 @@ __version__: Final[str]
 class Ageing(Description):
     """Ageing: thresholds that change with the age of a contact. Its models are Smoluchowski, FrozenRank,
     Logarithmic and MeanField.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> isinstance(asp.Logarithmic(growth=0.1, time=1.0), asp.Ageing)
+    True
     """
 
     ...
@@ -164,6 +170,13 @@ class Areas(Description):
         Stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard 2008), above 0.
     strength
         Force per area at which a contact breaks, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------
@@ -298,6 +311,13 @@ class Block(Description):
         Returns
         -------
         Equilibria
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
@@ -346,6 +366,11 @@ class Block(Description):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     def potential(
@@ -471,6 +496,12 @@ class ClosedForm:
     up to where the sums would become long. For every density p of thresholds with n-fold convolutions p_n,
     F'(X) = 1 - X Σ p_n(X)/n. Each closed form is the sum of this series for one family, and none shares code
     with the solvers.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> isinstance(asp.exact.Identical(1.0), asp.exact.ClosedForm)
+    True
     """
 
     @property
@@ -490,6 +521,13 @@ class ClosedForm:
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -511,6 +549,13 @@ class ClosedForm:
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -564,6 +609,13 @@ class Contacts(Description):
         Friction force of a detached contact, which slides, 0 by default.
     free_viscosity
         What its friction force gains per velocity, 0 by default.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------
@@ -646,6 +698,11 @@ class Contacts(Description):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -685,6 +742,13 @@ class Damped(Description):
     damping
         The viscous damping γ, force per velocity, above 0.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -699,7 +763,16 @@ class Damped(Description):
         """The viscous damping γ, force per velocity."""
 
 class Deformable(Description):
-    """What the kinds of interfaces have in common: a drive of their load point."""
+    """What the kinds of interfaces have in common: a drive of their load point.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+    >>> chain = asp.Interface(contacts, [4], connection=1.0, neighbours=2.0)
+    >>> isinstance(chain, asp.Deformable)
+    True
+    """
 
     def _first_breaks(
         self, /, runs: SupportsIndex, points: SupportsIndex, *, progress: _Progress = None
@@ -830,6 +903,11 @@ class Deformable(Description):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -863,6 +941,14 @@ class Deformable(Description):
 class Description:
     """A description in plain values: immutable, comparable and hashable by its values, and printed as the Python
     code that creates it.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> asp.Contacts(asp.Gaussian(1.0, 0.1)) == asp.Contacts(asp.Gaussian(1.0, 0.1))
+    True
+    >>> asp.Gaussian(1.0, 0.1)
+    Gaussian(mean=1.0, std=0.1)
     """
 
     def __eq__(self, other: object, /) -> bool: ...
@@ -1040,6 +1126,13 @@ class EnsemblePull(Record):
     Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,),
     `edge` of shape (n + 1,), the middles `bin` of the bins, of shape (n,), and `stretch_density` of shape (m,
     n), per length.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.Ensemble(asp.Contacts(asp.Gaussian(1.0, 0.1)), size=100, seed=1).pull(3.0, 31)
+    >>> pull.force.shape, pull.force_error.shape
+    ((31,), (31,))
     """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
@@ -1060,6 +1153,16 @@ class Estimates:
     """What a fit has found: values of the free numbers with their errors, and how well they describe the curve.
 
     Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> round(fitted.params["thresholds.mean"].value, 3)
+    1.0
     """
 
     def __copy__(self, /) -> Estimates: ...
@@ -1129,6 +1232,13 @@ class Estimates:
         Returns
         -------
         (float, float)
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -1151,6 +1261,13 @@ class Estimates:
             ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
             The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
             errors whose size is estimated, ln L is the highest for any size.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -1180,6 +1297,11 @@ class Estimates:
         Returns
         -------
         (matplotlib.axes.Axes, ...)
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     def predict(self, /, position: ArrayLike, curve: SupportsIndex = 0) -> Prediction:
@@ -1195,6 +1317,13 @@ class Estimates:
         Returns
         -------
         Prediction
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def profile(
@@ -1216,6 +1345,13 @@ class Estimates:
         Returns
         -------
         Profile
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -1302,6 +1438,13 @@ class ExactErlang(ClosedForm):
         A whole number, 1 or above.
     rate
         Per length, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> curve = asp.exact.Erlang(shape=4, rate=4.0)
+    >>> round(curve.kinetic_friction, 3)
+    0.625
     """
 
     def __new__(cls, /, shape: SupportsIndex, rate: _Number) -> ExactErlang: ...
@@ -1319,6 +1462,13 @@ class ExactGamma(ClosedForm):
     ----------
     mean, std
         Mean and standard deviation, above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> curve = asp.exact.Gamma(mean=1.0, std=0.5)
+    >>> round(curve.kinetic_friction, 3)
+    0.625
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> ExactGamma: ...
@@ -1336,6 +1486,13 @@ class ExactGaussian(ClosedForm):
         Of the thresholds, above 0.
     initial_mean, initial_std
         Of the stretches at X = 0, 0 or above.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> curve = asp.exact.Gaussian(mean=1.0, std=0.1)
+    >>> round(curve.kinetic_friction, 3)
+    0.505
     """
 
     def __new__(
@@ -1357,6 +1514,13 @@ class ExactGaussian(ClosedForm):
         Returns
         -------
         complex
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -1373,6 +1537,13 @@ class ExactGaussian(ClosedForm):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -1387,6 +1558,12 @@ class ExactIdentical(ClosedForm):
     ----------
     threshold
         A length above 0.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> asp.exact.Identical(1.0).force(0.75)
+    0.75
     """
 
     def __new__(cls, /, threshold: _Number) -> ExactIdentical: ...
@@ -1397,6 +1574,13 @@ class ExactQuenched:
     """Quenched thresholds of any distribution: each contact keeps its own for ever.
 
     F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> curve = asp.exact.Quenched(asp.Gaussian(1.0, 0.1))
+    >>> round(curve.kinetic_friction, 3)
+    0.5
     """
 
     def __new__(cls, /, thresholds: _AnyLaw) -> ExactQuenched: ...
@@ -1417,6 +1601,13 @@ class ExactQuenched:
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -1427,7 +1618,15 @@ class ExactQuenched:
 
 @final
 class ExactRectangular(ClosedForm):
-    """Thresholds uniformly distributed from min, 0 or above, to max, above min."""
+    """Thresholds uniformly distributed from min, 0 or above, to max, above min.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> curve = asp.exact.Rectangular(min=0.5, max=1.5)
+    >>> round(curve.force(0.4), 3)
+    0.4
+    """
 
     def __new__(cls, /, min: _Number, max: _Number) -> ExactRectangular: ...
     def __repr__(self, /) -> str: ...
@@ -1466,13 +1665,35 @@ class Exponential(Law):
     ----------
     mean
         Mean, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.Exponential(mean=2.0).median(), 6)
+    1.386294
     """
 
     def __new__(cls, /, mean: _Number) -> Exponential: ...
 
 @final
 class FrictionGradient:
-    """The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter."""
+    """The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+    >>> change = pull.friction_gradient("thresholds.mean")
+    >>> round(change.kinetic_friction, 3)
+    0.495
+    """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
     def __repr__(self, /) -> str: ...
@@ -1498,6 +1719,11 @@ class FrictionGradient:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -1518,6 +1744,13 @@ class FrozenRank(Ageing):
         The mature distribution P_cf.
     time
         The time scale of maturing, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------
@@ -1547,6 +1780,19 @@ class Gamma(Law):
         Mean, above 0.
     std
         Standard deviation, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.Gamma(mean=1.0, std=0.5).var(), 6)
+    0.25
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Gamma: ...
@@ -1561,13 +1807,37 @@ class Gaussian(Law):
         Mean before truncation at 0, 0 or above.
     std
         Standard deviation before truncation, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.Gaussian(mean=1.0, std=0.1).cdf(1.0), 6)
+    0.5
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Gaussian: ...
 
 @final
 class Gradient:
-    """The derivative of the force on a pull by a parameter, called with positions: `gradient(5.0)`."""
+    """The derivative of the force on a pull by a parameter, called with positions: `gradient(5.0)`.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+    >>> gradient = pull.gradient("thresholds.mean")
+    >>> gradient.parameter
+    'thresholds.mean'
+    >>> gradient([0.5, 1.0]).shape
+    (2,)
+    """
 
     @overload
     def __call__(self, /, position: float) -> float: ...
@@ -1593,6 +1863,11 @@ class Gradient:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
 @final
@@ -1601,6 +1876,15 @@ class Healing:
     read_healing.
 
     Called with hold times it is the fitted static friction.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> hold = np.array([1.0, 10.0, 100.0, 1000.0])
+    >>> healing = asp.read_healing(hold, 0.6 + 0.01 * np.log1p(hold))
+    >>> round(float(healing(100.0)), 3)
+    0.646
     """
 
     @overload
@@ -1649,6 +1933,11 @@ class Healing:
         Returns
         -------
         matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -1668,6 +1957,13 @@ class Inertial(Description):
         The mass M, above 0.
     damping
         The viscous damping γ, force per velocity, 0 or above.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------
@@ -1971,6 +2267,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2009,6 +2310,13 @@ class Law(Description):
         Returns
         -------
         float
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @classmethod
@@ -2026,6 +2334,13 @@ class Law(Description):
         -------
         Law
             One of this class.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2042,6 +2357,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2057,6 +2377,13 @@ class Law(Description):
         Returns
         -------
         (float, float)
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2073,6 +2400,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2090,6 +2422,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2107,6 +2444,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2124,6 +2466,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2155,6 +2502,13 @@ class Law(Description):
         Returns
         -------
         float
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2170,6 +2524,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2189,6 +2548,11 @@ class Law(Description):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @overload
@@ -2204,6 +2568,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2231,6 +2600,13 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2255,6 +2631,11 @@ class Law(Description):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -2271,6 +2652,11 @@ class Law(Description):
         Returns
         -------
         float or tuple[float, ...]
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     def std(self, /) -> float:
@@ -2308,6 +2694,11 @@ class Logarithmic(Ageing):
     time
         Τ_0, above 0.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+
     Examples
     --------
     >>> import asperity as asp
@@ -2335,6 +2726,19 @@ class Lognormal(Law):
         Mean of the variable itself, not of its logarithm, above 0.
     std
         Standard deviation of the variable itself, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.Lognormal(mean=1.0, std=0.5).mean(), 6)
+    1.0
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Lognormal: ...
@@ -2468,6 +2872,13 @@ class MeanField(Ageing):
     diffusion
         The diffusion coefficient D, stretch² per time, above 0.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -2495,6 +2906,13 @@ class Mixture(Law):
     components
         A list of pairs (weight, distribution), with weights above 0 that sum to 1.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -2509,7 +2927,15 @@ class Mixture(Law):
         """The pairs of weights and distributions."""
 
 class Model(Description):
-    """Contacts and their initial state."""
+    """Contacts and their initial state.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> isinstance(theory, asp.Model), theory.contacts.count
+    (True, 1.0)
+    """
 
     @property
     def contacts(self, /) -> Contacts:
@@ -2533,6 +2959,11 @@ class Model(Description):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -2547,6 +2978,19 @@ class Point(Law):
     ----------
     at
         The single value, 0 or above.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> asp.Point(at=1.0).mean()
+    1.0
     """
 
     def __new__(cls, /, at: _Number) -> Point: ...
@@ -2560,6 +3004,17 @@ class Posterior:
 
     Printed, or by `summary()`, it is a table. Numbers of which the fit knows only a limit keep their estimates and are not
     among those that are drawn.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> posterior = fitted.sample(draws=50, chains=2, seed=1)
+    >>> posterior.draws["thresholds.mean"].shape
+    (2, 50)
     """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
@@ -2626,6 +3081,13 @@ class Pull(Record):
     N_c contacts.
 
     Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(distance=5.0, points=51)
+    >>> pull.force.shape, round(pull.kinetic_friction, 3)
+    ((51,), 0.505)
     """
 
     @overload
@@ -2658,6 +3120,13 @@ class Pull(Record):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2678,6 +3147,13 @@ class Pull(Record):
         Returns
         -------
         numpy.ndarray
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -2707,6 +3183,13 @@ class Pull(Record):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2727,6 +3210,13 @@ class Pull(Record):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2742,6 +3232,13 @@ class Pull(Record):
         Returns
         -------
         FrictionGradient
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def friction_gradients(self, /, parameters: Sequence[str]) -> list[FrictionGradient]:
@@ -2755,6 +3252,13 @@ class Pull(Record):
         Returns
         -------
         list[FrictionGradient]
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def gradient(self, /, parameter: str) -> Gradient:
@@ -2769,6 +3273,13 @@ class Pull(Record):
         Returns
         -------
         Gradient
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def gradients(self, /, parameters: Sequence[str]) -> list[Gradient]:
@@ -2783,6 +3294,13 @@ class Pull(Record):
         Returns
         -------
         list[Gradient]
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -2834,6 +3352,11 @@ class Pull(Record):
         Returns
         -------
         matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -2865,6 +3388,13 @@ class Pull(Record):
         Returns
         -------
         numpy.ndarray
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2880,6 +3410,13 @@ class Pull(Record):
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -2906,6 +3443,13 @@ class Pull(Record):
         Returns
         -------
         StretchDensity
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def threshold_response(self, /, thresholds: ArrayLike) -> ThresholdResponse:
@@ -2923,11 +3467,26 @@ class Pull(Record):
         Returns
         -------
         ThresholdResponse
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
 @disjoint_base
 class Record(Mapping[str, _Array]):
-    """Results: a mapping from the names of variables to read-only arrays."""
+    """Results: a mapping from the names of variables to read-only arrays.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0, 31)
+    >>> isinstance(pull, asp.Record), pull["force"].shape
+    (True, (31,))
+    """
 
     def __contains__(self, name: object, /) -> bool: ...
     def __getitem__(self, name: str, /) -> _Array: ...
@@ -2958,6 +3517,11 @@ class Record(Mapping[str, _Array]):
         Returns
         -------
         numpy.ndarray or None or numpy.ndarray or _T
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
         """
 
     @overload
@@ -3043,6 +3607,19 @@ class Rectangular(Law):
         Lower end, 0 or above.
     max
         Upper end, above the lower.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> asp.Rectangular(min=0.5, max=1.5).pdf(1.0)
+    1.0
     """
 
     def __new__(cls, /, min: _Number, max: _Number) -> Rectangular: ...
@@ -3058,6 +3635,13 @@ class Rectangular(Law):
 class Relaxation:
     """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
     the Laplace transform of the breaking density of re-formed contacts.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> relaxation = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).relaxation()
+    >>> bool(relaxation.length > 0.0)
+    True
     """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
@@ -3075,6 +3659,13 @@ class Relaxation:
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -3106,6 +3697,11 @@ class Relaxation:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -3133,6 +3729,13 @@ class Renormalised(Law):
         Contacts start at stretch 0. When the unbroken contacts have the stretch x, breaks have contributed κ∫ξ
         P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -3155,6 +3758,13 @@ class Result(Record):
     """The result of a scenario: a mapping from the names of variables to arrays, with the summary.
 
     The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> result = asp.run({"contacts": {"thresholds": asp.Gaussian(1.0, 0.1)}, "pull": {"points": 11}})
+    >>> result["force"].shape, round(result.kinetic_friction, 3)
+    ((11,), 0.505)
     """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
@@ -3230,6 +3840,13 @@ class Series(Law):
         The probability of an infinite tail that was truncated at the last boundary; quantities that depend on
         this tail, such as the relaxation length, are then nan.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -3264,6 +3881,15 @@ class Simulation:
 
     Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
     simulation while another thread advances it raises RuntimeError.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> simulation = asp.Block(theory, 0.3).simulation()
+    >>> _ = simulation.advance(1.0)
+    >>> simulation.drive
+    1.0
     """
 
     def __repr__(self, /) -> str: ...
@@ -3451,6 +4077,13 @@ class Smoluchowski(Ageing):
     diffusion
         The diffusion coefficient D, stretch² per time, above 0.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -3475,6 +4108,15 @@ class SteadyEstimates:
     describe the record.
 
     Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=2000, stiffness=0.0005)
+    >>> force = asp.Ensemble(contacts, size=2000, seed=1).pull(60.0, 2401).force[400:]
+    >>> found = asp.fit_steady(contacts, 0.025, force, free=["thresholds.mean"], reading=1e-5)
+    >>> bool(abs(found.params["thresholds.mean"].value - 1.0) < 0.05)
+    True
     """
 
     def __copy__(self, /) -> SteadyEstimates: ...
@@ -3521,6 +4163,13 @@ class SteadyEstimates:
         Returns
         -------
         (float, float)
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -3553,6 +4202,11 @@ class SteadyEstimates:
         Returns
         -------
         matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -3618,6 +4272,13 @@ class SteadyState:
 
     Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx. If contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
     (Braun and Peyrard 2008, Eqs. 11a and 11d).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> steady = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).steady_state()
+    >>> round(steady.kinetic_friction, 3)
+    0.505
     """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
@@ -3640,6 +4301,13 @@ class SteadyState:
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -3659,6 +4327,13 @@ class SteadyState:
         Returns
         -------
         float
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -3679,6 +4354,11 @@ class SteadyState:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @overload
@@ -3699,6 +4379,13 @@ class SteadyState:
         -------
         float or numpy.ndarray
             A number for a number, an array of the same shape for an array.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @overload
@@ -3715,6 +4402,13 @@ class SteadyState:
         Returns
         -------
         StretchDensity
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
 @final
@@ -3801,6 +4495,14 @@ class StickSlip(Record):
     `slip_time`, `slip_position`, …; for an ensemble the sizes of events, `size`, `size_events`, …. For motion
     in time the trace also has `time`, `velocity` and `free` (the detached fraction of the contacts), and there
     are no time course and no sizes.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
+    >>> run = asp.Block(theory, 1.0).drive(5.0)
+    >>> len(run.events) > 0
+    True
     """
 
     def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
@@ -3889,6 +4591,13 @@ class Tabulated(Law):
         Each sample is then a jump of the density, and more than twenty take the master equation minutes. Give
         either stretch and density, or samples.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -3943,6 +4652,11 @@ class Temperature(Description):
         ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
         E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+
     Examples
     --------
     >>> import asperity as asp
@@ -3978,6 +4692,14 @@ class ThresholdResponse:
     """The response of the force on a pull to the probability of n single thresholds, a force per unit of probability.
 
     Called with a position it is an array of shape (n,), with a list of m positions one of shape (n, m).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+    >>> response = pull.threshold_response([0.9, 1.1])
+    >>> response(1.5).shape
+    (2,)
     """
 
     def __call__(self, /, position: ArrayLike) -> _Array: ...
@@ -3996,6 +4718,13 @@ class ThresholdResponse:
         Returns
         -------
         numpy.ndarray
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
@@ -4013,6 +4742,11 @@ class ThresholdResponse:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -4098,6 +4832,13 @@ class Transport(Model):
         -------
         Simulation
             A simulation that advances step by step, at X = 0.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
 
     @property
@@ -4114,6 +4855,16 @@ class VelocityStep:
     95 % interval. Made by read_velocity_step.
 
     Called with positions relative to the step it is the fitted force.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> x = np.linspace(-5.0, 10.0, 301)
+    >>> force = 0.6 + np.where(x < 0.0, 0.0, 0.01 - 0.02 * (1.0 - np.exp(-x)))
+    >>> step = asp.read_velocity_step(x, force, 10.0)
+    >>> round(step.distance.value, 2)
+    1.0
     """
 
     @overload
@@ -4171,6 +4922,11 @@ class VelocityStep:
         Returns
         -------
         matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
 
     @property
@@ -4206,6 +4962,19 @@ class Weibull(Law):
         Shape k of e^{−(x/λ)^k}, above 0.
     scale
         Scale λ, above 0.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> round(asp.Weibull(shape=2.0, scale=1.0).sf(1.0), 6)
+    0.367879
     """
 
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
@@ -4301,6 +5070,13 @@ def critical_coupling(law: _AnyLaw) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------
@@ -4539,6 +5315,13 @@ def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> f
     -------
     float
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -4557,6 +5340,13 @@ def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------
@@ -4797,6 +5587,13 @@ def steady_variance(thresholds: _AnyLaw) -> float:
     -------
     float
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
+
     Examples
     --------
     >>> import asperity as asp
@@ -4815,6 +5612,13 @@ def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+    ValueError
+        For invalid values.
 
     Examples
     --------

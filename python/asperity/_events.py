@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 class Event(NamedTuple):
     """A slip: at a fixed drive; or, in time, while the slider is more than ten times as fast as the load
     point.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
+    >>> event = asp.Block(theory, 1.0).drive(5.0).events[0]
+    >>> bool(event.drop > 0.0)
+    True
     """
 
     drive: float
@@ -93,6 +101,11 @@ class Events(Sequence[Event]):
     ----------
     columns : mapping of str to numpy.ndarray
         The columns by their names, as results have them.
+
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
 
     Examples
     --------

@@ -49,6 +49,11 @@ class Explorer:
     scenario
         As for run: the path of a file, the text of a scenario, or a dictionary.
 
+    Raises
+    ------
+    TypeError
+        For an argument of another type.
+
     Examples
     --------
     >>> import asperity as asp

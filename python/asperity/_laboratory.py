@@ -35,6 +35,16 @@ class Motion(NamedTuple):
     """A part of a record in which the load point has one velocity, or rests.
 
     Of a record, record[motion] has its readings, and record[motion].plot() draws them.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> rows = [[t, 2.0 * min(t, 50), 0.5] for t in range(100)]
+    >>> names = "time (s),displacement (mm),force (N)"
+    >>> np.savetxt("record.csv", rows, delimiter=",", header=names, comments="")
+    >>> [motion.kind for motion in asp.read_laboratory("record.csv").motions()]
+    ['forward', 'hold']
     """
 
     kind: Literal["forward", "hold", "backward"]
@@ -66,6 +76,16 @@ class LaboratoryRecord:
         Time, load-point displacement, and force, stress or friction coefficient, each of shape (n,).
     normal : ndarray or None
         Normal load or stress, if the record has it.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> rows = [[0.0, 0.0, 0.0], [1.0, 2.0, 0.5], [2.0, 4.0, 0.5]]
+    >>> names = "time (s),displacement (mm),force (N)"
+    >>> np.savetxt("record.csv", rows, delimiter=",", header=names, comments="")
+    >>> asp.read_laboratory("record.csv").force
+    array([0. , 0.5, 0.5])
     """
 
     columns: "Mapping[str, NDArray[np.float64]]"
@@ -152,6 +172,13 @@ class LaboratoryRecord:
         -------
         list of Motion
             Kind, velocity with its standard error, and the range of readings.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
         apart, least = _number("apart", apart), _whole("least", least)
         pieces = _measured_pieces(self.time, self.displacement, apart, least)
@@ -176,6 +203,13 @@ class LaboratoryRecord:
         -------
         list of LaboratoryRecord
             A record for each cycle.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
         motions = self.motions(**options)
         moving = [motion for motion in motions if motion.kind != "hold"]
@@ -243,6 +277,13 @@ class LaboratoryRecord:
         Returns
         -------
         VelocityStep
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type.
+        ValueError
+            For invalid values.
         """
         if motions is not None and not isinstance(motions, Iterable):
             raise wrong("motions", "a list of Motion", motions)
@@ -282,6 +323,11 @@ class LaboratoryRecord:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 

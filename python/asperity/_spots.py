@@ -24,7 +24,17 @@ NODES = 100
 
 
 class Dropped(NamedTuple):
-    """Spots that are too small to be resolved by the grid."""
+    """Spots that are too small to be resolved by the grid.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> pressure = np.zeros((16, 16))
+    >>> pressure[2:6, 2:6] = pressure[10, 10] = 1.0
+    >>> asp.spots(pressure, 1.0, at_least=4).dropped.number
+    1
+    """
 
     number: int
     """Their number."""
@@ -51,6 +61,16 @@ class Spots:
         What was left out.
     labels : ndarray
         A map of the spots: n + 1 in the pixels of spot n, 0 elsewhere and in spots left out.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> pressure = np.zeros((16, 16))
+    >>> pressure[2:6, 2:6] = 1.0
+    >>> found = asp.spots(pressure, 1.0)
+    >>> found.area, found.load
+    (array([16.]), array([16.]))
     """
 
     area: "_Array"
@@ -73,6 +93,11 @@ class Spots:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 

@@ -29,7 +29,17 @@ if TYPE_CHECKING:
 
 
 class VelocityLimits(NamedTuple):
-    """The limits of a curve of kinetic friction against velocity."""
+    """The limits of a curve of kinetic friction against velocity.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> heat = asp.Temperature(0.05, 1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=heat)
+    >>> limits = asp.velocity_curve(contacts, span=(0.1, 1.0), points=3).limits[0]
+    >>> round(limits.fast, 3)
+    0.505
+    """
 
     temperature: float | None
     """The temperature of the curve, an energy; None where there is one curve."""
@@ -42,7 +52,16 @@ class VelocityLimits(NamedTuple):
 
 
 class HealingLaw(NamedTuple):
-    """The growth of static friction with the logarithm of the hold time: F_s = F_s(0) + β ln(1 + t/t_c)."""
+    """The growth of static friction with the logarithm of the hold time: F_s = F_s(0) + β ln(1 + t/t_c).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.05, time=1.0))
+    >>> law = asp.hold_curve(contacts, span=(1.0, 1e3), velocity=0.1, points=7).healing
+    >>> bool(law.per_decade > 0.0)
+    True
+    """
 
     per_decade: float | None
     """β ln 10, the growth per factor of ten in hold time, a force; None where it is not logarithmic."""
@@ -57,7 +76,16 @@ class HealingLaw(NamedTuple):
 
 
 class DistributionDistance(NamedTuple):
-    """A distribution compared with that of the first breaks."""
+    """A distribution compared with that of the first breaks.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> chain = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.2)), [8], neighbours=0.1, connection=0.1)
+    >>> found = asp.renormalisation(chain, runs=4).of_thresholds
+    >>> bool(found.distance > 0.0)
+    True
+    """
 
     mean: float
     """Its mean, a length."""
@@ -69,7 +97,15 @@ class DistributionDistance(NamedTuple):
 
 @dataclass(frozen=True)
 class TaskResult:
-    """The result of a task, with its numbers as fields."""
+    """The result of a task, with its numbers as fields.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.05, 1.0))
+    >>> isinstance(asp.velocity_curve(contacts, span=(0.1, 1.0), points=3), asp.TaskResult)
+    True
+    """
 
     result: "Result"
     """All variables and the summary, as `asperity.run` returns them."""
@@ -106,6 +142,11 @@ class TaskResult:
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         return _pictures.draw(self.result, ax, kind, **style)
 
@@ -126,6 +167,13 @@ class TaskResult:
         ----------
         folder : str or Path
             The folder; open_result reads it.
+
+        Raises
+        ------
+        FileExistsError
+            If there is a folder that asperity did not make.
+        OSError
+            For errors of the system.
         """
         self.result.save(folder)
 
@@ -139,7 +187,17 @@ class TaskResult:
 
 @dataclass(frozen=True, repr=False)
 class VelocityCurve(TaskResult):
-    """Kinetic friction against velocity, as velocity_curve returns it."""
+    """Kinetic friction against velocity, as velocity_curve returns it.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> heat = asp.Temperature(0.05, 1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=heat)
+    >>> curve = asp.velocity_curve(contacts, span=(0.1, 1.0), points=3)
+    >>> curve.velocity.shape, curve.kinetic_friction.shape
+    ((3,), (3,))
+    """
 
     velocity: "_Array"
     """The velocities, shape (n,)."""
@@ -157,7 +215,16 @@ class VelocityCurve(TaskResult):
 
 @dataclass(frozen=True, repr=False)
 class StabilityCurve(TaskResult):
-    """Stability of steady sliding against velocity."""
+    """Stability of steady sliding against velocity.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> heat = asp.Temperature(0.05, 1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=heat)
+    >>> asp.stability(contacts, span=(0.1, 1.0), points=2).velocity
+    array([0.1, 1. ])
+    """
 
     velocity: "_Array"
     """The velocities, shape (n,)."""
@@ -177,7 +244,16 @@ class StabilityCurve(TaskResult):
 
 @dataclass(frozen=True, repr=False)
 class HoldCurve(TaskResult):
-    """Static friction against hold time in slide–hold–slide tests."""
+    """Static friction against hold time in slide–hold–slide tests.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.05, time=1.0))
+    >>> curve = asp.hold_curve(contacts, span=(1.0, 1e3), velocity=0.1, points=4)
+    >>> curve.hold.shape, curve.static_friction.shape
+    ((4,), (4,))
+    """
 
     hold: "_Array"
     """The hold times, shape (n,)."""
@@ -201,7 +277,16 @@ class HoldCurve(TaskResult):
 
 @dataclass(frozen=True, repr=False)
 class CreepCurves(TaskResult):
-    """Slip under constant forces, and the time to failure."""
+    """Slip under constant forces, and the time to failure.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> heat = asp.Temperature(0.05, 1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=heat)
+    >>> asp.creep(contacts, forces=[0.6], duration=1e3).force
+    array([0.6])
+    """
 
     force: "_Array"
     """The forces, shape (n,)."""
@@ -229,7 +314,16 @@ class CreepCurves(TaskResult):
 
 @dataclass(frozen=True, repr=False)
 class FirstBreaks(TaskResult):
-    """The distribution of the drives at which coupled contacts break for the first time."""
+    """The distribution of the drives at which coupled contacts break for the first time.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> chain = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.2)), [8], neighbours=0.1, connection=0.1)
+    >>> found = asp.renormalisation(chain, runs=4)
+    >>> bool(found.of_thresholds.distance > 0.0)
+    True
+    """
 
     drive: "_Array"
     """Middles of n equal intervals of the drive, a length, shape (n,)."""
@@ -261,7 +355,17 @@ class FirstBreaks(TaskResult):
 
 @dataclass(frozen=True, repr=False)
 class Comparison(TaskResult):
-    """A measured curve of force compared with a computed pull."""
+    """A measured curve of force compared with a computed pull.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> measured = [0.5, 1.0, 1.5]
+    >>> compared = asp.compare(theory, measured, theory.pull(3.0)(measured))
+    >>> bool(compared.residual_rms < 1e-9)
+    True
+    """
 
     position: "_Array"
     """The measured positions, a length, shape (n,)."""

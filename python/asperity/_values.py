@@ -11,7 +11,16 @@ if TYPE_CHECKING:
 
 
 class Atoms(NamedTuple):
-    """Point masses, in order of increasing position."""
+    """Point masses, in order of increasing position.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Point(1.0))
+    >>> atoms = asp.MasterEquation(contacts).pull(distance=1.5).breaking_atoms
+    >>> atoms.position, atoms.weight
+    (array([1.]), array([1.]))
+    """
 
     position: "NDArray[np.float64]"
     """Their positions, shape (n,), a length."""
@@ -20,7 +29,15 @@ class Atoms(NamedTuple):
 
 
 class StaticFriction(NamedTuple):
-    """Static friction: the highest force of a pull, and its position."""
+    """Static friction: the highest force of a pull, and its position.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+    >>> round(pull.static_friction.force, 3)
+    0.796
+    """
 
     force: float
     """F_s, a force."""
@@ -29,7 +46,16 @@ class StaticFriction(NamedTuple):
 
 
 class StretchDensity(NamedTuple):
-    """A distribution of stretches, or several."""
+    """A distribution of stretches, or several.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+    >>> at_start = pull.stretch_density(0.0)
+    >>> at_start.atoms.position, at_start.atoms.weight
+    (array([0.]), array([1.]))
+    """
 
     stretch: "NDArray[np.float64]"
     """Stretches x, shape (n,), a length."""
@@ -54,6 +80,11 @@ class StretchDensity(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 
@@ -61,7 +92,15 @@ class StretchDensity(NamedTuple):
 
 
 class Label(NamedTuple):
-    """Dimensions, name and unit of a variable of a record."""
+    """Dimensions, name and unit of a variable of a record.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+    >>> pull.labels["force"].quantity
+    'force'
+    """
 
     dimensions: tuple[str, ...]
     """Names of its dimensions, slowest first."""
@@ -74,7 +113,16 @@ class Label(NamedTuple):
 
 
 class State(NamedTuple):
-    """An equilibrium state of a slider."""
+    """An equilibrium state of a slider.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> state = asp.Block(theory, 0.3).drive(5.0).first_instability
+    >>> type(state).__name__
+    'State'
+    """
 
     drive: float
     """The load-point displacement X_T, a length; or the imposed force."""
@@ -85,7 +133,16 @@ class State(NamedTuple):
 
 
 class Energy(NamedTuple):
-    """The energy balance of a drive; each term is computed on its own. Energies are forces times lengths."""
+    """The energy balance of a drive; each term is computed on its own. Energies are forces times lengths.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> energy = asp.Block(theory, 0.3).drive(5.0).energy
+    >>> abs(energy.imbalance) < 1e-6 * energy.work
+    True
+    """
 
     work: float
     """The work of the drive."""
@@ -110,7 +167,17 @@ class Energy(NamedTuple):
 
 
 class InterfaceEnergy(NamedTuple):
-    """Where the work of the drive of an interface went; each part is computed on its own."""
+    """Where the work of the drive of an interface went; each part is computed on its own.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+    >>> simulation = asp.Interface(contacts, [4], connection=0.3, neighbours=2.0).simulation()
+    >>> _ = simulation.advance(5.0)
+    >>> abs(simulation.energy.imbalance) < 1e-5 * simulation.energy.work
+    True
+    """
 
     work: float
     """The work of the drive."""
@@ -133,7 +200,19 @@ class InterfaceEnergy(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """A number that was estimated from a measured curve."""
+    """A number that was estimated from a measured curve.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> mean = fitted.params["thresholds.mean"]
+    >>> mean.interval[0] < mean.value < mean.interval[1]
+    True
+    """
 
     value: float
     """Its most probable value."""
@@ -148,7 +227,15 @@ class Estimate(NamedTuple):
 
 
 class Drift(NamedTuple):
-    """An Ornstein-Uhlenbeck process: noise of covariance std² exp(-X/length) at the distance X."""
+    """An Ornstein-Uhlenbeck process: noise of covariance std² exp(-X/length) at the distance X.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> drift = asp.Drift(std=0.01, length=2.0)
+    >>> drift.std
+    0.01
+    """
 
     std: float
     """Its standard deviation, a force."""
@@ -157,7 +244,18 @@ class Drift(NamedTuple):
 
 
 class MeasuredNoise(NamedTuple):
-    """The noise of a measured curve."""
+    """The noise of a measured curve.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> x = np.linspace(-5.0, 10.0, 301)
+    >>> force = 0.6 + np.where(x < 0.0, 0.0, 0.01 - 0.02 * (1.0 - np.exp(-x)))
+    >>> noise = asp.read_velocity_step(x, force, 10.0).noise
+    >>> noise.white < 1e-6
+    True
+    """
 
     white: float
     """The standard deviation of its white part, a force."""
@@ -166,7 +264,18 @@ class MeasuredNoise(NamedTuple):
 
 
 class MachineStep(NamedTuple):
-    """Rate-and-state friction behind the spring of a machine, fitted to a velocity step."""
+    """Rate-and-state friction behind the spring of a machine, fitted to a velocity step.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> x = np.linspace(-5.0, 10.0, 301)
+    >>> force = 0.6 + np.where(x < 0.0, 0.0, 0.01 - 0.02 * (1.0 - np.exp(-x)))
+    >>> fitted = asp.fit_velocity_step(x, force, 10.0, stiffness=5.0)
+    >>> type(fitted).__name__
+    'MachineStep'
+    """
 
     residual: float
     """The root-mean-square residual of the fit, a force."""
@@ -185,7 +294,17 @@ class MachineStep(NamedTuple):
 
 
 class Stability(NamedTuple):
-    """Linear stability of steady sliding at one velocity."""
+    """Linear stability of steady sliding at one velocity.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> heat = asp.Temperature(0.05, 1.0)
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=heat)
+    >>> block = asp.Block(asp.Transport(contacts), 1.0, asp.Damped(1.0))
+    >>> bool(block.stability(velocity=0.1).critical_stiffness >= 0.0)
+    True
+    """
 
     critical_stiffness: float
     """K_c(v; M, γ), above which steady sliding is stable; 0 where it always is, inf where it never is."""
@@ -198,7 +317,16 @@ class Stability(NamedTuple):
 
 
 class StickSlipStability(NamedTuple):
-    """Whether a slider sticks and slips, and behind which springs it does."""
+    """Whether a slider sticks and slips, and behind which springs it does.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.05, time=1.0))
+    >>> block = asp.Block(asp.Transport(contacts), 100.0, asp.Damped(1.0))
+    >>> block.stick_slip(velocity=1.0).stick_slip
+    'none'
+    """
 
     stick_slip: Literal["none", "transient", "persistent", "undecided"]
     """Stick-slip behind the spring of the block."""
@@ -215,7 +343,16 @@ class StickSlipStability(NamedTuple):
 
 
 class Sizes(NamedTuple):
-    """The number of events of an ensemble by size: ten bins per decade, empty bins left out."""
+    """The number of events of an ensemble by size: ten bins per decade, empty bins left out.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+    >>> sizes = asp.Block(asp.Ensemble(contacts, size=100), 1.0).drive(5.0).sizes
+    >>> type(sizes).__name__
+    'Sizes'
+    """
 
     contacts: "NDArray[np.float64]"
     """The number of contacts broken, in the middle of the bin, shape (n,)."""
@@ -240,6 +377,11 @@ class Sizes(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 
@@ -251,7 +393,16 @@ class Sizes(NamedTuple):
 
 
 class Course(NamedTuple):
-    """The time course of an inertial slip: arrays of shape (n,)."""
+    """The time course of an inertial slip: arrays of shape (n,).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
+    >>> slip = asp.Block(theory, 1.0, asp.Inertial(1.0)).drive(5.0).slip_course
+    >>> bool(slip.velocity.max() > 0.0)
+    True
+    """
 
     time: "NDArray[np.float64]"
     """The time since the slider had covered a hundredth of its slip."""
@@ -278,6 +429,11 @@ class Course(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 
@@ -286,7 +442,16 @@ class Course(NamedTuple):
 
 
 class Equilibria(NamedTuple):
-    """Equilibria of a slider: arrays of shape (n,), in order of increasing position."""
+    """Equilibria of a slider: arrays of shape (n,), in order of increasing position.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> curve = asp.Block(theory, 0.3).equilibrium(3.0, 31)
+    >>> curve.position.shape
+    (31,)
+    """
 
     drive: "NDArray[np.float64]"
     """The load-point displacement X_T, a length."""
@@ -311,6 +476,11 @@ class Equilibria(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         import numpy as np
 
@@ -326,7 +496,16 @@ class Equilibria(NamedTuple):
 
 
 class Potential(NamedTuple):
-    """The potential energy of a slider and its contacts at one drive or several."""
+    """The potential energy of a slider and its contacts at one drive or several.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> potential = asp.Block(theory, 0.3).potential(1.0, 3.0, 31)
+    >>> potential.position.shape
+    (31,)
+    """
 
     position: "NDArray[np.float64]"
     """Positions X, shape (n,), a length."""
@@ -347,6 +526,11 @@ class Potential(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 
@@ -356,7 +540,15 @@ class Potential(NamedTuple):
 
 
 class Correlation(NamedTuple):
-    """The correlation of the errors of two estimates."""
+    """The correlation of the errors of two estimates.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> found = asp.Correlation(between=("count", "stiffness"), coefficient=-0.98)
+    >>> found.coefficient
+    -0.98
+    """
 
     between: tuple[str, str]
     """Their names."""
@@ -365,7 +557,18 @@ class Correlation(NamedTuple):
 
 
 class Misfit(NamedTuple):
-    """How well a fit describes a measured curve."""
+    """How well a fit describes a measured curve.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> fitted.misfit.degrees_of_freedom
+    19
+    """
 
     chi_squared: float
     """χ² = rᵀΣ⁻¹r of the residuals r, with Σ the covariance of their errors."""
@@ -386,7 +589,14 @@ class Misfit(NamedTuple):
 
 
 class WithError(NamedTuple):
-    """A value with its standard error."""
+    """A value with its standard error.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> asp.WithError(value=1.0, error=0.1).error
+    0.1
+    """
 
     value: float
     """The value."""
@@ -395,7 +605,18 @@ class WithError(NamedTuple):
 
 
 class FrictionEstimates(NamedTuple):
-    """Friction of fitted contacts, with the errors of the estimates propagated to it."""
+    """Friction of fitted contacts, with the errors of the estimates propagated to it.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> round(fitted.friction().kinetic_friction.value, 1)
+    520.0
+    """
 
     static_friction: WithError | None
     """F_s, a force; None if it is not reached."""
@@ -411,6 +632,17 @@ class FreeForm(NamedTuple):
     """Thresholds of free form, found by a fit: their density and distribution function with errors.
 
     Arrays have shape (n,).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> found = fitted.free_form(kernels=12)
+    >>> found.threshold.shape == found.density.shape
+    True
     """
 
     thresholds: "Series"
@@ -450,6 +682,11 @@ class FreeForm(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 
@@ -461,7 +698,18 @@ class FreeForm(NamedTuple):
 
 
 class Prediction(NamedTuple):
-    """Readings expected of fitted contacts: arrays of shape (n,)."""
+    """Readings expected of fitted contacts: arrays of shape (n,).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> fitted.predict([0.5, 1.0]).force.shape
+    (2,)
+    """
 
     force: "NDArray[np.float64]"
     """The expected force."""
@@ -486,6 +734,11 @@ class Prediction(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 
@@ -493,7 +746,19 @@ class Prediction(NamedTuple):
 
 
 class PosteriorNumber(NamedTuple):
-    """A number by draws from its posterior."""
+    """A number by draws from its posterior.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> number = fitted.sample(draws=50, chains=2, seed=1).params["thresholds.mean"]
+    >>> number.interval[0] < number.mean < number.interval[1]
+    True
+    """
 
     mean: float
     """The mean of the draws."""
@@ -512,7 +777,19 @@ class PosteriorNumber(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """The profile of the likelihood of a number: arrays of shape (n,)."""
+    """The profile of the likelihood of a number: arrays of shape (n,).
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+    >>> x = [0.2 * i for i in range(20)]
+    >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+    >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+    >>> profile = fitted.profile("thresholds.mean")
+    >>> profile.values.shape == profile.rise.shape
+    True
+    """
 
     values: "NDArray[np.float64]"
     """Values of the number."""
@@ -535,6 +812,11 @@ class Profile(NamedTuple):
         -------
         matplotlib.axes.Axes
             The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
         """
         from asperity import _plot
 

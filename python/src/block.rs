@@ -31,6 +31,13 @@ use crate::{error, typed, values};
 /// damping
 ///     The viscous damping γ, force per velocity, 0 or above.
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -83,6 +90,13 @@ impl Inertial {
 /// ----------
 /// damping
 ///     The viscous damping γ, force per velocity, above 0.
+///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
 ///
 /// Examples
 /// --------
@@ -503,6 +517,13 @@ impl Block {
     /// Returns
     /// -------
     /// Equilibria
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(
         signature = (distance = None, points = Whole::new(2001)),
         text_signature = "($self, distance=None, points=2001)"
@@ -531,6 +552,11 @@ impl Block {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

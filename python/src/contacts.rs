@@ -27,6 +27,13 @@ use crate::typed::{argument_type, result_type};
 /// strength
 ///     Force per area at which a contact breaks, above 0.
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -127,6 +134,13 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 ///     Friction force of a detached contact, which slides, 0 by default.
 /// free_viscosity
 ///     What its friction force gains per velocity, 0 by default.
+///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
 ///
 /// Examples
 /// --------
@@ -318,6 +332,11 @@ impl Contacts {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

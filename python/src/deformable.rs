@@ -17,6 +17,14 @@ use crate::watch::{watched, watched_on};
 use crate::{error, simulated, typed};
 
 /// What the kinds of interfaces have in common: a drive of their load point.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.1))
+/// >>> chain = asp.Interface(contacts, [4], connection=1.0, neighbours=2.0)
+/// >>> isinstance(chain, asp.Deformable)
+/// True
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Deformable;
 
@@ -35,6 +43,11 @@ impl Deformable {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

@@ -114,6 +114,14 @@ impl Plain {
 
 /// A description in plain values: immutable, comparable and hashable by its values, and printed as the Python
 /// code that creates it.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> asp.Contacts(asp.Gaussian(1.0, 0.1)) == asp.Contacts(asp.Gaussian(1.0, 0.1))
+/// True
+/// >>> asp.Gaussian(1.0, 0.1)
+/// Gaussian(mean=1.0, std=0.1)
 #[pyclass(frozen, subclass, module = "asperity")]
 pub struct Description {
     plain: Plain,

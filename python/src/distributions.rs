@@ -63,6 +63,31 @@ macro_rules! with_attributes {
     };
 }
 
+/// What the class of a parametric distribution shows as its example.
+macro_rules! example {
+    (Gaussian) => {
+        ">>> round(asp.Gaussian(mean=1.0, std=0.1).cdf(1.0), 6)\n0.5"
+    };
+    (Gamma) => {
+        ">>> round(asp.Gamma(mean=1.0, std=0.5).var(), 6)\n0.25"
+    };
+    (Lognormal) => {
+        ">>> round(asp.Lognormal(mean=1.0, std=0.5).mean(), 6)\n1.0"
+    };
+    (Rectangular) => {
+        ">>> asp.Rectangular(min=0.5, max=1.5).pdf(1.0)\n1.0"
+    };
+    (Point) => {
+        ">>> asp.Point(at=1.0).mean()\n1.0"
+    };
+    (Exponential) => {
+        ">>> round(asp.Exponential(mean=2.0).median(), 6)\n1.386294"
+    };
+    (Weibull) => {
+        ">>> round(asp.Weibull(shape=2.0, scale=1.0).sf(1.0), 6)\n0.367879"
+    };
+}
+
 /// The classes of parametric distributions, from their declarations.
 macro_rules! parametric_classes {
     ($(
@@ -76,6 +101,8 @@ macro_rules! parametric_classes {
                 $(#[doc = $doc])+
                 #[doc = "\nParameters\n----------"]
                 $(#[doc = concat!(stringify!($parameter), "\n   ", $($parameter_doc),+)])+
+                #[doc = "\nRaises\n------\nTypeError\n    For an argument of another type.\nValueError\n    For invalid values."]
+                #[doc = concat!("\nExamples\n--------\n>>> import asperity as asp\n", example!($name))]
                 $name($($parameter),+) { $($parameter: Real),+ } => scenario::Law::$name {
                     $($parameter: $parameter.get(stringify!($parameter))?),+
                 },
@@ -183,6 +210,13 @@ classes! {
     ///     Each sample is then a jump of the density, and more than twenty take the master equation minutes. Give
     ///     either stretch and density, or samples.
     ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
+    ///
     /// Examples
     /// --------
     /// >>> import asperity as asp
@@ -240,6 +274,13 @@ classes! {
     ///     The probability of an infinite tail that was truncated at the last boundary; quantities that depend on
     ///     this tail, such as the relaxation length, are then nan.
     ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
+    ///
     /// Examples
     /// --------
     /// >>> import asperity as asp
@@ -276,6 +317,13 @@ classes! {
     /// components
     ///     A list of pairs (weight, distribution), with weights above 0 that sum to 1.
     ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
+    ///
     /// Examples
     /// --------
     /// >>> import asperity as asp
@@ -306,6 +354,13 @@ classes! {
     ///     critical_coupling(law).
     ///     Contacts start at stretch 0. When the unbroken contacts have the stretch x, breaks have contributed κ∫ξ
     ///     P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     ///
     /// Examples
     /// --------

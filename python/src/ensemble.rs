@@ -295,6 +295,13 @@ fn columns(positions: Vec<f64>, snapshots: Snapshots, pull: ensemble::EnsemblePu
 /// Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,),
 /// `edge` of shape (n + 1,), the middles `bin` of the bins, of shape (n,), and `stretch_density` of shape (m,
 /// n), per length.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> pull = asp.Ensemble(asp.Contacts(asp.Gaussian(1.0, 0.1)), size=100, seed=1).pull(3.0, 31)
+/// >>> pull.force.shape, pull.force_error.shape
+/// ((31,), (31,))
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct EnsemblePull {
     ensemble: Py<Ensemble>,

@@ -229,6 +229,13 @@ pub fn arguments(
 ///
 /// Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx. If contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
 /// (Braun and Peyrard 2008, Eqs. 11a and 11d).
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> steady = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).steady_state()
+/// >>> round(steady.kinetic_friction, 3)
+/// 0.505
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyState {
     steady: master::SteadyState,
@@ -259,6 +266,13 @@ impl SteadyState {
     /// Returns
     /// -------
     /// float
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn force_std(&self, size: Real) -> PyResult<f64> {
         let size = size.get("size")?;
         Ok(self.steady.force_std(convert::contacts("size", size)?))
@@ -280,6 +294,13 @@ impl SteadyState {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (displacement: "float; ArrayLike", size = None) -> "float; _Array")]
     fn autocovariance<'py>(
         &self,
@@ -310,6 +331,13 @@ impl SteadyState {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (wave_number: "float; ArrayLike", size = None) -> "float; _Array")]
     fn spectrum<'py>(
         &self,
@@ -335,6 +363,13 @@ impl SteadyState {
     /// Returns
     /// -------
     /// StretchDensity
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
@@ -359,6 +394,11 @@ impl SteadyState {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -388,6 +428,13 @@ impl SteadyState {
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
 /// the Laplace transform of the breaking density of re-formed contacts.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> relaxation = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).relaxation()
+/// >>> bool(relaxation.length > 0.0)
+/// True
 #[pyclass(frozen, module = "asperity")]
 pub struct Relaxation {
     relaxation: master::Relaxation,
@@ -435,6 +482,13 @@ impl Relaxation {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let valid = self.relaxation.valid_from();
@@ -462,6 +516,11 @@ impl Relaxation {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

@@ -25,6 +25,16 @@ use crate::{error, typed, values};
 /// What a fit has found: values of the free numbers with their errors, and how well they describe the curve.
 ///
 /// Printed, or by `summary()`, it is a table. `readings` has the measured curve as the fit describes it.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+/// >>> x = [0.2 * i for i in range(20)]
+/// >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+/// >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+/// >>> round(fitted.params["thresholds.mean"].value, 3)
+/// 1.0
 #[pyclass(frozen, module = "asperity")]
 pub struct Estimates {
     told: FittedNumbers,
@@ -176,6 +186,13 @@ impl Estimates {
     /// Returns
     /// -------
     /// Prediction
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
     fn predict<'py>(
         &self,
@@ -259,6 +276,13 @@ impl Estimates {
     /// Returns
     /// -------
     /// Profile
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
     fn profile<'py>(
         &self,
@@ -298,6 +322,13 @@ impl Estimates {
     /// Returns
     /// -------
     /// (float, float)
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -324,6 +355,13 @@ impl Estimates {
     ///     ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
     ///     The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
     ///     errors whose size is estimated, ln L is the highest for any size.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (values: "ArrayLike"))]
     fn log_likelihood<'py>(
         &self,
@@ -406,6 +444,11 @@ impl Estimates {
     /// Returns
     /// -------
     /// (matplotlib.axes.Axes, ...)
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (axes: "Sequence[Axes] | None" = None, **style: "Any") -> "tuple[Axes, ...]")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

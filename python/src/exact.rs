@@ -17,6 +17,12 @@ use crate::{error, typed};
 /// up to where the sums would become long. For every density p of thresholds with n-fold convolutions p_n,
 /// F'(X) = 1 - X Σ p_n(X)/n. Each closed form is the sum of this series for one family, and none shares code
 /// with the solvers.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> isinstance(asp.exact.Identical(1.0), asp.exact.ClosedForm)
+/// True
 #[pyclass(frozen, subclass, module = "asperity.exact")]
 pub struct ClosedForm {
     form: Box<dyn exact::ClosedForm + Send + Sync>,
@@ -43,6 +49,13 @@ impl ClosedForm {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.force(x))
@@ -59,6 +72,13 @@ impl ClosedForm {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.slope(x))
@@ -94,6 +114,13 @@ impl ClosedForm {
 ///     Of the thresholds, above 0.
 /// initial_mean, initial_std
 ///     Of the stretches at X = 0, 0 or above.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> curve = asp.exact.Gaussian(mean=1.0, std=0.1)
+/// >>> round(curve.kinetic_friction, 3)
+/// 0.505
 #[pyclass(frozen, extends = ClosedForm, name = "ExactGaussian", module = "asperity.exact")]
 pub struct Gaussian(exact::Gaussian);
 
@@ -120,6 +147,13 @@ impl Gaussian {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
@@ -135,6 +169,13 @@ impl Gaussian {
     /// Returns
     /// -------
     /// complex
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn relaxation_root<'py>(&self, py: Python<'py>, j: Whole) -> PyResult<Bound<'py, PyComplex>> {
         let j = j.get("j")?;
         if j == 0 {
@@ -159,6 +200,13 @@ impl Gaussian {
 }
 
 /// Thresholds uniformly distributed from min, 0 or above, to max, above min.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> curve = asp.exact.Rectangular(min=0.5, max=1.5)
+/// >>> round(curve.force(0.4), 3)
+/// 0.4
 #[pyclass(frozen, extends = ClosedForm, name = "ExactRectangular", module = "asperity.exact")]
 pub struct Rectangular(exact::Rectangular);
 
@@ -216,6 +264,13 @@ impl Rectangular {
 /// ----------
 /// mean, std
 ///     Mean and standard deviation, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> curve = asp.exact.Gamma(mean=1.0, std=0.5)
+/// >>> round(curve.kinetic_friction, 3)
+/// 0.625
 #[pyclass(frozen, extends = ClosedForm, name = "ExactGamma", module = "asperity.exact")]
 pub struct Gamma(exact::Gamma);
 
@@ -243,6 +298,13 @@ impl Gamma {
 ///     A whole number, 1 or above.
 /// rate
 ///     Per length, above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> curve = asp.exact.Erlang(shape=4, rate=4.0)
+/// >>> round(curve.kinetic_friction, 3)
+/// 0.625
 #[pyclass(frozen, extends = ClosedForm, name = "ExactErlang", module = "asperity.exact")]
 pub struct Erlang(exact::Erlang);
 
@@ -273,6 +335,12 @@ impl Erlang {
 /// ----------
 /// threshold
 ///     A length above 0.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> asp.exact.Identical(1.0).force(0.75)
+/// 0.75
 #[pyclass(frozen, extends = ClosedForm, name = "ExactIdentical", module = "asperity.exact")]
 pub struct Identical(exact::Identical);
 
@@ -293,6 +361,13 @@ impl Identical {
 /// Quenched thresholds of any distribution: each contact keeps its own for ever.
 ///
 /// F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> curve = asp.exact.Quenched(asp.Gaussian(1.0, 0.1))
+/// >>> round(curve.kinetic_friction, 3)
+/// 0.5
 #[pyclass(frozen, name = "ExactQuenched", module = "asperity.exact")]
 pub struct Quenched(exact::Quenched);
 
@@ -315,6 +390,13 @@ impl Quenched {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))
@@ -355,6 +437,13 @@ fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, S
 /// -------
 /// float
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -388,6 +477,13 @@ pub fn kinetic_friction(thresholds: Argument<AnyLaw>, reforming: Option<Argument
 /// -------
 /// float
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -410,6 +506,13 @@ pub fn kinetic_friction_per_threshold(thresholds: Argument<AnyLaw>) -> PyResult<
 /// -------
 /// float
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -431,6 +534,13 @@ pub fn steady_variance(thresholds: Argument<AnyLaw>) -> PyResult<f64> {
 /// Returns
 /// -------
 /// float
+///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
 ///
 /// Examples
 /// --------

@@ -144,6 +144,15 @@ pub fn fit_steady(
 /// describe the record.
 ///
 /// Printed, or by `summary()`, it is a table. `spectrum` has the periodogram of the record with its expectation.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=2000, stiffness=0.0005)
+/// >>> force = asp.Ensemble(contacts, size=2000, seed=1).pull(60.0, 2401).force[400:]
+/// >>> found = asp.fit_steady(contacts, 0.025, force, free=["thresholds.mean"], reading=1e-5)
+/// >>> bool(abs(found.params["thresholds.mean"].value - 1.0) < 0.05)
+/// True
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyEstimates {
     told: FittedNumbers,
@@ -286,6 +295,13 @@ impl SteadyEstimates {
     /// Returns
     /// -------
     /// (float, float)
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -354,6 +370,11 @@ impl SteadyEstimates {
     /// Returns
     /// -------
     /// matplotlib.axes.Axes
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

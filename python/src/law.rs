@@ -77,6 +77,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn pdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
@@ -93,6 +98,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn cdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.cumulative(x))
@@ -109,6 +119,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn sf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.survival(x))
@@ -125,6 +140,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logsf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
@@ -141,6 +161,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logpdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| law::ln_density(self.built.as_ref(), x))
@@ -157,6 +182,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logcdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| {
@@ -177,6 +207,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn hazard<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.hazard(x))
@@ -193,6 +228,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn ppf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.quantile(q))
@@ -210,6 +250,11 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn isf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.upper_quantile(q))
@@ -234,6 +279,13 @@ impl Law {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, random_state: "_Seed | None" = None, *, seed: "_Seed | None" = None) -> "float; _Array")]
     fn rvs<'py>(
         &self,
@@ -316,6 +368,13 @@ impl Law {
     /// Returns
     /// -------
     /// (float, float)
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn interval(&self, confidence: Real) -> PyResult<(f64, f64)> {
         let confidence = confidence.get("confidence")?;
         if !(0.0..=1.0).contains(&confidence) {
@@ -336,6 +395,11 @@ impl Law {
     /// Returns
     /// -------
     /// float or tuple[float, ...]
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (moments = Argument::text("mv")) -> "float | tuple[float, ...]", text_signature = "($self, moments='mv')")]
     fn stats<'py>(&self, py: Python<'py>, moments: Argument<String>) -> PyResult<Bound<'py, PyAny>> {
         let moments = moments.get("moments")?;
@@ -390,6 +454,13 @@ impl Law {
     /// Returns
     /// -------
     /// float
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = Argument::new(false)), text_signature = "($self, func=None, *, lb=None, ub=None, conditional=False)")]
     fn expect(
         &self,
@@ -433,6 +504,13 @@ impl Law {
     /// -------
     /// Law
     ///     One of this class.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[classmethod]
     #[pyo3(signature = (samples: "ArrayLike") -> "Self")]
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -457,6 +535,13 @@ impl Law {
     /// Returns
     /// -------
     /// float
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn moment(&self, order: Whole) -> PyResult<f64> {
         let order = order.get("order")?;
         if order > 29 {
@@ -479,6 +564,11 @@ impl Law {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -543,6 +633,13 @@ pub fn plain<'a>(law: &'a Bound<'_, Law>) -> &'a scenario::Law {
 /// Returns
 /// -------
 /// float
+///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
 ///
 /// Examples
 /// --------

@@ -90,6 +90,13 @@ pub fn interface_arguments(interface: &Interface, into: &Bound<'_, PyDict>) -> P
 }
 
 /// Contacts and their initial state.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+/// >>> isinstance(theory, asp.Model), theory.contacts.count
+/// (True, 1.0)
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Model;
 
@@ -279,6 +286,11 @@ impl Model {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

@@ -18,6 +18,17 @@ use crate::{typed, values};
 ///
 /// Printed, or by `summary()`, it is a table. Numbers of which the fit knows only a limit keep their estimates and are not
 /// among those that are drawn.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), count=1000)
+/// >>> x = [0.2 * i for i in range(20)]
+/// >>> force = asp.MasterEquation(contacts).pull(4.0)(x)
+/// >>> fitted = asp.fit(contacts, x, force, free=["thresholds.mean"])
+/// >>> posterior = fitted.sample(draws=50, chains=2, seed=1)
+/// >>> posterior.draws["thresholds.mean"].shape
+/// (2, 50)
 #[pyclass(frozen, module = "asperity")]
 pub struct Posterior {
     drawn: posterior::Posterior,

@@ -23,6 +23,13 @@ use crate::{error, typed, values};
 /// N_c contacts.
 ///
 /// Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(distance=5.0, points=51)
+/// >>> pull.force.shape, round(pull.kinetic_friction, 3)
+/// ((51,), 0.505)
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct Pull {
     equation: Py<MasterEquation>,
@@ -212,6 +219,13 @@ impl Pull {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -234,6 +248,13 @@ impl Pull {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -251,6 +272,13 @@ impl Pull {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn breaking_rate_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -271,6 +299,13 @@ impl Pull {
     /// -------
     /// float or numpy.ndarray
     ///     A number for a number, an array of the same shape for an array.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (size, at: "float; ArrayLike | None" = None) -> "float; _Array")]
     fn force_std<'py>(
         slf: &Bound<'py, Self>,
@@ -300,6 +335,13 @@ impl Pull {
     /// Returns
     /// -------
     /// numpy.ndarray
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (at: "ArrayLike", size = None))]
     fn covariance<'py>(
         &self,
@@ -333,6 +375,13 @@ impl Pull {
     /// Returns
     /// -------
     /// numpy.ndarray
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (at: "ArrayLike", count, size = None, *, seed))]
     fn sample_paths<'py>(
         &self,
@@ -371,6 +420,11 @@ impl Pull {
     /// Returns
     /// -------
     /// matplotlib.axes.Axes
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(
         signature = (
             ax: "Axes | None" = None, *, kind: "str | None" = None, size = None, paths = Whole::new(0), seed = None,
@@ -434,6 +488,13 @@ impl Pull {
     /// Returns
     /// -------
     /// Gradient
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn gradient(slf: &Bound<'_, Self>, parameter: Argument<String>) -> PyResult<Gradient> {
         let parameter = parameter.get("parameter")?;
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
@@ -452,6 +513,13 @@ impl Pull {
     /// Returns
     /// -------
     /// list[Gradient]
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn gradients(slf: &Bound<'_, Self>, parameters: Argument<Vec<String>>) -> PyResult<Vec<Gradient>> {
         let parameters = parameters.get("parameters")?;
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
@@ -472,6 +540,13 @@ impl Pull {
     /// Returns
     /// -------
     /// FrictionGradient
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn friction_gradient(&self, py: Python<'_>, parameter: Argument<String>) -> PyResult<FrictionGradient> {
         let parameter = parameter.get("parameter")?;
         let pull = self.solution(py)?;
@@ -489,6 +564,13 @@ impl Pull {
     /// Returns
     /// -------
     /// list[FrictionGradient]
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     fn friction_gradients(
         &self,
         py: Python<'_>,
@@ -515,6 +597,13 @@ impl Pull {
     /// Returns
     /// -------
     /// ThresholdResponse
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (thresholds: "ArrayLike"))]
     fn threshold_response(
         slf: &Bound<'_, Self>,
@@ -541,6 +630,13 @@ impl Pull {
     /// Returns
     /// -------
     /// StretchDensity
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (at: "ArrayLike", stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
@@ -571,6 +667,16 @@ impl Pull {
 }
 
 /// The derivative of the force on a pull by a parameter, called with positions: `gradient(5.0)`.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+/// >>> gradient = pull.gradient("thresholds.mean")
+/// >>> gradient.parameter
+/// 'thresholds.mean'
+/// >>> gradient([0.5, 1.0]).shape
+/// (2,)
 #[pyclass(frozen, module = "asperity")]
 pub struct Gradient {
     gradient: master::Gradient,
@@ -605,6 +711,11 @@ impl Gradient {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -628,6 +739,14 @@ impl Gradient {
 /// The response of the force on a pull to the probability of n single thresholds, a force per unit of probability.
 ///
 /// Called with a position it is an array of shape (n,), with a list of m positions one of shape (n, m).
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+/// >>> response = pull.threshold_response([0.9, 1.1])
+/// >>> response(1.5).shape
+/// (2,)
 #[pyclass(frozen, module = "asperity")]
 pub struct ThresholdResponse {
     response: master::ThresholdResponse,
@@ -667,6 +786,13 @@ impl ThresholdResponse {
     /// Returns
     /// -------
     /// numpy.ndarray
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (position: "ArrayLike", weights: "ArrayLike"))]
     fn adjoint<'py>(
         &self,
@@ -694,6 +820,11 @@ impl ThresholdResponse {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -719,6 +850,14 @@ impl ThresholdResponse {
 }
 
 /// The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0)
+/// >>> change = pull.friction_gradient("thresholds.mean")
+/// >>> round(change.kinetic_friction, 3)
+/// 0.495
 #[pyclass(frozen, module = "asperity")]
 pub struct FrictionGradient {
     gradient: master::FrictionGradient,
@@ -763,6 +902,11 @@ impl FrictionGradient {
     /// -------
     /// matplotlib.axes.Axes
     ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

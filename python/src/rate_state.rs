@@ -23,6 +23,16 @@ enum NoiseWord {
 /// 95 % interval. Made by read_velocity_step.
 ///
 /// Called with positions relative to the step it is the fitted force.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> import numpy as np
+/// >>> x = np.linspace(-5.0, 10.0, 301)
+/// >>> force = 0.6 + np.where(x < 0.0, 0.0, 0.01 - 0.02 * (1.0 - np.exp(-x)))
+/// >>> step = asp.read_velocity_step(x, force, 10.0)
+/// >>> round(step.distance.value, 2)
+/// 1.0
 #[pyclass(frozen, module = "asperity")]
 pub struct VelocityStep {
     read: MeasuredVelocityStep,
@@ -134,6 +144,11 @@ impl VelocityStep {
     /// Returns
     /// -------
     /// matplotlib.axes.Axes
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -245,6 +260,15 @@ pub fn read_velocity_step(
 /// read_healing.
 ///
 /// Called with hold times it is the fitted static friction.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> import numpy as np
+/// >>> hold = np.array([1.0, 10.0, 100.0, 1000.0])
+/// >>> healing = asp.read_healing(hold, 0.6 + 0.01 * np.log1p(hold))
+/// >>> round(float(healing(100.0)), 3)
+/// 0.646
 #[pyclass(frozen, module = "asperity")]
 pub struct Healing {
     read: MeasuredHealing,
@@ -316,6 +340,11 @@ impl Healing {
     /// Returns
     /// -------
     /// matplotlib.axes.Axes
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If matplotlib is not installed.
     #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

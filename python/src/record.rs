@@ -26,6 +26,13 @@ struct Column {
 }
 
 /// Results: a mapping from the names of variables to read-only arrays.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> pull = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1))).pull(3.0, 31)
+/// >>> isinstance(pull, asp.Record), pull["force"].shape
+/// (True, (31,))
 #[pyclass(frozen, mapping, subclass, module = "asperity")]
 pub struct Record {
     columns: Vec<Column>,
@@ -205,6 +212,11 @@ impl Record {
     /// Returns
     /// -------
     /// numpy.ndarray or None or numpy.ndarray or _T
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
     #[pyo3(signature = (key, default: "None; _Array | _T" = None, /) -> "_Array | None; _Array | _T")]
     fn get<'py>(
         &self,

@@ -25,6 +25,13 @@ use crate::{convert, error, typed, values};
 /// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
 ///
 /// The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> result = asp.run({"contacts": {"thresholds": asp.Gaussian(1.0, 0.1)}, "pull": {"points": 11}})
+/// >>> result["force"].shape, round(result.kinetic_friction, 3)
+/// ((11,), 0.505)
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct Result {
     scenario: String,

@@ -24,6 +24,11 @@ use crate::typed;
 ///     ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
 ///     E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -82,6 +87,12 @@ impl Temperature {
 
 /// Ageing: thresholds that change with the age of a contact. Its models are Smoluchowski, FrozenRank,
 /// Logarithmic and MeanField.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> isinstance(asp.Logarithmic(growth=0.1, time=1.0), asp.Ageing)
+/// True
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Ageing;
 
@@ -125,6 +136,13 @@ impl Ageing {
 /// diffusion
 ///     The diffusion coefficient D, stretch² per time, above 0.
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -167,6 +185,13 @@ impl Smoluchowski {
 /// time
 ///     The time scale of maturing, above 0.
 ///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
+///
 /// Examples
 /// --------
 /// >>> import asperity as asp
@@ -207,6 +232,11 @@ impl FrozenRank {
 ///     Β, 0 or above.
 /// time
 ///     Τ_0, above 0.
+///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
 ///
 /// Examples
 /// --------
@@ -251,6 +281,13 @@ impl Logarithmic {
 ///     The mature distribution P_cf.
 /// diffusion
 ///     The diffusion coefficient D, stretch² per time, above 0.
+///
+/// Raises
+/// ------
+/// TypeError
+///     For an argument of another type.
+/// ValueError
+///     For invalid values.
 ///
 /// Examples
 /// --------

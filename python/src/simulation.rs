@@ -33,6 +33,15 @@ struct Heading {
 ///
 /// Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
 /// simulation while another thread advances it raises RuntimeError.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+/// >>> simulation = asp.Block(theory, 0.3).simulation()
+/// >>> _ = simulation.advance(1.0)
+/// >>> simulation.drive
+/// 1.0
 #[pyclass(frozen, module = "asperity")]
 pub struct Simulation {
     model: Py<PyAny>,

@@ -22,6 +22,14 @@ use crate::{error, typed, values};
 /// `slip_time`, `slip_position`, …; for an ensemble the sizes of events, `size`, `size_events`, …. For motion
 /// in time the trace also has `time`, `velocity` and `free` (the detached fraction of the contacts), and there
 /// are no time course and no sizes.
+///
+/// Examples
+/// --------
+/// >>> import asperity as asp
+/// >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.05)))
+/// >>> run = asp.Block(theory, 1.0).drive(5.0)
+/// >>> len(run.events) > 0
+/// True
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct StickSlip {
     block: Py<Block>,

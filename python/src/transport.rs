@@ -244,6 +244,13 @@ impl Transport {
     /// -------
     /// Simulation
     ///     A simulation that advances step by step, at X = 0.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For an argument of another type.
+    /// ValueError
+    ///     For invalid values.
     #[pyo3(signature = (*, velocity))]
     fn simulation(slf: &Bound<'_, Self>, velocity: Real) -> PyResult<Simulation> {
         let velocity = velocity.get("velocity")?;

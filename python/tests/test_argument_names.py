@@ -262,3 +262,13 @@ def handed(call: Callable[..., Any], given: dict[str, Any]) -> object:
     """The callable with these arguments, by position where it knows them so."""
     ordered = [one for one, it in inspect.signature(call).parameters.items() if it.kind is it.POSITIONAL_ONLY]
     return call(*(given.pop(one) for one in ordered if one in given), **given)
+
+
+def test_objects_that_are_called_name_the_argument() -> None:
+    # They show no signature.
+    named = {name: "hold" if name == "Healing" else "position" for name in OBJECTS if callable(OBJECTS[name])}
+    assert {"Pull", "Gradient", "ThresholdResponse", "Healing", "VelocityStep"} <= set(named)
+    for name, argument in named.items():
+        for wrong in (object(), "far", None):
+            with pytest.raises(TypeError, match=rf"^{argument}\b"):
+                OBJECTS[name](wrong)

@@ -136,10 +136,12 @@ fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<V
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
     let record = &outcome.record;
     let mut entries = vec![style::line("master equation", BLUE, None)];
+    let has_atoms = record.get("stretch_atom_weight").is_some();
     if record.get("ensemble_stretch_density").is_some() {
-        entries.push(style::area(style::sized_ensemble(outcome), "#F5D58C"));
+        let cut = if has_atoms { ", point masses up to the frame" } else { "" };
+        entries.push(style::area(style::sized_ensemble(outcome) + cut, "#F5D58C"));
     }
-    if record.get("stretch_atom_weight").is_some() {
+    if has_atoms {
         entries.push(style::marker("point mass, 1 = full height", BLUE, MarkerShape::Circle));
     }
     entries
