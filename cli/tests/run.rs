@@ -43,7 +43,7 @@ fn plot_draws_the_pictures_of_a_run_anew() {
     let before = contents(&results);
     // The same pictures from result.nc, and more of them.
     assert_eq!(
-        folder.succeed(&["plot", "out/quick"]),
+        folder.succeed(&["plot", "out/quick", "--figures", "svg,png"]),
         "pictures               force, evolution, distribution (svg, png)\n"
     );
     assert_eq!(contents(&results), before);
@@ -143,7 +143,10 @@ fn pictures_are_those_that_are_asked_for() {
     assert_eq!(pictures(&[]), ["distribution.svg", "evolution.svg", "force.svg"]);
     let expected = ["distribution.pdf", "evolution.pdf", "force.pdf"];
     assert_eq!(pictures(&["--figures", "pdf", "--no-title", "--figure-width", "86"]), expected);
-    assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]"]).len(), 3);
+    assert_eq!(pictures(&["--set", "figure.formats=[\"pdf\"]"]), expected);
+    // Only PNG has dots.
+    assert_eq!(pictures(&["--figure-dpi", "50"]).len(), 6);
+    assert_eq!(pictures(&["--figures", "svg", "--figure-dpi", "50"]).len(), 3);
     assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]", "--figures", "pdf"]), expected);
     for (options, expected) in [
         (&["--figures", "eps"][..], "possible values: svg, png, pdf"),
