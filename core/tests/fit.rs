@@ -195,6 +195,34 @@ fn behind(compliance: f64, loadings: &[Measurement; 2], is_free: bool, errors: E
     Fit::new(guess, first).curve(second).free(free).errors(errors).run().unwrap()
 }
 
+/// Behind a compliance far from the true one the contacts of a guess break in other places: a search from there would end where
+/// contacts of small thresholds slide steadily.
+#[test]
+fn first_values_of_a_compliance_may_be_far_off() {
+    let loadings = loadings(2e-4);
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    let run = |[mean, std]: [f64; 2], compliance: f64| {
+        let machine = Machine { compliance, ..Machine::default() };
+        let [first, second] = loadings.clone().map(|loading| Measurement { machine, ..loading });
+        let guess =
+            MasterEquation::new(contacts(1800.0, [mean, std], spread()), &Initial::default()).unwrap();
+        let free = ["thresholds.mean", "thresholds.std", "count", "compliance"];
+        let found = Fit::new(guess, first).curve(second).free(free).errors(white).run().unwrap();
+        assert!(found.converged, "from {mean}, {std}, {compliance}");
+        found.parameters
+    };
+    let near = run([1.0, 0.12], 2e-4);
+    for guess in [[0.9, 0.2], [1.0, 0.12], [1.2, 0.2], [0.8, 0.1], [3.0, 0.5]] {
+        for compliance in [2e-5, 5e-5, 1e-4, 2e-4, 4e-4] {
+            for (found, near) in run(guess, compliance).iter().zip(&near) {
+                // Searches end within a thousandth of an error of the same place, along a valley that is hardly curved.
+                let apart = (found.value - near.value).abs();
+                assert!(apart < 0.02 * near.error, "from {guess:?}, {compliance}: {found:?}");
+            }
+        }
+    }
+}
+
 /// Before a slip, a stiffer machine and contacts of larger thresholds make nearly the same curve, but not the same one.
 #[test]
 fn a_compliance_is_found_from_loadings_before_a_slip() {

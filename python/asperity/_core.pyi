@@ -1186,6 +1186,10 @@ class Estimates:
     def covariance(self, /) -> _Array:
         """The covariance of the estimates in the order of `params`, shape (n, n)."""
 
+    @property
+    def fixed(self, /) -> dict[str, float]:
+        """The numbers that were not free: those of the contacts, and those of the machine that are not 0."""
+
     def free_form(self, /, kernels: SupportsIndex = 36, *, progress: _Progress = None) -> FreeForm:
         """The thresholds of free form that fit the curve: a density without a name, as smooth as the curve allows.
 
@@ -4139,6 +4143,10 @@ class SteadyEstimates:
     @property
     def covariance(self, /) -> _Array:
         """The covariance of the estimates in the order of `params`, shape (n, n)."""
+
+    @property
+    def fixed(self, /) -> dict[str, float]:
+        """The numbers that were not free: those of the contacts, and the offset if it is not 0."""
 
     def friction(self, /) -> FrictionEstimates:
         """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from

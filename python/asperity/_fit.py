@@ -48,8 +48,9 @@ def steady_summary(fit: "SteadyEstimates") -> str:
 
 
 def rows(fit: "Estimates | SteadyEstimates") -> dict[str, str]:
-    """Estimates, large correlations, and how well the readings are described."""
+    """Estimates, fixed numbers, large correlations, and how well the readings are described."""
     rows = {name: estimate(one) for name, one in fit.params.items()}
+    rows |= {name: f"{value:.6g} (fixed)" for name, value in fit.fixed.items()}
     for one in fit.correlations:
         rows[f"correlation of {' and '.join(one.between)}"] = f"{one.coefficient:.2f}"
     if fit.misfit is not None:

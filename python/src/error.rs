@@ -10,11 +10,17 @@ use pyo3::exceptions::{
 use pyo3::prelude::*;
 
 /// Wrong values are `ValueError`, results that would not fit `MemoryError` (as in NumPy), an accuracy that was not
-/// reached `RuntimeError` (as in SciPy), a stop `KeyboardInterrupt`; the text is that of the core.
+/// reached `RuntimeError` (as in SciPy), a stop `KeyboardInterrupt`; the text is that of the core, with the most similar of the
+/// names that were expected.
 pub fn core(error: Error) -> PyErr {
     let text = error.to_string();
     match error {
-        Error::Invalid { .. } => PyValueError::new_err(text),
+        Error::Invalid { expected, found, .. } => {
+            let name = found.trim_matches('"');
+            let nearest = input::nearest_expected(&expected, name);
+            let help = nearest.map_or(String::new(), |nearest| format!(" (did you mean {nearest}?)"));
+            PyValueError::new_err(text + &help)
+        }
         Error::TooLarge { .. } => PyMemoryError::new_err(text),
         Error::Stopped => PyKeyboardInterrupt::new_err(text),
         _ => PyRuntimeError::new_err(text),

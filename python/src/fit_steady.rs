@@ -6,7 +6,7 @@ use asperity::record::{self, Quantity};
 use asperity::scenario::Units;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
 use crate::contacts::Contacts;
@@ -198,6 +198,12 @@ impl SteadyEstimates {
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
         values::estimates(py, &self.told.parameters())
+    }
+
+    /// The numbers that were not free: those of the contacts, and the offset if it is not 0.
+    #[getter]
+    fn fixed<'py>(&self, py: Python<'py>) -> PyResult<typed::Fixed<'py>> {
+        Ok(typed::Fixed(self.told.fixed.clone().into_py_dict(py)?.into_any()))
     }
 
     /// The covariance of the estimates in the order of `params`, shape (n, n).

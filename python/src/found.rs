@@ -25,6 +25,8 @@ pub struct FittedNumbers {
     pub solutions: usize,
     /// How well the measurement is described.
     pub misfit: Option<fit::Misfit>,
+    /// The numbers that were not free.
+    pub fixed: Vec<(String, f64)>,
     /// The standard deviation of the independent error of a reading.
     pub reading: f64,
     /// The reading of the force where there is none.
@@ -43,6 +45,7 @@ impl FittedNumbers {
             converged: found.converged,
             solutions: found.solutions,
             misfit: found.misfit,
+            fixed: found.fixed(),
             reading: found.reading,
             offset: found.machine(0).offset,
             readings: found.readings.iter().map(|curve| curve.expected.len()).sum(),
@@ -58,6 +61,7 @@ impl FittedNumbers {
             converged: found.converged,
             solutions: found.solutions,
             misfit: Some(found.misfit),
+            fixed: found.fixed(),
             reading: found.reading,
             offset: found.offset,
             readings: found.record().forces.len(),

@@ -90,6 +90,7 @@ objects! {
     StretchDensity: "StretchDensity",
     StaticFriction: "StaticFriction",
     Estimates: "dict[str, Estimate]",
+    Fixed: "dict[str, float]",
     Laws: "dict[str, Estimates]",
     Correlations: "list[Correlation]",
     Misfit: "Misfit",

@@ -39,6 +39,7 @@ def test_the_numbers_of_a_simulated_curve_are_found() -> None:
     # The readings of the ensemble are exact.
     assert FOUND.params["reading"].limit is not None
     assert list(FOUND.params)[:4] == list(NAMES)
+    assert FOUND.fixed == {"reforming.mean": 0.1, "reforming.std": 0.03}
 
 
 def test_what_is_found_fits_together() -> None:
@@ -198,6 +199,8 @@ def test_the_machine_is_fitted() -> None:
     true = dict(compliance=compliance, offset=30.0, trend=4.0, origin=0.2, **{"thresholds.mean": 1.0})
     for name, value in true.items():
         assert abs(fit.params[name].value - value) < 4 * fit.params[name].error, name
+    # Of the machine, nothing is fixed.
+    assert set(fit.fixed) == {"thresholds.std", "reforming.mean", "reforming.std", "count", "stiffness"}
     # The errors of the fitted numbers move the slider by less.
     np.testing.assert_allclose(fit.readings["slider_position"], slider, atol=0.01)
     # The same numbers through another call: solutions to 1e-10.
@@ -342,7 +345,8 @@ POSITIONS = list(POSITION)
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "unknown": (
         lambda: asp.fit(GUESS, POSITION, SIMULATED, free=["threshold.mean"]),
-        r"free\.0: expected one of thresholds\.mean, .*compliance, .*, background, got threshold\.mean",
+        r"free\.0: expected one of thresholds\.mean, .*compliance, .*, background, "
+        r"got threshold\.mean \(did you mean thresholds\.mean\?\)$",
     ),
     "none": (
         lambda: asp.fit(GUESS, POSITION, SIMULATED, free=[]),
@@ -465,6 +469,7 @@ def test_the_summary_says_what_is_known_and_what_is_not() -> None:
     assert re.search(
         r"^  thresholds\.mean +(0\.9|1\.0)\d* ± 0\.00\d+, \d\.\d+ to \d\.\d+ \(95 %\)$", text, re.M
     )
+    assert re.search(r"^  reforming\.mean +0\.1 \(fixed\)$", text, re.M)
     assert re.search(r"^  reading +below \S+ \(95 %\)$", text, re.M)
     assert re.search(r"^  correlation of count and stiffness +-1\.00$", text, re.M)
     assert "trust" not in text

@@ -29,6 +29,7 @@ def test_the_numbers_of_a_simulated_record_are_found() -> None:
     assert FOUND.params["count"].error < 0.1 * 2000
     assert not FOUND.misfit.unlikely
     assert (FOUND.reading, FOUND.offset) == (0.0, 0.0)
+    assert FOUND.fixed == {"reforming.mean": 0.1, "reforming.std": 0.03}
 
 
 def test_what_is_found_fits_together() -> None:

@@ -1,5 +1,6 @@
 """Records of experiments: files, motions of the load point, and what is read from them."""
 
+import csv
 import os
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
+from scipy.optimize import curve_fit
 
 TEXT = """# made up
 Time (s),Displ (µm),Shear stress [MPa],Normal stress [MPa]
@@ -145,3 +147,86 @@ def test_steps_of_a_laboratory(
         assert 5.0 < found.distance.value < 8.5
     else:
         assert found.a_minus_b.value > 4.0 * found.a_minus_b.error
+
+
+def loadings() -> tuple[list[list[float]], list[list[float]]]:
+    """Times since an event and stresses (MPa) at both ends of each loading between events of a catalogue."""
+    folder = Path(os.environ["ASPERITY_LAB_DATA"]) / "stick-slip-events-okubo-2025"
+    with (folder / "Macroscopic_stats_FB03_087.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    time, before, after = (
+        [float(row[name]) for row in rows]
+        for name in (
+            "event_starttime[s]",
+            "macroshearstress_beforeevent[MPa]",
+            "macroshearstress_afterevent[MPa]",
+        )
+    )
+    events = range(len(rows) - 1)
+    return (
+        [[0.0, time[i + 1] - time[i]] for i in events],
+        [[after[i], before[i + 1]] for i in events],
+    )
+
+
+@pytest.mark.skipif(not os.environ.get("ASPERITY_LAB_DATA"), reason="ASPERITY_LAB_DATA is not set")
+def test_loadings_between_events_of_a_laboratory_are_fitted_together() -> None:
+    """55 curves of two readings each: the stress that the last event has left is a number of each of them,
+    the loading is common. Against least squares on the rises, in which the stresses left cancel.
+    """
+    times, stresses = loadings()
+    wait, rise = np.diff(times)[:, 0], np.diff(stresses)[:, 0]
+    left = [f"curve.{cycle}.offset" for cycle in range(len(times))]
+    # Contacts that hold throughout: a loading in proportion to the time.
+    holding = asp.Contacts(asp.Gaussian(1e3, 10.0), stiffness=0.01)
+    line = asp.fit(holding, times, stresses, free=["stiffness", *left], noise="white")
+    slope = float(wait @ rise / (wait @ wait))
+    error = np.sqrt(np.sum((rise - slope * wait) ** 2) / (len(wait) - 1) / (wait @ wait))
+    rate = line.params["stiffness"]
+    # The search ends within a thousandth of an error; errors are those of its end, of a logarithm.
+    assert rate.value == pytest.approx(slope, abs=1e-2 * error)
+    assert rate.error == pytest.approx(error, rel=1e-2)
+    # Contacts that break: exponential thresholds of mean m, and stretches 0 after an event, so that
+    # F = k m (1 - exp(-x/m)).
+    breaking = asp.Contacts(asp.Exponential(2.0), stiffness=0.01)
+    names = ["stiffness", "thresholds.mean"]
+    found = asp.fit(breaking, times, stresses, free=[*names, *left], noise="white")
+    values, covariance = curve_fit(lambda x, k, m: k * m * (1.0 - np.exp(-x / m)), wait, rise, p0=(0.01, 2.0))
+    for name, value, error in zip(names, values, np.sqrt(np.diag(covariance)), strict=True):
+        assert found.params[name].value == pytest.approx(value, abs=1e-2 * error), name
+        assert found.params[name].error == pytest.approx(error, rel=1e-2), name
+    # The stress left is that at both ends less the fitted rise, on the mean.
+    k, m = values
+    stress = np.mean(stresses, axis=1) - 0.5 * k * m * (1.0 - np.exp(-wait / m))
+    estimates = [found.params[name].value for name in left]
+    assert estimates == pytest.approx(stress, abs=1e-2 * found.reading)
+    assert line.misfit is not None
+    assert found.misfit is not None
+    # Numbers of the page "What a curve cannot tell", to half of their last digits.
+    told = [*rate[:2], *found.params["stiffness"][:2], *found.params["thresholds.mean"][:2]]
+    digits = [1e-5, 1e-5, 1e-4, 1e-4, 1e-2, 1e-2]
+    for value, page, digit in zip(told, [0.00445, 0.00021, 0.0188, 0.0018, 1.12, 0.12], digits, strict=True):
+        assert value == pytest.approx(page, abs=0.5 * digit)
+    assert line.misfit.akaike - found.misfit.akaike == pytest.approx(308, abs=0.5)
+    # Two readings with an offset of their own have opposite residuals, which tell nothing of the errors.
+    assert found.misfit.whiteness == 1.0
+    assert not found.misfit.unlikely
+    # The same by the scenario.
+    result = asp.run(
+        {
+            "contacts": {"thresholds": {"exponential": {"mean": 2.0}}, "stiffness": 0.01},
+            "fit": {
+                "noise": "white",
+                "free": [
+                    "contacts.stiffness",
+                    "contacts.thresholds.exponential.mean",
+                    *(f"fit.{name}" for name in left),
+                ],
+                "curve": [
+                    {"position": at, "force": stress} for at, stress in zip(times, stresses, strict=True)
+                ],
+            },
+        }
+    )
+    keyed = [number["value"] for number in result.summary["fit"]["numbers"]]
+    assert keyed == [one.value for one in found.params.values()]

@@ -58,6 +58,9 @@ fn the_numbers_that_made_the_shipped_curve_are_found() {
         assert_eq!(number.key, key);
         assert!((number.value - value).abs() < 3.0 * number.error, "{number:?}");
     }
+    let fixed: Vec<(&str, f64)> =
+        found.fixed.iter().map(|number| (number.key.as_str(), number.value)).collect();
+    assert_eq!(fixed, [("contacts.reforming.gaussian.mean", 0.1), ("contacts.reforming.gaussian.std", 0.03)]);
     // N and k are hardly known apart: the noise alone tells the one from the other.
     assert_eq!(found.correlations.len(), 1);
     assert!(found.correlations[0].coefficient < -0.99);
@@ -113,6 +116,90 @@ fn the_file_of_the_curve_is_stated_with_its_hash() {
     assert_eq!(sources[0].name, "measured-pull.csv");
     // By `sha256sum scenarios/measured-pull.csv`.
     assert_eq!(sources[0].sha256, "20a6908872c2ee4a37c906c6c8c29570f0e91ee9e85101b67df4e3658ad4b5d9");
+}
+
+/// The shipped fit with another text in the place of the name of its file, and the rows of a curve as `moved.csv`.
+fn instead_of_the_file(text: &str, rows: &str, overrides: &[&str]) -> Outcome {
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let shipped = fs::read_to_string(scenarios.join("fit.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fit.toml");
+    fs::write(folder.path().join("moved.csv"), format!("position,force\n{rows}")).unwrap();
+    fs::write(&path, shipped.replace("file = \"measured-pull.csv\"", text)).unwrap();
+    let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+    run(&input::read(&path, &overrides).expect("the scenario is valid").scenario, &mut ()).unwrap()
+}
+
+#[test]
+fn zeros_of_force_and_position_are_those_of_the_machine() {
+    let first = fitted(&[]);
+    let of = |name: &str| first.record.values(name).unwrap();
+    let readings = of("reading_position").iter().zip(of("measured_force"));
+    // Each position is read 0.5 too large, and each force 30 and twice the position.
+    let rows: String =
+        readings.map(|(x, force)| format!("{},{}\n", x + 0.5, force + 31.0 + 2.0 * x)).collect();
+    let machine = ["fit.offset=30.0", "fit.trend=2.0", "fit.origin=0.5"];
+    let moved = instead_of_the_file("file = \"moved.csv\"", &rows, &machine);
+    let (found, expected) = (moved.summary.numbers.fit().unwrap(), first.summary.numbers.fit().unwrap());
+    for (number, expected) in found.numbers.iter().zip(&expected.numbers) {
+        // Two searches end within a thousandth of an error of the same place.
+        assert!((number.value - expected.value).abs() < 3e-3 * expected.error, "{number:?} {expected:?}");
+    }
+    let fixed: Vec<f64> =
+        found.fixed.iter().filter(|number| number.key.starts_with("fit.")).map(|n| n.value).collect();
+    assert_eq!(fixed, [30.0, 2.0, 0.5]);
+}
+
+#[test]
+fn errors_a_drift_and_priors_are_taken_from_the_scenario() {
+    let prior = "fit.prior={ 'contacts.stiffness' = { value = 1.0, error = 0.01 } }";
+    let outcome = fitted(&["fit.reading=2.0", "fit.drift={ longest = 0.3 }", prior]);
+    let found = outcome.summary.numbers.fit().unwrap();
+    assert!(found.converged);
+    let keys: Vec<&str> = found.numbers[4..].iter().map(|number| number.key.as_str()).collect();
+    assert_eq!((keys.as_slice(), found.reading), (&["fit.drift.amplitude", "fit.drift.length"][..], 2.0));
+    // The curve alone knows the stiffness to 16 %: hardly anything is added to a prior of 1 %.
+    let stiffness = &found.numbers[3];
+    assert!(
+        (stiffness.value - 1.0).abs() < 0.01 && (0.0095..0.0101).contains(&stiffness.error),
+        "{stiffness:?}"
+    );
+}
+
+#[test]
+fn a_measurement_without_forces_has_about_the_errors_of_the_one_that_was_made() {
+    let made = fitted(&[]);
+    let positions = made.record.values("reading_position").unwrap();
+    let truth = [
+        "contacts.thresholds.gaussian={ mean = 1.0, std = 0.12 }",
+        "contacts.count=2000.0",
+        "contacts.stiffness=1.0",
+        "fit.reading=2.0",
+    ];
+    let planned = instead_of_the_file(&format!("position = {positions:?}"), "", &truth);
+    let (planned, made) = (planned.summary.numbers.fit().unwrap(), made.summary.numbers.fit().unwrap());
+    assert!(planned.misfit.is_none() && planned.sources.is_empty());
+    for (planned, made) in planned.numbers.iter().zip(&made.numbers).take(2) {
+        // Errors go with the square root of the number of contacts, which the curve tells to 16 %.
+        assert!((0.7..1.4).contains(&(planned.error / made.error)), "{planned:?} {made:?}");
+    }
+}
+
+#[test]
+fn thresholds_of_free_form_are_told_and_written() {
+    let outcome = fitted(&["fit.thresholds='free_form'"]);
+    let form = outcome.summary.numbers.fit().unwrap().free_form.unwrap();
+    assert!(form.converged);
+    // The thresholds that made the curve; one curve in 16 000 is farther off.
+    assert!((form.mean.value.0 - 1.0).abs() < 4.0 * form.mean.error.0, "{form:?}");
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&folder.path().join("fit"), &outcome, &[]).unwrap();
+    let table = fs::read_to_string(folder.path().join("fit/thresholds.csv")).unwrap();
+    let heading = "free_form_threshold,free_form_density,free_form_density_low,free_form_density_high,free_form_cumulative,free_form_cumulative_error";
+    assert_eq!(table.lines().next(), Some(heading));
+    let readings = fs::read_to_string(folder.path().join("fit/fit.csv")).unwrap();
+    let heading = "reading_position,measured_force,expected_force,reading_std,whitened_residual";
+    assert_eq!(readings.lines().next(), Some(heading));
 }
 
 /// Two curves of the same contacts, read with different zeros of the force, against the drive of a machine.
@@ -206,6 +293,10 @@ fn loadings_of_cycles_are_fitted_together_with_the_position_at_which_each_begins
         // One in a hundred such sets of nine numbers has one that is farther off.
         assert!((number.value - value).abs() < 3.5 * number.error, "{number:?}");
     }
+    let fixed: Vec<&str> = found.fixed.iter().map(|number| number.key.as_str()).collect();
+    let held = ["contacts.reforming", "initial"]
+        .map(|of| ["mean", "std"].map(|name| format!("{of}.gaussian.{name}")));
+    assert_eq!(fixed, [held.concat(), vec!["fit.compliance".to_owned()]].concat());
     // One cycle alone knows less: of four, errors of common numbers are half as large.
     let alone = shipped(
         "fit-cycles.toml",

@@ -26,6 +26,9 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
         lines.push(("not converged".to_owned(), text.to_owned()));
     }
     lines.extend(fit.numbers.iter().map(|number| (number.key.clone(), estimate(number))));
+    lines.extend(
+        fit.fixed.iter().map(|number| (number.key.clone(), format!("{} (fixed)", digits(number.value)))),
+    );
     let unit = summary.units.label(Quantity::Force);
     if let Some(misfit) = &fit.misfit {
         if !fit.numbers.iter().any(|number| number.key == "fit.reading") {

@@ -6,9 +6,9 @@ use faer::Mat;
 
 use super::free::{FreeParameter, Role};
 use super::measurement::{Machine, Measurement};
-use crate::Result;
 use crate::master::{AgainstDrive, Covariance, Gradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
+use crate::{Error, Result};
 
 /// The contacts at some values of the free numbers, and their pull up to the last reading of the curves that they describe.
 #[derive(Debug)]
@@ -49,10 +49,21 @@ impl FittedContacts {
             .filter(|(parameter, _)| parameter.role == Role::Contacts && parameter.applies_to(curve))
             .map(|(parameter, &value)| (parameter.quantity.as_str(), value))
             .collect();
+        let widest = WIDEST.max(NEAR * relative_width(equation));
         let equation = equation.with_parameters(&values, &mut Part::new(monitor, 0.0, 0.5))?;
+        if relative_width(&equation) > widest {
+            let expected = "thresholds whose standard deviation is some means at most";
+            return Err(Error::invalid("thresholds", expected, relative_width(&equation)));
+        }
         let pull = equation.pull_with(distance, TOLERANCE, &mut Part::new(monitor, 0.5, 0.5))?;
         Ok(Self { equation, pull })
     }
+}
+
+/// The standard deviation of the thresholds over their mean.
+fn relative_width(equation: &MasterEquation) -> f64 {
+    let thresholds = &equation.contacts().thresholds;
+    thresholds.std() / thresholds.mean()
 }
 
 /// The readings of all curves at `values` of `free`; `None` where a machine of this compliance slips, or none has it.
@@ -224,6 +235,10 @@ impl ExpectedReadings {
     }
 }
 
+/// Largest relative width of thresholds that a search tries, and the factor above that of the first values: no curve shows how much
+/// wider they are, and one solution would take as long as a whole fit.
+const WIDEST: f64 = 10.0;
+const NEAR: f64 = 2.0;
 /// Error of F/(N_c⟨k⟩) aimed at, relative to the mean threshold; as in a pull.
 const TOLERANCE: Option<f64> = None;
 

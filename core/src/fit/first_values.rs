@@ -1,5 +1,5 @@
-//! First values far from the data: the factor of all lengths of the thresholds with which the first curve is most like the
-//! measured ones.
+//! First values far from the data: the factor of all lengths of the thresholds, and the compliance where it is free, with which the
+//! first curve is most like the measured ones.
 
 use super::free::{FreeParameter, Role};
 use super::likelihood::Likelihood;
@@ -11,6 +11,12 @@ use crate::{Error, Result};
 /// Largest factor that is tried, and its inverse the smallest; number of factors between it and 1.
 const LARGEST: f64 = 8.0;
 const FACTORS: i32 = 40;
+/// Free compliances that are tried, in multiples of the largest one: that behind which contacts that do not give at all would show
+/// the steepest slope of the curves.
+const COMPLIANCES: [f64; 3] = [0.5, 0.25, 0.125];
+/// One of these is preferred to the given compliance unless it leaves this many times as much: from a compliance that is too small
+/// the search goes a long way in small steps, as contacts of larger thresholds behind a stiffer machine make nearly the same curve.
+const PREFERRED: f64 = 4.0;
 /// Factors nearer to 1 are left to the search.
 const NEAR: f64 = 1.5;
 /// Part of the squared residuals at the first values that a factor has to leave at most.
@@ -22,9 +28,11 @@ const TOLERANCE: f64 = 1e-4;
 /// Numbers of distributions that are lengths.
 const LENGTHS: [&str; 5] = ["mean", "std", "min", "max", "scale"];
 
-/// A factor of lengths, with the factor of the force of each curve, which changes with it, and what is left of the curves.
+/// A factor of lengths, and a free compliance if it is not the given one, with the factor of the force of each curve, which changes
+/// with them, and what is left of the curves.
 struct ScaledLengths {
     length: f64,
+    compliance: Option<f64>,
     forces: Vec<f64>,
     /// Whether the number of contacts is free to change the force, or only their stiffness.
     counts: bool,
@@ -33,7 +41,7 @@ struct ScaledLengths {
 
 impl Fit {
     /// The first coordinates, and the number of solutions that they took: those given, or, if this makes the curves more probable,
-    /// with all lengths of the thresholds multiplied by one factor.
+    /// with all lengths of the thresholds multiplied by one factor, and another compliance if it is free.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
@@ -47,7 +55,11 @@ impl Fit {
         if !free.iter().any(is_length) {
             return Ok((given, 0));
         }
-        let farthest = self.curves.iter().flat_map(slider).fold(0.0, f64::max);
+        let compliances = self.compliances(free);
+        let least = compliances.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let positions =
+            self.curves.iter().flat_map(|curve| slider(curve, curve.machine.compliance.min(least)));
+        let farthest = positions.fold(0.0, f64::max);
         let part = &mut Part::new(monitor, 0.0, 0.5);
         let pull = match self.equation.pull_with(LARGEST * farthest.max(f64::MIN_POSITIVE), TOLERANCE, part) {
             Err(Error::Stopped) => return Err(Error::Stopped),
@@ -56,36 +68,79 @@ impl Fit {
         };
         let thinned = |curve: &Measurement| curve.thinned((curve.positions.len() / ENOUGH).max(1));
         let fewer = Self { curves: self.curves.iter().map(thinned).collect(), ..self.clone() };
-        let Some(scaled) = fewer.most_alike(free, &pull) else { return Ok((given, 1)) };
-        let moved: Vec<f64> =
-            free.iter().map(|parameter| parameter.coordinate(scaled.of(parameter))).collect();
-        let mut deviance = |coordinates: &[f64], start: f64| -> Result<f64> {
-            let trial = white.trial(coordinates, &mut Part::new(monitor, start, 0.25))?;
+        let mut deviance = |coordinates: &[f64]| -> Result<f64> {
+            let trial = white.trial(coordinates, &mut Part::new(monitor, 0.5, 0.5))?;
             Ok(trial.map_or(f64::INFINITY, |trial| trial.deviance))
         };
-        let better = deviance(&moved, 0.5)? < deviance(&given, 0.75)?;
-        Ok((if better { moved } else { given }, 3))
+        let alike = fewer.most_alike(free, &pull, &compliances);
+        if alike.is_empty() {
+            return Ok((given, 1));
+        }
+        let of_given = deviance(&given)?;
+        for (tried, scaled) in alike.iter().enumerate() {
+            let moved: Vec<f64> =
+                free.iter().map(|parameter| parameter.coordinate(scaled.of(parameter))).collect();
+            if deviance(&moved)? < of_given {
+                return Ok((moved, tried + 3));
+            }
+        }
+        Ok((given, alike.len() + 2))
     }
 
-    /// The factor that leaves least of the curves; `None` where it is near 1, or leaves hardly less than 1 does.
-    fn most_alike(&self, free: &[FreeParameter], pull: &Pull) -> Option<ScaledLengths> {
-        let factor = |i: i32| LARGEST.powf(f64::from(i) / f64::from(FACTORS));
-        let tried = (-FACTORS..=FACTORS).filter_map(|i| self.scaled(free, pull, factor(i)));
-        let best = tried.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
-        let given = self.scaled(free, pull, 1.0)?.squares;
-        let is_far = best.length.max(1.0 / best.length) > NEAR;
-        (is_far && best.squares < BETTER * given).then_some(best)
+    /// The free compliances that are tried, the given one, `None`, first; nothing else where none is free or without a rising
+    /// curve.
+    fn compliances(&self, free: &[FreeParameter]) -> Vec<Option<f64>> {
+        let is_free = free.iter().any(|parameter| parameter.role == Role::Compliance);
+        let largest = self.curves.iter().map(Measurement::steepest).fold(0.0, f64::max).recip();
+        let others = COMPLIANCES.iter().map(|part| Some(part * largest));
+        std::iter::once(None).chain(others.filter(|_| is_free && largest.is_finite())).collect()
     }
 
-    /// What the first curve with lengths times `length` leaves of the measured ones, F(X) = f s F₁(X/s) with the factor f of
-    /// each curve that leaves least, if count or stiffness is free; the same for offset and trend.
-    fn scaled(&self, free: &[FreeParameter], pull: &Pull, length: f64) -> Option<ScaledLengths> {
+    /// For each of these compliances the factor that leaves least of the curves, in the order in which they are to be tried; none
+    /// where they are near what is given, or leave hardly less.
+    fn most_alike(
+        &self,
+        free: &[FreeParameter],
+        pull: &Pull,
+        compliances: &[Option<f64>],
+    ) -> Vec<ScaledLengths> {
+        let length = |i: i32| LARGEST.powf(f64::from(i) / f64::from(FACTORS));
+        let best = |compliance: &Option<f64>| {
+            let tried =
+                (-FACTORS..=FACTORS).filter_map(|i| self.scaled(free, pull, (length(i), *compliance)));
+            tried.min_by(|a, b| a.squares.total_cmp(&b.squares))
+        };
+        let given = self.scaled(free, pull, (1.0, None)).map_or(f64::INFINITY, |given| given.squares);
+        let is_far = |scaled: &ScaledLengths| {
+            scaled.length.max(1.0 / scaled.length) > NEAR || scaled.compliance.is_some()
+        };
+        let weighted = |scaled: &ScaledLengths| {
+            scaled.squares * if scaled.compliance.is_none() { PREFERRED } else { 1.0 }
+        };
+        let mut all: Vec<ScaledLengths> = compliances.iter().filter_map(best).collect();
+        all.retain(|scaled| is_far(scaled) && scaled.squares < BETTER * given);
+        all.sort_by(|a, b| weighted(a).total_cmp(&weighted(b)));
+        all
+    }
+
+    /// What the first curve with lengths times `length`, behind a free `compliance` in place of the given one, leaves of the measured
+    /// ones, F(X) = f s F₁(X/s) with the factor f of each curve that leaves least, if count or stiffness is free; the same for
+    /// offset and trend.
+    fn scaled(
+        &self,
+        free: &[FreeParameter],
+        pull: &Pull,
+        (length, compliance): (f64, Option<f64>),
+    ) -> Option<ScaledLengths> {
         let counts = free.iter().any(|parameter| parameter.quantity == "count");
-        let mut all = ScaledLengths { length, forces: Vec::new(), counts, squares: 0.0 };
+        let mut all = ScaledLengths { length, compliance, forces: Vec::new(), counts, squares: 0.0 };
         for (c, curve) in self.curves.iter().enumerate() {
             let is_free =
                 |names: &[&str]| free.iter().any(|p| p.applies_to(c) && names.contains(&p.quantity.as_str()));
-            let (factor, squares) = scaled_curve(curve, is_free, |x| length * pull.force(x / length))?;
+            let other = compliance.filter(|_| is_free(&["compliance"]));
+            let slider: Vec<f64> = slider(curve, other.unwrap_or(curve.machine.compliance)).collect();
+            let force = |x| length * pull.force(x / length);
+            let (factor, squares) = scaled_curve((curve, &slider), is_free, force)?;
             all.squares += squares;
             all.forces.push(factor);
         }
@@ -93,15 +148,15 @@ impl Fit {
     }
 }
 
-/// The factor of the expected `force` at X that leaves least of a curve, beside offset and trend if these are free, and the sum of
-/// squares that it leaves; `None` for a factor that is not above 0.
+/// The factor of the expected `force` at X that leaves least of a curve, with its slider at these X, beside offset and trend if
+/// these are free, and the sum of squares that it leaves; `None` for a factor that is not above 0.
 fn scaled_curve(
-    curve: &Measurement,
+    (curve, slider): (&Measurement, &[f64]),
     is_free: impl Fn(&[&str]) -> bool,
     force: impl Fn(f64) -> f64,
 ) -> Option<(f64, f64)> {
     let machine = curve.machine;
-    let mut expected: Vec<f64> = slider(curve).map(|x| force(x.max(0.0))).collect();
+    let mut expected: Vec<f64> = slider.iter().map(|x| force(x.max(0.0))).collect();
     let level = |y: f64| machine.background + machine.offset + machine.trend * y;
     let readings = curve.forces.iter().zip(&curve.positions);
     let mut measured: Vec<f64> = readings.map(|(force, &y)| force - level(y)).collect();
@@ -128,6 +183,7 @@ impl ScaledLengths {
         match parameter.quantity.as_str() {
             "count" => parameter.start * of_force(),
             "stiffness" if !self.counts => parameter.start * of_force(),
+            "compliance" => self.compliance.unwrap_or(parameter.start),
             _ if is_length(parameter) => parameter.start * self.length,
             _ => parameter.start,
         }
@@ -140,13 +196,12 @@ fn is_length(parameter: &FreeParameter) -> bool {
     parameter.role == Role::Contacts && name.is_some_and(|name| LENGTHS.contains(&name))
 }
 
-/// Positions X of the slider at the readings of a curve, from the measured forces.
-fn slider(curve: &Measurement) -> impl Iterator<Item = f64> {
+/// Positions X of the slider at the readings of a curve behind a machine of this compliance, from the measured forces.
+fn slider(curve: &Measurement, compliance: f64) -> impl Iterator<Item = f64> {
     let machine = curve.machine;
     let readings = curve.positions.iter().zip(&curve.forces);
-    readings.map(move |(y, force)| {
-        y - machine.origin - machine.compliance * (force - machine.offset - machine.trend * y)
-    })
+    readings
+        .map(move |(y, force)| y - machine.origin - compliance * (force - machine.offset - machine.trend * y))
 }
 
 /// Columns that span the same and are orthogonal to each other.

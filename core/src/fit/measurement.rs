@@ -94,14 +94,18 @@ impl Measurement {
     /// slope s over a tenth of the readings is about K/(1 + cK), so that c = 1/s − 1/K; a hundredth of 1/K where this is
     /// not above it.
     pub fn first_compliance(&self, stiffness: f64) -> f64 {
-        let (n, least) = (self.positions.len(), 0.01 / stiffness);
-        let apart = (n / 10).max(1);
+        let least = 0.01 / stiffness;
+        let found = 1.0 / self.steepest() - 1.0 / stiffness;
+        if found.is_finite() { found.max(least) } else { least }
+    }
+
+    /// The steepest mean slope over a tenth of the readings; 0 where no force rises.
+    pub(super) fn steepest(&self) -> f64 {
+        let apart = (self.positions.len() / 10).max(1);
         let slope = |i: usize| {
             (self.forces[i + apart] - self.forces[i]) / (self.positions[i + apart] - self.positions[i])
         };
-        let steepest = (0..self.forces.len().saturating_sub(apart)).map(slope).fold(0.0, f64::max);
-        let found = 1.0 / steepest - 1.0 / stiffness;
-        if found.is_finite() { found.max(least) } else { least }
+        (0..self.forces.len().saturating_sub(apart)).map(slope).fold(0.0, f64::max)
     }
 
     /// From the first position to the last.

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 
 /// Lags of the autocorrelation of the whitened residuals.
 const LAGS: usize = 20;
+/// Readings of a curve below which its residuals are not tested for whiteness: its own numbers alone, such as an offset, would
+/// make them correlated.
+const SHORTEST: usize = 5;
 
 /// How well a measured curve is described.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,10 +41,12 @@ impl Misfit {
 }
 
 /// The probability that independent residuals are more autocorrelated (G. M. Ljung and G. E. P. Box, Biometrika 65, 297
-/// (1978)), within each curve.
+/// (1978)), within each curve of five readings or more; 1 if there is none.
 pub(super) fn whiteness(curves: &[&Mat<f64>]) -> f64 {
+    let curves: Vec<_> = curves.iter().filter(|whitened| whitened.nrows() >= SHORTEST).collect();
     let n: usize = curves.iter().map(|whitened| whitened.nrows()).sum();
-    let lags = LAGS.min(n / 5).max(1);
+    let longest = curves.iter().map(|whitened| whitened.nrows()).max().unwrap_or(1);
+    let lags = LAGS.min(n / 5).min(longest - 1).max(1);
     let total: f64 = curves.iter().map(|whitened| whitened.squared_norm_l2()).sum();
     if total == 0.0 {
         return 1.0;
@@ -52,14 +57,35 @@ pub(super) fn whiteness(curves: &[&Mat<f64>]) -> f64 {
     let correlation = |lag: usize| curves.iter().map(|whitened| products(whitened, lag)).sum::<f64>() / total;
     let pairs =
         |lag: usize| curves.iter().map(|whitened| whitened.nrows().saturating_sub(lag)).sum::<usize>();
-    let sum: f64 = (1..=lags)
-        .filter(|&lag| pairs(lag) > 0)
-        .map(|lag| correlation(lag).powi(2) / pairs(lag) as f64)
-        .sum();
+    let sum: f64 = (1..=lags).map(|lag| correlation(lag).powi(2) / pairs(lag) as f64).sum();
     gammq(0.5 * lags as f64, 0.5 * n as f64 * (n + 2) as f64 * sum)
 }
 
 /// The probability of a larger χ² with this many degrees of freedom.
 pub(super) fn probability(chi_squared: f64, degrees: usize) -> f64 {
     gammq(0.5 * degrees as f64, 0.5 * chi_squared)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(values: &[f64]) -> Mat<f64> {
+        Mat::from_fn(values.len(), 1, |i, _| values[i])
+    }
+
+    /// A number of its own for each of many short curves makes their residuals opposite, whatever the errors are.
+    #[test]
+    fn curves_of_two_readings_tell_nothing_of_whiteness() {
+        let opposite: Vec<Mat<f64>> = (0..60).map(|_| column(&[1.0, -1.0])).collect();
+        assert_eq!(whiteness(&opposite.iter().collect::<Vec<_>>()), 1.0);
+        let mut alternating = column(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]);
+        let long = [&alternating, &opposite[0]];
+        // The same as without the short one.
+        assert_eq!(whiteness(&long), whiteness(&[&alternating]));
+        // Lags 1 and 2 of n = 10: n(n + 2)(0.9²/9 + 0.8²/8) = 20.4, and exp(−20.4/2) for two degrees of freedom.
+        assert!((whiteness(&[&alternating]) / (-10.2_f64).exp() - 1.0).abs() < 1e-10);
+        alternating[(0, 0)] = -1.0;
+        assert!(whiteness(&[&alternating]) > (-10.2_f64).exp());
+    }
 }

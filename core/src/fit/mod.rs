@@ -38,6 +38,7 @@ mod error_covariance;
 mod estimates;
 mod expected;
 mod first_values;
+mod fixed;
 mod free;
 mod free_form;
 mod friction;

@@ -1,7 +1,7 @@
 //! `[fit]`: numbers of the contacts, and of the machine, from a measured curve.
 
 use super::accuracy::ForceAccuracy;
-use super::fit_numbers::{correlations, friction, not_converged, number};
+use super::fit_numbers::{correlations, fixed, friction, not_converged, number};
 use super::summary::{FitLaw, FitLaws, FitNumbers, FitSummary};
 use super::{Output, fit_steady, free_form, posterior};
 use crate::fit::{Estimates, Fit, Measurement, Readings, Standardised, SteadyEstimates};
@@ -134,6 +134,7 @@ pub(super) fn found(
         readings: found.readings.iter().map(|curve| curve.positions.len()).sum(),
         solutions: found.solutions,
         numbers: found.parameters.iter().map(|estimate| number(&keys, estimate)).collect(),
+        fixed: fixed(&keys, found.fixed()),
         reading: found.reading,
         distances: (0..found.curves().len()).map(|curve| found.pull(curve).distance()).collect(),
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),

@@ -1,6 +1,6 @@
 //! What the summaries of fits to curves and to records have in common.
 
-use super::summary::{Extended, FitFriction, FitNumber, Uncertain};
+use super::summary::{Extended, FitFixed, FitFriction, FitNumber, Uncertain};
 use crate::fit::{Correlation, Estimate, FrictionEstimates, WithError};
 use crate::scenario::FitKeys;
 
@@ -35,6 +35,11 @@ pub(super) fn number(keys: &FitKeys, estimate: &Estimate) -> FitNumber {
         interval: interval.map(Extended),
         limit: limit.map(Extended),
     }
+}
+
+/// Numbers that were not free, with their keys.
+pub(super) fn fixed(keys: &FitKeys, numbers: Vec<(String, f64)>) -> Vec<FitFixed> {
+    numbers.into_iter().map(|(name, value)| FitFixed { key: keys.key(&name), value }).collect()
 }
 
 /// Correlations between estimates, with their keys.

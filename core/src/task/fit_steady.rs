@@ -2,7 +2,7 @@
 
 use super::Output;
 use super::accuracy::ForceAccuracy;
-use super::fit_numbers::{correlations, friction, not_converged, number};
+use super::fit_numbers::{correlations, fixed, friction, not_converged, number};
 use super::summary::{FitNumbers, FitSummary};
 use crate::Result;
 use crate::fit::{SteadyEstimates, SteadyFit};
@@ -56,6 +56,7 @@ pub(super) fn found(
         readings: found.record().forces.len(),
         solutions: found.solutions,
         numbers: found.parameters.iter().map(|estimate| number(keys, estimate)).collect(),
+        fixed: fixed(keys, found.fixed()),
         reading: found.reading,
         distances: vec![found.record().distance()],
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),

@@ -31,9 +31,8 @@ impl Fault {
 
     /// A value that is none of the names that were expected, if these are listed after "one of" and it is quoted.
     pub fn among_names(expected: &str, found: &str) -> Self {
-        let names = expected.strip_prefix("one of ").map(|names| names.split(", "));
         let name = found.strip_prefix('"').and_then(|found| found.strip_suffix('"'));
-        let nearest = name.zip(names).and_then(|(name, names)| nearest(name, names)).map(Box::from);
+        let nearest = name.and_then(|name| nearest_expected(expected, name)).map(Box::from);
         Self { nearest, ..Self::new(expected, found) }
     }
 
@@ -48,6 +47,11 @@ impl Fault {
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = known.max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
     nearest.filter(|known| likeness(name, known) > 0.5)
+}
+
+/// The same of the names that were expected, if these are listed after "one of".
+pub fn nearest_expected<'a>(expected: &'a str, name: &str) -> Option<&'a str> {
+    nearest(name, expected.strip_prefix("one of ")?.split(", "))
 }
 
 fn likeness(a: &str, b: &str) -> f64 {

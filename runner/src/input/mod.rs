@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 pub use diagnostic::{Diagnostic, Mark, Source};
 pub use editor_schema::editor_schema;
-pub use fault::nearest;
+pub use fault::{nearest, nearest_expected};
 pub use schema::schema;
 pub(crate) use sweep::{Cases, Choice};
 

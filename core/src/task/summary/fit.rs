@@ -18,6 +18,9 @@ pub struct FitSummary {
     pub solutions: usize,
     /// The estimates, those of the sizes of errors last.
     pub numbers: Vec<FitNumber>,
+    /// The numbers that were not free: those of the contacts, and those of the machine that are not 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fixed: Vec<FitFixed>,
     /// Standard deviation of the independent error of a reading.
     pub reading: f64,
     /// Displacement of the slider up to the last reading, of each curve.
@@ -104,6 +107,15 @@ pub struct FitNumber {
     /// Where only a limit is known: the value below which it is with 95 %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<Extended>,
+}
+
+/// A number that was not free.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FitFixed {
+    /// Its key in the scenario.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
 }
 
 /// A value with its standard error.

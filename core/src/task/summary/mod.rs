@@ -18,7 +18,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub use crate::rate_state::Fitted;
 pub use catalogue::{Catalogue, Largest, PowerLaw};
 pub use creep::{CreepAtForce, CreepNumbers};
-pub use fit::{FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
+pub use fit::{FitFixed, FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use posterior::{PosteriorNumber, PosteriorSummary};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
 pub use stick_slip::{StickSlipKind, StickSlipNumbers};

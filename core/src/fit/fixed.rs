@@ -1,0 +1,55 @@
+//! The numbers that a fit has held at their first values.
+
+use super::estimates::{Estimate, Estimates};
+use super::measurement::Machine;
+use super::steady::SteadyEstimates;
+
+/// The numbers of the machine.
+const OF_MACHINE: [(&str, fn(Machine) -> f64); 5] = [
+    ("compliance", |machine| machine.compliance),
+    ("background", |machine| machine.background),
+    ("offset", |machine| machine.offset),
+    ("trend", |machine| machine.trend),
+    ("origin", |machine| machine.origin),
+];
+
+impl Estimates {
+    /// The numbers of the contacts that were not free, with their values, and those of the machine that are not 0. A number
+    /// that differs between curves is told for each.
+    pub fn fixed(&self) -> Vec<(String, f64)> {
+        let contacts = self.equation().parameters().into_iter();
+        let contacts = contacts.map(|parameter| (parameter.name.into_owned(), parameter.value));
+        let machine = OF_MACHINE.iter().flat_map(|number| self.of_machine(*number));
+        contacts.chain(machine).filter(|(name, _)| !is_free(&self.parameters, name)).collect()
+    }
+
+    /// A number of the machine, once if it is the same for all curves; none where it is 0.
+    fn of_machine(&self, (name, of): (&str, fn(Machine) -> f64)) -> Vec<(String, f64)> {
+        let values: Vec<f64> = (0..self.curves().len()).map(|curve| of(self.machine(curve))).collect();
+        let named = match values.as_slice() {
+            [first, others @ ..] if others.iter().all(|value| value == first) => {
+                vec![(name.to_owned(), *first)]
+            }
+            _ => values.iter().enumerate().map(|(c, value)| (format!("curve.{c}.{name}"), *value)).collect(),
+        };
+        named.into_iter().filter(|(_, value)| *value != 0.0).collect()
+    }
+}
+
+impl SteadyEstimates {
+    /// The numbers of the contacts that were not free, with their values, and the offset if it is not 0.
+    pub fn fixed(&self) -> Vec<(String, f64)> {
+        let contacts = self.equation().parameters().into_iter();
+        let contacts = contacts.map(|parameter| (parameter.name.into_owned(), parameter.value));
+        let offset = (self.offset != 0.0).then(|| ("offset".to_owned(), self.offset));
+        contacts.chain(offset).filter(|(name, _)| !is_free(&self.parameters, name)).collect()
+    }
+}
+
+/// Whether a number is one of `free`, for all curves or for one of them.
+fn is_free(free: &[Estimate], name: &str) -> bool {
+    free.iter().any(|estimate| {
+        let of_curve = estimate.name.strip_prefix("curve.").and_then(|rest| rest.split_once('.'));
+        estimate.name == name || of_curve.is_some_and(|(_, quantity)| quantity == name)
+    })
+}
