@@ -4,8 +4,11 @@ use super::estimates::{Estimate, Estimates};
 use super::measurement::Machine;
 use super::steady::SteadyEstimates;
 
+/// The name of a number of the machine, and its value.
+type MachineNumber = (&'static str, fn(Machine) -> f64);
+
 /// The numbers of the machine.
-const OF_MACHINE: [(&str, fn(Machine) -> f64); 5] = [
+const OF_MACHINE: [MachineNumber; 5] = [
     ("compliance", |machine| machine.compliance),
     ("background", |machine| machine.background),
     ("offset", |machine| machine.offset),
@@ -24,7 +27,7 @@ impl Estimates {
     }
 
     /// A number of the machine, once if it is the same for all curves; none where it is 0.
-    fn of_machine(&self, (name, of): (&str, fn(Machine) -> f64)) -> Vec<(String, f64)> {
+    fn of_machine(&self, (name, of): MachineNumber) -> Vec<(String, f64)> {
         let values: Vec<f64> = (0..self.curves().len()).map(|curve| of(self.machine(curve))).collect();
         let named = match values.as_slice() {
             [first, others @ ..] if others.iter().all(|value| value == first) => {
