@@ -9,12 +9,13 @@ use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
 use asperity::elastic::coupling::HalfSpace;
 use asperity::elastic::{CellSlip, Curves, Interface};
-use asperity::ensemble::lattice::{Lattice, LatticeCoupling};
+use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
-use asperity::master::{Limits, MasterEquation, Slider, StepResponse, Transport};
+use asperity::master::{DynamicStiffness, Limits, MasterEquation, Slider, StepResponse, Transport};
 use asperity::monitor::Monitor;
+use asperity::rate_state::MeasuredHealing;
 use asperity::shape::{Edges, Shape};
 use common::patience::{alone, patient};
 use common::sliders::{Impatient, scales, setting};
@@ -174,6 +175,32 @@ fn many_coupled_contacts_ask_while_they_are_made() {
     });
 }
 
+/// The drive takes a five-hundredth of what a contact lets go, so that an avalanche has millions of breaks.
+#[test]
+fn avalanches_ask_within_them() {
+    alone(|| {
+        let coupling = LatticeCoupling::with_alpha(Shape::Square([512; 2]), Edges::Periodic, 0.2495);
+        let (contacts, start) = (contacts(&gaussian(1.0, 0.1), &point(0.0)), initial(&point(0.0)));
+        let new = || Lattice::new(contacts.clone(), start.clone(), &coupling, 1, Disorder::Annealed).unwrap();
+        let mut lattice = new();
+        patient("avalanches", |monitor| lattice.run_with(Until::Drive(2.0), monitor, &mut |_| ()));
+        let mut lattice = new();
+        patient("first breaks", |monitor| lattice.first_breaks(monitor).map(drop));
+    });
+}
+
+#[test]
+fn readings_of_many_holds_and_tables_of_ranks_ask_often() {
+    alone(|| {
+        let hold: Vec<f64> = (0..50_000).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
+        let force: Vec<f64> = hold.iter().map(|t| t.ln_1p() + 1e-3 * t.sin()).collect();
+        patient("healing", |monitor| MeasuredHealing::read_with(&hold, &force, monitor).map(drop));
+        let contacts = with(ageing(ranks(), None), contacts(&gamma(1.0, 0.5), &point(0.0)));
+        let new = |monitor: &mut dyn Monitor| DynamicStiffness::new_with(&contacts, 0.1, monitor).map(drop);
+        patient("dynamic stiffness", new);
+    });
+}
+
 /// Open edges: linear systems are solved by some fifteen iterations of two transforms each, more than a second in all.
 #[test]
 fn many_cells_on_a_half_space_ask_often_and_stop_at_once() {
@@ -213,31 +240,52 @@ fn stability_asks_often_and_stops_at_once() {
     });
 }
 
+/// All fractions done that it was told.
+#[derive(Default)]
+struct Told(Vec<f64>);
+
+impl Monitor for Told {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        self.0.push(fraction);
+        ControlFlow::Continue(())
+    }
+}
+
+impl Told {
+    /// Whether they never fell, were told up to the end, and in most of ten parts of the way.
+    fn is_steady(&self) -> bool {
+        let Self(told) = self;
+        let rises =
+            told.windows(2).all(|pair| pair[0] <= pair[1]) && told.iter().all(|f| (0.0..=1.0).contains(f));
+        // Not in all of them: where contacts start together, little is known before they have been followed.
+        let tenths = (0..10).filter(|tenth| told.iter().any(|f| (10.0 * f) as usize == *tenth));
+        rises && tenths.count() >= 6 && told.last().is_some_and(|last| *last > 0.9)
+    }
+}
+
+/// Of contacts that wear out, and of some that live for many mean lives.
+#[test]
+fn steady_starts_tell_how_far_they_are() {
+    let logarithmic = Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 });
+    for thresholds in [gaussian(1.0, 0.1), weibull(0.7, 1.0)] {
+        let contacts = with(ageing(logarithmic.clone(), None), contacts(&thresholds, &point(0.0)));
+        let mut told = Told::default();
+        Transport::steady_with(&contacts, 0.1, 1e-6, &mut told).unwrap();
+        assert!(told.is_steady(), "{:?}", told.0);
+    }
+}
+
 /// Lives at a velocity tell how far they are, and never less than before.
 #[test]
 fn lives_at_a_velocity_tell_how_far_they_are() {
-    struct Told(Vec<f64>);
-    impl Monitor for Told {
-        fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
-            self.0.push(fraction);
-            ControlFlow::Continue(())
-        }
-    }
     let start = initial(&point(0.0));
     let warm = with(ageing(None, warm(0.05)), contacts(&gaussian(1.0, 0.1), &gaussian(0.2, 0.05)));
     let diffusing =
         with(ageing(diffusing(0.0025), None), contacts(&gaussian(0.5, 0.1), &gaussian(0.2, 0.05)));
     for contacts in [warm, diffusing] {
-        let mut told = Told(Vec::new());
+        let mut told = Told::default();
         MasterEquation::at_with(contacts, &start, 0.1, &mut told).unwrap();
-        let Told(told) = told;
-        assert!(
-            told.windows(2).all(|pair| pair[0] <= pair[1]) && told.iter().all(|f| (0.0..=1.0).contains(f))
-        );
-        // Not all of them: where contacts start together, little is known before they have been followed.
-        let tenths = (0..10).filter(|tenth| told.iter().any(|f| (10.0 * f) as usize == *tenth));
-        assert!(tenths.count() >= 6, "{told:?}");
-        assert!(told.last().is_some_and(|last| *last > 0.9), "{told:?}");
+        assert!(told.is_steady(), "{:?}", told.0);
     }
 }
 

@@ -9,7 +9,7 @@ use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::convert::{self, Domain, evaluate};
 use crate::pickle::{self, Reduced};
 use crate::watch::watched;
-use crate::{error, typed, values};
+use crate::{typed, values};
 
 /// The noise of a measured curve.
 #[derive(Deserialize)]
@@ -404,8 +404,8 @@ impl Healing {
 /// 0.023
 #[pyfunction]
 #[pyo3(signature = (hold: "ArrayLike", force: "ArrayLike"))]
-pub fn read_healing(hold: &Bound<'_, PyAny>, force: &Bound<'_, PyAny>) -> PyResult<Healing> {
+pub fn read_healing(py: Python<'_>, hold: &Bound<'_, PyAny>, force: &Bound<'_, PyAny>) -> PyResult<Healing> {
     let (hold, force) = (convert::list("hold", hold)?, convert::list("force", force)?);
-    let read = MeasuredHealing::read(&hold, &force).map_err(error::core)?;
+    let read = watched(None, py, |monitor| MeasuredHealing::read_with(&hold, &force, monitor))?;
     Ok(Healing { read, hold, force })
 }

@@ -9,7 +9,7 @@ use asperity::scenario::Scenario;
 use asperity::task::summary::{FitFriction, Friction, StaticFriction, Summary, Uncertain};
 use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::{Checkpoints, Every};
-use asperity_runner::input;
+use asperity_runner::input::{self, Input};
 use asperity_runner::output::{self, Attribute, Outcome};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::PyValueError;
@@ -19,7 +19,7 @@ use pyo3::types::{PyDict, PyString};
 use crate::argument::{Argument, Optional as _, Whole};
 use crate::pickle::{self, Reduced, damaged};
 use crate::record::Record;
-use crate::watch::{detached, watched_on, watched_writing};
+use crate::watch::{beside, detached, watched_on, watched_writing};
 use crate::{convert, error, typed, values};
 
 /// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
@@ -285,7 +285,7 @@ pub fn run(
     let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
     let checkpoint = checkpoint.map(convert::every).transpose()?;
     let Text { text, name, folder: relative } = Text::of(scenario)?;
-    let input = input::parse(&text, &name, &relative, &overrides).map_err(|e| error::scenario(&e))?;
+    let input = parsed(py, (&text, &name, &relative, &overrides))?;
     let Some(folder) = folder else {
         if checkpoint.is_some() || resume {
             return Err(error::invalid("folder", "one, beside which checkpoints are kept", "None"));
@@ -307,6 +307,17 @@ pub fn run(
     detached(py, || output::write(&folder, &outcome, &[])).map_err(error::files)?;
     kept.map_or(Ok(()), Checkpoints::remove).map_err(error::checkpoint)?;
     object(py, outcome)
+}
+
+/// The scenario of a text with its name, the folder of its files, and overrides; files may be large.
+pub fn parsed(
+    py: Python<'_>,
+    (text, name, folder, overrides): (&str, &str, &Path, &[String]),
+) -> PyResult<Input> {
+    let (text, name) = (text.to_owned(), name.to_owned());
+    let (folder, overrides) = (folder.to_owned(), overrides.to_owned());
+    let read = move |monitor: &mut dyn Monitor| input::parse_with(&text, &name, &folder, &overrides, monitor);
+    beside(py, read)?.map_err(|diagnostic| error::scenario(&diagnostic))
 }
 
 /// The requested checkpoints.

@@ -1,5 +1,7 @@
 //! What a simulation advances: an interface that is driven from event to event, or a slider over contacts.
 
+use std::io::{self, Read};
+
 use asperity::contacts::{Initial, Start};
 use asperity::energy::EnergyBalance;
 use asperity::master::{MasterEquation, Stretches};
@@ -129,8 +131,42 @@ pub fn write(value: &impl Serialize, into: &mut Vec<u8>) {
 
 /// Reads a value that [`write`] wrote.
 pub fn read<T: DeserializeOwned>(from: &mut &[u8]) -> Result<T> {
-    let refused = |_| Error::invalid("state", "bytes that Simulation.state returned", "others");
-    ciborium::from_reader(from).map_err(refused)
+    ciborium::from_reader(from).map_err(|_| not_a_state())
+}
+
+/// The same with a monitor: states of large interfaces take seconds.
+pub fn read_with<T: DeserializeOwned>(bytes: &[u8], monitor: &mut dyn Monitor) -> Result<T> {
+    let mut reader = WatchedReader { bytes, monitor, asked: bytes.len() };
+    match ciborium::from_reader(&mut reader) {
+        Err(ciborium::de::Error::Io(_)) if !reader.bytes.is_empty() => Err(Error::Stopped),
+        read => read.map_err(|_| not_a_state()),
+    }
+}
+
+fn not_a_state() -> Error {
+    Error::invalid("state", "bytes that Simulation.state returned", "others")
+}
+
+/// Bytes whose reading a monitor may stop.
+struct WatchedReader<'a> {
+    bytes: &'a [u8],
+    monitor: &'a mut dyn Monitor,
+    /// How many were left when the monitor was asked.
+    asked: usize,
+}
+
+impl Read for WatchedReader<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        /// Bytes between two questions, some milliseconds.
+        const ASK: usize = 1 << 18;
+        if self.asked - self.bytes.len() >= ASK {
+            self.asked = self.bytes.len();
+            if self.monitor.progress(0.0).is_break() {
+                return Err(io::Error::other("stopped"));
+            }
+        }
+        self.bytes.read(into)
+    }
 }
 
 /// An interface, and how the stretches of its contacts follow from its state.
@@ -215,7 +251,7 @@ impl<M: DrivenInterface + Send> Simulated for SimulatedInterface<M> {
     }
 
     fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
-        let (state, before) = (read(&mut &*from)?, self.model.state());
+        let (state, before) = (read_with(from, monitor)?, self.model.state());
         self.model.restore(state, monitor).or_else(|error| {
             self.model.restore(before, &mut ())?;
             Err(error)
@@ -449,6 +485,6 @@ impl Simulated for Slider {
     }
 
     fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
-        self.simulation.restore(read(&mut &*from)?, monitor)
+        self.simulation.restore(read_with(from, monitor)?, monitor)
     }
 }

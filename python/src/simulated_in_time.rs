@@ -7,7 +7,7 @@ use asperity::rate_dependent::{ContactsState, RateDependentContacts};
 use asperity::record::Record;
 use asperity::{Error, Result};
 
-use crate::simulated::{Energy, MovedInTime, Simulated, forward, read, write};
+use crate::simulated::{Energy, MovedInTime, Simulated, forward, read_with, write};
 use crate::stretches::StretchGrid;
 
 /// A slider block in time, whose load point moves at a velocity.
@@ -93,8 +93,8 @@ impl Simulated for BlockInTime {
         write(&self.motion.state(), into);
     }
 
-    fn restore_state(&mut self, from: &[u8], _: &mut dyn Monitor) -> Result<()> {
-        self.motion.restore(read(&mut &*from)?)
+    fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
+        self.motion.restore(read_with(from, monitor)?)
     }
 }
 
@@ -212,8 +212,8 @@ impl Simulated for ContactsInTime {
         write(&(self.drive, self.held, self.contacts.state()), into);
     }
 
-    fn restore_state(&mut self, from: &[u8], _: &mut dyn Monitor) -> Result<()> {
-        let (drive, held, state): (f64, bool, ContactsState) = read(&mut &*from)?;
+    fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
+        let (drive, held, state): (f64, bool, ContactsState) = read_with(from, monitor)?;
         let mut contacts = self.contacts.copy();
         contacts.restore(&state)?;
         (self.contacts, self.drive, self.held) = (contacts, drive, held);

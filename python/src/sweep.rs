@@ -12,7 +12,7 @@ use asperity_runner::checkpoint::Lock;
 use asperity_runner::sweep::{
     self, Axis, Batch, Case, Dataset, Gathered, Identity, Kept, Labelled, Plan, Store, Value, Values,
 };
-use asperity_runner::{input, memory, output};
+use asperity_runner::{memory, output};
 use numpy::IntoPyArray as _;
 use pyo3::exceptions::{PyFileExistsError, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ use pyo3::types::{PyBytes, PyDict, PyList};
 use rayon::ThreadPoolBuilder;
 
 use crate::argument::{Argument, Optional as _};
-use crate::result::{Text, assignments, attributes};
+use crate::result::{Text, assignments, attributes, parsed};
 use crate::watch::{detached, watched};
 use crate::{error, typed};
 
@@ -110,7 +110,7 @@ impl Sweep {
     ) -> PyResult<Self> {
         let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
         let Text { text, name, folder: relative } = Text::of(scenario)?;
-        let input = input::parse(&text, &name, &relative, &overrides).map_err(|e| error::scenario(&e))?;
+        let input = parsed(scenario.py(), (&text, &name, &relative, &overrides))?;
         let plan = Plan::new(&input).map_err(|e| error::scenario(&e))?;
         let relative =
             std::path::absolute(if relative.as_os_str().is_empty() { ".".into() } else { relative })?;
@@ -295,7 +295,7 @@ pub fn cases<'py>(
     threads: usize,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let (text, name, folder, overrides) = specification;
-    let input = input::parse(&text, &name, &folder, &overrides).map_err(|e| error::scenario(&e))?;
+    let input = parsed(py, (&text, &name, &folder, &overrides))?;
     let plan = Plan::unchecked(&input).map_err(|e| error::scenario(&e))?;
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyOSError::new_err(error.to_string()))?;

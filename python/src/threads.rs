@@ -14,6 +14,11 @@ thread_local! {
     static ALONE: Cell<bool> = const { Cell::new(false) };
 }
 
+/// Whether this process was forked after the first computation.
+pub fn is_forked() -> bool {
+    HOME.get().is_some_and(|home| *home != process::id())
+}
+
 /// Makes this thread run parallel loops alone if the process was forked after the first computation.
 ///
 /// A fork copies only the calling thread; loops given to threads of the parent process would wait for ever.

@@ -1,6 +1,7 @@
 //! The monitor of long computations: Ctrl-C and progress, while other Python threads run.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -139,6 +140,57 @@ pub fn watched_writing<T: Send>(
 ) -> PyResult<T> {
     let number = checked(threads)?.unwrap_or_else(rayon::current_num_threads);
     concluded(progress, |watch| py.detach(|| on_threads(number, stop, watch, work)))
+}
+
+/// A monitor that only stops.
+struct Stoppable {
+    stop: Arc<AtomicBool>,
+    memory: Option<u64>,
+}
+
+impl Monitor for Stoppable {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn memory(&self) -> u64 {
+        self.memory.unwrap_or_else(memory::available)
+    }
+}
+
+/// Does `work` that may take long without asking its monitor, on a thread beside this one, which hears of signals meanwhile. What a
+/// signal interrupts is left to itself, and ends when it asks or is done.
+pub fn beside<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&mut dyn Monitor) -> T + Send + 'static,
+) -> PyResult<T> {
+    let memory = memory::in_environment().map_err(PyValueError::new_err)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut asked = Stoppable { stop: stop.clone(), memory };
+    if threads::is_forked() {
+        return Ok(detached(py, || work(&mut asked)));
+    }
+    threads::settle();
+    let (send, receive) = mpsc::sync_channel(1);
+    // As much stack as that of the main thread.
+    let thread = std::thread::Builder::new().stack_size(8 << 20);
+    let thread = thread.spawn(move || drop(send.send(work(&mut asked))))?;
+    let received = py.detach(move || -> PyResult<Option<T>> {
+        loop {
+            match receive.recv_timeout(PERIOD) {
+                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
+                received => return Ok(received.ok()),
+            }
+        }
+    });
+    match received.inspect_err(|_| stop.store(true, Ordering::Relaxed))? {
+        Some(done) => Ok(done),
+        // It has panicked.
+        None => match thread.join() {
+            Err(panic) => std::panic::resume_unwind(panic),
+            Ok(()) => unreachable!("a thread that ends sends what it has done"),
+        },
+    }
 }
 
 /// The requested number of threads, if it is a sensible one.

@@ -29,6 +29,8 @@ MANY = np.linspace(0.0, 2.0, 2 * 10**7)
 POSITION = np.linspace(0.02, 2.0, 100)
 FIT = asp.fit(ROUGH, POSITION, np.sin(POSITION), free=["count", "thresholds.mean"], noise="white")
 SOON = 0.2
+# The drive takes a hundredth of what a contact lets go, so that an avalanche has millions of breaks.
+AVALANCHE = asp.Lattice(ROUGH, [512, 512], neighbours=0.2475, connection=0.01, edges="periodic")
 
 LONG: dict[str, Callable[[], object]] = {
     "annealed": lambda: asp.Ensemble(GAUSSIAN, size=10**9).pull(100.0),
@@ -59,6 +61,7 @@ LONG: dict[str, Callable[[], object]] = {
         AGEING, POSITION, np.sin(POSITION), free=["ageing.diffusion"], velocity=0.1, noise="white"
     ),
     "profile": lambda: FIT.profile("count", np.linspace(0.9, 1.1, 10**4)),
+    "avalanche": lambda: AVALANCHE.drive(1.0, catalogue_from=1e6),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{ContactLag, MotionEnergies, SliderMotion, SlidingCell, SlopeTrend};
+use crate::monitor::{Monitor, report};
 use crate::rate_dependent::{ContactsState, ErrorEstimator};
 use crate::{Error, Result};
 
@@ -66,14 +67,18 @@ impl SliderMotion {
     /// Restores the state of a motion of the same description.
     ///
     /// # Errors
-    /// A state of another number of cells, or of other contacts, after which nothing has changed.
-    pub fn restore(&mut self, state: MotionState) -> Result<()> {
+    /// A state of another number of cells, or of other contacts; stopped by the monitor. Nothing has changed then.
+    pub fn restore(&mut self, state: MotionState, monitor: &mut dyn Monitor) -> Result<()> {
         let MotionState { time, drive, next, energies, cells, estimators, error } = state;
         if cells.len() != self.cells.len() {
             let expected = format!("that of {} cells", self.cells.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
         }
-        let restored = cells.into_iter().zip(&self.cells).map(|(kept, cell)| kept.restored(cell));
+        let mut restored = |(kept, cell): (CellState, &SlidingCell)| {
+            report(monitor, 0.0)?;
+            kept.restored(cell)
+        };
+        let restored = cells.into_iter().zip(&self.cells).map(&mut restored);
         let restored: Vec<_> = restored.collect::<Result<_>>()?;
         let mut copies: Option<Vec<_>> =
             self.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::copy).collect());

@@ -24,7 +24,7 @@ use num_complex::Complex64;
 
 use crate::contacts::{Ageing, Contacts, FreeTime, ThresholdEvolution};
 use crate::error::positive;
-use crate::monitor::{Monitor, Watch};
+use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
 use crate::{Error, Result};
@@ -93,6 +93,14 @@ impl DynamicStiffness {
     /// Those of [`Contacts::check`]; a velocity that is not above 0; thresholds with point masses; contacts that re-form
     /// stretched; thresholds that diffuse or follow a mean field.
     pub fn new(contacts: &Contacts, velocity: f64) -> Result<Self> {
+        Self::new_with(contacts, velocity, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; stopped by the monitor.
+    pub fn new_with(contacts: &Contacts, velocity: f64, monitor: &mut dyn Monitor) -> Result<Self> {
         positive("velocity", velocity)?;
         contacts.check(&crate::contacts::Initial::default())?;
         contacts.have_no_stiffness_table()?;
@@ -110,7 +118,8 @@ impl DynamicStiffness {
             let expected = "thresholds that follow from the age of a contact (logarithmic or frozen_rank)";
             return Err(Error::invalid("ageing", expected, "another"));
         }
-        let evolution = ThresholdEvolution::of(contacts)?;
+        let aside = &mut Aside { fraction: 0.0, monitor };
+        let evolution = ThresholdEvolution::of_with(contacts, aside)?;
         let (low, high) = (law.quantile(BEYOND), law.upper_quantile(BEYOND));
         let mut borders: Vec<f64> =
             (0..=PANELS).map(|i| low + (high - low) * f64::from(i) / f64::from(PANELS)).collect();
@@ -120,6 +129,7 @@ impl DynamicStiffness {
         for ends in borders.windows(2).filter(|ends| ends[1] > ends[0]) {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
+                report(aside, 0.0)?;
                 let newborn = middle + half * node;
                 let weight = half * weight * law.density(newborn);
                 lives.push(ThresholdLife::new(contacts, &evolution, velocity, newborn, weight));

@@ -8,7 +8,7 @@ use super::MeasuredValue;
 use super::drift::{MeasuredNoise, Residuals};
 use super::separable::nearest_scale;
 use crate::Result;
-use crate::monitor::Monitor;
+use crate::monitor::{Counted, Monitor, Watch};
 use crate::numerics::least_squares::LeastSquares;
 use crate::numerics::roots::brent_root;
 use crate::numerics::student::two_sided;
@@ -69,7 +69,8 @@ impl<'a> GeneralisedFit<'a> {
         drift: bool,
         monitor: &mut dyn Monitor,
     ) -> Result<Option<GeneralisedFit<'a>>> {
-        let Some(mut fit) = Self::with(curve, &MeasuredNoise::UNIT) else { return Ok(None) };
+        let watch = &Watch::new(monitor);
+        let Some(mut fit) = Self::with(curve, &MeasuredNoise::UNIT, watch)? else { return Ok(None) };
         let size = curve.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         if drift && fit.residual > ROUNDING * size {
             let mut before = None;
@@ -78,24 +79,33 @@ impl<'a> GeneralisedFit<'a> {
                 let residual = curve.residual(fit.scale, &fit.coefficients);
                 let residuals =
                     Residuals { position: curve.position, residual: &residual, gradients: &gradients };
-                let Some(noise) = residuals.noise(before.as_ref(), monitor)? else { return Ok(None) };
-                let Some(next) = Self::with(curve, &noise) else { return Ok(None) };
+                let noise = residuals.noise(before.as_ref(), &mut Counted(watch))?;
+                let Some(noise) = noise else { return Ok(None) };
+                let Some(next) = Self::with(curve, &noise, watch)? else { return Ok(None) };
                 let moved = (next.scale - fit.scale).abs();
                 (fit, before) = (next, Some(noise));
                 if moved < SETTLED * fit.scale_error() {
                     break;
                 }
             }
-            fit.alternatives = fit.alternatives(monitor)?;
+            fit.alternatives = fit.alternatives(&mut Counted(watch))?;
         }
-        fit.profile = fit.profiled();
+        fit.profile = fit.profiled(watch);
+        watch.check()?;
         Ok(Some(fit))
     }
 
-    /// Fits `curve` in noise whose covariance is known up to a factor.
-    fn with(curve: &'a ScaledCurve<'a>, noise: &MeasuredNoise) -> Option<Self> {
-        let squares = |scale: f64| curve.fitted(scale, noise).map_or(f64::INFINITY, |fit| fit.squares);
-        let scale = nearest_scale(squares, curve.scales)?;
+    /// Fits `curve` in noise whose covariance is known up to a factor. `None` if its parameters are not determined.
+    fn with(curve: &'a ScaledCurve<'a>, noise: &MeasuredNoise, watch: &Watch<'_>) -> Result<Option<Self>> {
+        let squares =
+            |scale: f64| watch.value(|| curve.fitted(scale, noise).map_or(f64::INFINITY, |fit| fit.squares));
+        let scale = nearest_scale(squares, curve.scales);
+        watch.check()?;
+        Ok(scale.and_then(|scale| Self::at(curve, scale, noise)))
+    }
+
+    /// The fit of `curve` with a scale.
+    fn at(curve: &'a ScaledCurve<'a>, scale: f64, noise: &MeasuredNoise) -> Option<Self> {
         let best = curve.fitted(scale, noise)?;
         let gradients = curve.gradients(scale, &best.coefficients);
         let parameters = gradients.len();
@@ -212,9 +222,10 @@ impl<'a> GeneralisedFit<'a> {
 
     /// The ends of the interval of the scale: where χ² exceeds its minimum by t² (profile likelihood), or the
     /// ends of the range of scales.
-    fn scale_ends(&self) -> (f64, f64) {
+    fn scale_ends(&self, watch: &Watch<'_>) -> (f64, f64) {
         let excess = |log: f64| {
-            self.curve.fitted(log.exp(), &self.noise).map_or(f64::INFINITY, |fit| self.excess(&fit))
+            let fitted = || self.curve.fitted(log.exp(), &self.noise);
+            watch.value(|| fitted().map_or(f64::INFINITY, |fit| self.excess(&fit)))
         };
         let best = self.scale.ln();
         let end = |limit: f64| {
@@ -225,8 +236,8 @@ impl<'a> GeneralisedFit<'a> {
         (end(self.curve.scales.0), end(self.curve.scales.1))
     }
 
-    fn profiled(&self) -> Vec<(f64, LeastSquares)> {
-        let (low, high) = self.scale_ends();
+    fn profiled(&self, watch: &Watch<'_>) -> Vec<(f64, LeastSquares)> {
+        let (low, high) = self.scale_ends(watch);
         let (first, width) = (low.ln(), high.ln() - low.ln());
         let scale = |i: usize| match i {
             0 => low,
@@ -234,8 +245,10 @@ impl<'a> GeneralisedFit<'a> {
             _ => (first + width * i as f64 / (PROFILE - 1) as f64).exp(),
         };
         let fits = (0..PROFILE).map(scale);
-        let mut fits: Vec<_> =
-            fits.filter_map(|scale| Some((scale, self.curve.fitted(scale, &self.noise)?))).collect();
+        let mut fits: Vec<_> = fits
+            .take_while(|_| !watch.stops())
+            .filter_map(|scale| Some((scale, self.curve.fitted(scale, &self.noise)?)))
+            .collect();
         if fits.is_empty() {
             fits.extend(self.curve.fitted(self.scale, &self.noise).map(|fit| (self.scale, fit)));
         }

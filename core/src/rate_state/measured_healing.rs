@@ -8,6 +8,7 @@ use super::MeasuredValue;
 use super::generalised::{GeneralisedFit, ScaledCurve, straight};
 use super::healing::{FEWEST, LONGEST, SHORTEST, ends};
 use super::measured_velocity_step::finite;
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// Healing in measured slide–hold–slide tests: static friction grows with the logarithm of the hold time,
@@ -35,6 +36,14 @@ impl MeasuredHealing {
     /// Fewer than 4 holds, hold times that are not above 0, numbers of different length; growth that is not
     /// logarithmic, since the longest hold is not longer than the cutoff time.
     pub fn read(hold: &[f64], force: &[f64]) -> Result<Self> {
+        Self::read_with(hold, force, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; stopped by the monitor.
+    pub fn read_with(hold: &[f64], force: &[f64], monitor: &mut dyn Monitor) -> Result<Self> {
         check(hold, force)?;
         let (shortest, longest) = ends(hold);
         let columns =
@@ -49,7 +58,7 @@ impl MeasuredHealing {
             by_scale: &by_cutoff,
             scales: (SHORTEST * shortest, LONGEST * longest),
         };
-        let fit = GeneralisedFit::new(&curve, false, &mut ())?.ok_or_else(undetermined)?;
+        let fit = GeneralisedFit::new(&curve, false, monitor)?.ok_or_else(undetermined)?;
         if fit.scale <= SHORTEST * shortest {
             return Self::line(hold, force);
         }

@@ -96,6 +96,7 @@ pub use units::Units;
 pub use velocity_curve::VelocityCurve;
 
 use crate::error::not_negative;
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// A scenario: contacts, their initial state, and the task to compute.
@@ -219,6 +220,14 @@ impl Scenario {
     /// # Errors
     /// The first invalid value, or a task that does not fit in memory.
     pub fn build(&self) -> Result<Model> {
+        self.build_with(&mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::build`]; stopped by the monitor.
+    pub fn build_with(&self, monitor: &mut dyn Monitor) -> Result<Model> {
         self.check_sweep()?;
         let task = self.task()?;
         self.figure.check().map_err(|e| e.under("figure"))?;
@@ -236,7 +245,7 @@ impl Scenario {
             compare: self.compare.clone(),
             keys: self.clone().numbers().into_iter().map(|number| (number.key, number.name)).collect(),
         };
-        task.check(&model).map_err(|error| self.keyed(error))?;
+        task.check_with(&model, monitor).map_err(|error| self.keyed(error))?;
         Ok(model)
     }
 

@@ -5,6 +5,7 @@ use super::{
     Pull, Task, VelocityCurve,
 };
 use crate::contacts::{Contacts, Initial};
+use crate::monitor::{Aside, Monitor};
 use crate::{Error, Result};
 
 /// Contacts and their initial state, the slider over them, and how both are solved.
@@ -84,6 +85,15 @@ impl Task<'_> {
     /// # Errors
     /// The first invalid value, with its full path.
     pub fn check(self, model: &Model) -> Result<()> {
+        self.check_with(model, &mut ())
+    }
+
+    /// The same with a monitor: a fit is checked with the life of its contacts.
+    ///
+    /// # Errors
+    /// As [`Self::check`]; stopped by the monitor.
+    pub fn check_with(self, model: &Model, monitor: &mut dyn Monitor) -> Result<()> {
+        let monitor = &mut Aside { fraction: 0.0, monitor };
         self.check_values()?;
         self.check_time(model)?;
         self.check_start(model)?;
@@ -100,9 +110,9 @@ impl Task<'_> {
             refuse_quenched(self, model)?;
         }
         if let Task::Fit(fit) = self
-            && fit.prepare_steady(model, &mut ()).map_err(Error::of_scenario)?.is_none()
+            && fit.prepare_steady(model, monitor).map_err(Error::of_scenario)?.is_none()
         {
-            fit.prepare(model, &mut ()).map_err(Error::of_scenario)?;
+            fit.prepare(model, monitor).map_err(Error::of_scenario)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {

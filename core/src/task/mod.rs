@@ -54,7 +54,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::law::Atom;
 use crate::master::{Pull, Relaxation, SteadyState};
-use crate::monitor::{Monitor, Rising};
+use crate::monitor::{Aside, Monitor, Rising};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Compare, Contacts, Model, Scenario, Task};
 use crate::{Error, Result};
@@ -128,7 +128,7 @@ pub fn run_with(
     storage: Storage<'_>,
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
-    let model = &scenario.build()?;
+    let model = &scenario.build_with(&mut Aside { fraction: 0.0, monitor })?;
     let output = compute(scenario, model, storage, &mut Rising::new(monitor)).map_err(Error::of_scenario)?;
     Ok(summarised(scenario, output))
 }
@@ -138,7 +138,7 @@ pub fn run_with(
 /// # Errors
 /// As [`run`]; a scenario with another task.
 pub fn run_fit(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, Record, KeyedEstimates)> {
-    let model = &scenario.build()?;
+    let model = &scenario.build_with(&mut Aside { fraction: 0.0, monitor })?;
     let Task::Fit(task) = scenario.task()? else {
         return Err(Error::invalid("fit", "a table [fit]", "another task"));
     };
@@ -226,7 +226,7 @@ macro_rules! tasks {
             /// # Errors
             /// As [`Self::run`]; stopped by the monitor.
             pub fn run_with(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
-                Task::$task(self).check(model)?;
+                Task::$task(self).check_with(model, monitor)?;
                 $module::run(model, self, &mut Rising::new(monitor)).map_err(Error::of_scenario)
             }
         })*

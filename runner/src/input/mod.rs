@@ -13,6 +13,7 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
+use asperity::monitor::Monitor;
 use asperity::scenario::{Figure, Scenario, Sweep, SweepAxes, SweepAxis};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -57,11 +58,25 @@ pub fn parse(
     directory: &Path,
     overrides: &[String],
 ) -> Result<Input, Box<Diagnostic>> {
+    parse_with(text, name, directory, overrides, &mut ())
+}
+
+/// The same with a monitor: a `[fit]` is checked with the life of its contacts.
+///
+/// # Errors
+/// As [`parse`]; stopped by the monitor.
+pub fn parse_with(
+    text: &str,
+    name: &str,
+    directory: &Path,
+    overrides: &[String],
+    monitor: &mut dyn Monitor,
+) -> Result<Input, Box<Diagnostic>> {
     let mut document = Document::parse(name, text)?;
     for argument in overrides {
         overrides::apply(&mut document, argument)?;
     }
-    checked(document, Some(directory))
+    checked(document, Some(directory), monitor)
 }
 
 /// Reads a scenario from a text that holds all of it: keys that name files are refused.
@@ -69,7 +84,7 @@ pub fn parse(
 /// # Errors
 /// As [`parse`]; a key that names a file.
 pub fn parse_complete(text: &str, name: &str) -> Result<Input, Box<Diagnostic>> {
-    checked(Document::parse(name, text)?, None)
+    checked(Document::parse(name, text)?, None, &mut ())
 }
 
 /// A text that holds all of a scenario: the given one, or where that names files, one with their tables and every value.
@@ -83,9 +98,13 @@ pub fn complete(text: &str, name: &str, directory: &Path) -> Result<String, Box<
 }
 
 /// The scenario that a document describes, if its values are valid.
-fn checked(document: Document, directory: Option<&Path>) -> Result<Input, Box<Diagnostic>> {
+fn checked(
+    document: Document,
+    directory: Option<&Path>,
+    monitor: &mut dyn Monitor,
+) -> Result<Input, Box<Diagnostic>> {
     let input = read_document(document, directory)?;
-    input.scenario.build().map_err(|error| input.diagnose(&error))?;
+    input.scenario.build_with(monitor).map_err(|error| input.diagnose(&error))?;
     Ok(input)
 }
 

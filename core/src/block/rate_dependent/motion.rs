@@ -160,7 +160,7 @@ impl BlockMotion {
     /// A state of other contacts, after which nothing has changed.
     pub fn restore(&mut self, state: BlockMotionState) -> Result<()> {
         let BlockMotionState { motion, segment, log } = state;
-        self.slider.motion.restore(motion)?;
+        self.slider.motion.restore(motion, &mut ())?;
         (self.slider.segment, self.log) = (segment, log);
         Ok(())
     }

@@ -242,7 +242,7 @@ impl DrivenInterface for DrivenRateDependentCells {
         self.interface.state()
     }
 
-    fn restore(&mut self, state: RateDependentInterfaceState, _monitor: &mut dyn Monitor) -> Result<()> {
-        self.interface.restore(state)
+    fn restore(&mut self, state: RateDependentInterfaceState, monitor: &mut dyn Monitor) -> Result<()> {
+        self.interface.restore_with(state, monitor)
     }
 }
