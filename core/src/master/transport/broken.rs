@@ -238,6 +238,26 @@ impl Broken {
         BirthMoments { mass, moment }
     }
 
+    /// The longest time for which contacts are free.
+    pub(super) fn longest_free(&self) -> f64 {
+        self.delay
+    }
+
+    /// Whether contacts that broke simultaneously have not re-formed.
+    pub(super) fn is_pending(&self) -> bool {
+        !self.waiting.is_empty() || !self.parted.is_empty()
+    }
+
+    /// As many contacts as this break, and as many re-form, at a constant rate for a time.
+    pub(super) fn continue_steadily(&mut self, during: f64, broken: f64) {
+        for past in &mut self.past {
+            past.start += during;
+            past.before += broken;
+        }
+        self.broken.add(broken);
+        self.born.add(broken);
+    }
+
     /// Whether contacts re-form as soon as they break.
     pub(super) fn is_immediate(&self) -> bool {
         self.delay == 0.0

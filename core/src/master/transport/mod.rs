@@ -30,6 +30,7 @@ mod ranked;
 mod required;
 mod response;
 mod seeds;
+mod settled;
 mod shared_thresholds;
 mod stability;
 mod state;
@@ -60,6 +61,7 @@ use model::CohortModel;
 use path::Path;
 pub use response::StepResponse;
 use seeds::{Seed, seeds};
+use settled::ConstantRate;
 pub use stability::Slider;
 use step_control::StepControl;
 use threshold_rule::ThresholdRule;
@@ -126,6 +128,8 @@ pub struct Transport {
     before: Option<StepReadings>,
     /// The velocity of steady sliding, as long as the slider has moved at this velocity only.
     steady: Option<f64>,
+    /// The time since which the breaking rate has been constant, at one velocity.
+    constant: ConstantRate,
     /// Times at which the rate of formation has a kink, because the breaking rate had one.
     kinks: Vec<f64>,
     /// The ages of contacts, where they share one distribution of thresholds.
@@ -241,6 +245,7 @@ impl Transport {
             rate: 0.0,
             before: None,
             steady: None,
+            constant: ConstantRate::default(),
             kinks: Vec::new(),
             ages: None,
             rough: None,
@@ -439,6 +444,7 @@ impl Transport {
     /// Marks a possible kink of the breaking rate, here and where the contacts that break now re-form.
     fn mark_kink(&mut self) {
         self.pace.restart();
+        self.constant.restart();
         self.kinks.extend(self.broken.kinks().iter().map(|after| self.time + after));
     }
 
@@ -467,6 +473,10 @@ impl Transport {
             let times = (during - left, &mut *asked);
             if self.advance(&Path::steady(velocity, duration), times, coarse)? {
                 left -= duration;
+            }
+            if velocity != 0.0 && self.is_settled() {
+                self.slide_steadily(velocity, left);
+                left = 0.0;
             }
             report(monitor, part(self.time))?;
         }
@@ -519,6 +529,7 @@ impl Transport {
         self.drop_negligible();
         // Free contacts become more, or fewer, as the breaks and the formation in the step.
         self.slid += path.advance(0.0, 1.0).abs() * (free + trial.formed.mean_free(trial.fraction));
+        self.watch_rate(trial.fraction.end / path.duration);
         Ok(true)
     }
 

@@ -12,6 +12,7 @@
 use num_complex::Complex64;
 
 use super::Transport;
+use super::settled::ConstantRate;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Part};
@@ -81,7 +82,7 @@ impl Transport {
         }
         let mut steady =
             Self::steady_with(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;
-        steady.rough = None;
+        (steady.rough, steady.constant) = (None, ConstantRate::unused());
         let by = STEP * super::step_control::scale(contacts);
         let during = by / (FAST * velocity);
         let duration = lives / steady.breaking_rate();

@@ -62,6 +62,7 @@ impl Transport {
         (self.cohorts, self.kinks, self.ages) = (Arc::new(cohorts), kinks, ages);
         (self.broken, self.pace) = (broken.of(&self.broken), pace.of(&self.pace));
         (self.rough, self.steady, self.before) = (None, None, None);
+        self.constant.restart();
         Ok(())
     }
 }

@@ -1,0 +1,89 @@
+//! Sliding at constant velocity that has become steady.
+//!
+//! With p(a) the density of the time from one break of a contact to its next, free time included, the breaking rate is
+//! Γ(t) = ∫Γ(t − a) p(a) da. As an average of its past values it stays within their bounds: a rate that was constant for as long
+//! as contacts live and are free remains so, and so do the contacts.
+
+use super::Transport;
+use super::cohort::EnergyChange;
+
+/// The time since which the breaking rate has been constant.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ConstantRate {
+    begun: Option<Beginning>,
+    /// Whether steady sliding is computed step by step all the same.
+    unused: bool,
+}
+
+/// The beginning of that time.
+#[derive(Debug, Clone, Copy)]
+struct Beginning {
+    time: f64,
+    /// Bounds of the mean rates of steps since.
+    rates: (f64, f64),
+    /// Sums at this time.
+    broken: f64,
+    slid: f64,
+    spent: EnergyChange,
+}
+
+impl ConstantRate {
+    /// That of contacts that are followed in steps although they slide steadily: two solutions whose difference matters make the
+    /// same errors in the same steps.
+    pub(super) fn unused() -> Self {
+        Self { begun: None, unused: true }
+    }
+
+    /// The rate may change from here on.
+    pub(super) fn restart(&mut self) {
+        self.begun = None;
+    }
+}
+
+/// Largest relative difference of breaking rates that are constant, in units of the tolerance.
+const CONSTANT: f64 = 0.03;
+
+impl Transport {
+    /// Updates the time of constant breaking by a step at a constant velocity that broke a fraction of the contacts at this mean
+    /// rate.
+    pub(super) fn watch_rate(&mut self, rate: f64) {
+        let (low, high) = self.constant.begun.map_or((rate, rate), |begun| {
+            let (low, high) = begun.rates;
+            (low.min(rate), high.max(rate))
+        });
+        match &mut self.constant.begun {
+            Some(begun) if high - low <= CONSTANT * self.tolerance * low => begun.rates = (low, high),
+            begun => {
+                let (broken, slid, spent) = (self.broken.all(), self.slid, self.spent);
+                *begun = Some(Beginning { time: self.time, rates: (rate, rate), broken, slid, spent });
+            }
+        }
+    }
+
+    /// Whether the contacts slide steadily: they have broken at a constant rate for as long as the oldest of them are attached,
+    /// and the longest free.
+    pub(super) fn is_settled(&self) -> bool {
+        let Some(begun) = &self.constant.begun else { return false };
+        let oldest = self.cohorts.iter().map(|cohort| cohort.place.age).fold(0.0, f64::max);
+        !self.constant.unused
+            && begun.rates.0 > 0.0
+            && self.time - begun.time > oldest + self.broken.longest_free()
+            && self.ages.is_none()
+            && self.kinks.is_empty()
+            && !self.broken.is_pending()
+    }
+
+    /// Continues steady sliding at a velocity for a time, in which breaks and energies increase as they did since the rate has
+    /// been constant.
+    pub(super) fn slide_steadily(&mut self, velocity: f64, during: f64) {
+        let Some(begun) = self.constant.begun else { return };
+        let times = during / (self.time - begun.time);
+        self.broken.continue_steadily(during, times * (self.broken.all() - begun.broken));
+        self.spent = self.spent.plus(times, self.spent.plus(-1.0, begun.spent));
+        self.slid += times * (self.slid - begun.slid);
+        self.time += during;
+        self.position += velocity * during;
+        self.before = None;
+        self.constant.restart();
+    }
+}
