@@ -10,18 +10,18 @@ use super::cohort::EnergyChange;
 /// The time since which the breaking rate has been constant.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ConstantRate {
-    begun: Option<Beginning>,
+    begun: Option<ConstantPeriod>,
     /// Whether steady sliding is computed step by step all the same.
     unused: bool,
 }
 
-/// The beginning of that time.
+/// A time of constant breaking, and what had broken at its beginning.
 #[derive(Debug, Clone, Copy)]
-struct Beginning {
+struct ConstantPeriod {
     time: f64,
     /// Bounds of the mean rates of steps since.
     rates: (f64, f64),
-    /// Sums at this time.
+    /// Sums at its beginning.
     broken: f64,
     slid: f64,
     spent: EnergyChange,
@@ -55,7 +55,7 @@ impl Transport {
             Some(begun) if high - low <= CONSTANT * self.tolerance * low => begun.rates = (low, high),
             begun => {
                 let (broken, slid, spent) = (self.broken.all(), self.slid, self.spent);
-                *begun = Some(Beginning { time: self.time, rates: (rate, rate), broken, slid, spent });
+                *begun = Some(ConstantPeriod { time: self.time, rates: (rate, rate), broken, slid, spent });
             }
         }
     }
