@@ -187,7 +187,7 @@ pub struct Explore {
 /// How pictures are drawn, instead of [figure] in the scenario.
 #[derive(Debug, Args)]
 pub struct Pictures {
-    /// File formats of the pictures, separated by commas [default: svg]
+    /// File formats of the pictures, separated by commas [default: svg,png]
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', value_parser = format())]
     pub figures: Option<Vec<FigureFormat>>,
     /// Width of a picture in mm, such as 86 for a column [default: 175]
@@ -199,7 +199,7 @@ pub struct Pictures {
     /// Font size of the labels of axes in points [default: in proportion to the width, 11 at 175 mm]
     #[arg(long, value_name = "POINTS", value_parser = positive)]
     pub figure_font_size: Option<f64>,
-    /// Dots per inch of PNG pictures, which are drawn besides unless --figures names others [default: 200]
+    /// Dots per inch of PNG pictures [default: 200]
     #[arg(long, value_name = "DPI", value_parser = positive)]
     pub figure_dpi: Option<f64>,
     /// Draw pictures in shades of grey
@@ -214,7 +214,7 @@ impl Pictures {
     /// How pictures are drawn; what is not asked for is as in the scenario.
     pub fn style(&self, scenario: &Figure) -> Figure {
         Figure {
-            formats: self.figures.clone().unwrap_or_else(|| self.formats(&scenario.formats)),
+            formats: self.figures.clone().unwrap_or_else(|| scenario.formats.clone()),
             width: self.figure_width.or(scenario.width),
             height: self.figure_height.or(scenario.height),
             font_size: self.figure_font_size.or(scenario.font_size),
@@ -224,13 +224,7 @@ impl Pictures {
         }
     }
 
-    /// The formats of the scenario, and PNG if there are to be dots.
-    fn formats(&self, scenario: &[FigureFormat]) -> Vec<FigureFormat> {
-        let dots = self.figure_dpi.is_some() && !scenario.contains(&FigureFormat::Png);
-        scenario.iter().copied().chain(dots.then_some(FigureFormat::Png)).collect()
-    }
-
-    /// The style, with no picture at all if `none`.
+    /// The same, with no picture at all if `none`.
     fn unless(&self, none: bool, scenario: &Figure) -> Figure {
         let style = self.style(scenario);
         if none { Figure { formats: Vec::new(), ..style } } else { style }

@@ -43,7 +43,7 @@ fn plot_draws_the_pictures_of_a_run_anew() {
     let before = contents(&results);
     // The same pictures from result.nc, and more of them.
     assert_eq!(
-        folder.succeed(&["plot", "out/quick", "--figures", "svg,png"]),
+        folder.succeed(&["plot", "out/quick"]),
         "pictures               force, evolution, distribution (svg, png)\n"
     );
     assert_eq!(contents(&results), before);
@@ -111,12 +111,12 @@ fn a_run_writes_to_out_and_prints_a_summary() {
         "1000 contacts, seed 7",
         "out/quick",
         "  data                 scenario.toml, summary.json, force.csv, atoms.csv, result.nc",
-        "  pictures             force, evolution, distribution (svg)",
+        "  pictures             force, evolution, distribution (svg, png)",
     ] {
         assert!(summary.contains(part), "{part} not in\n{summary}");
     }
     let written = names(&folder.path().join("out/quick"));
-    for name in ["scenario.toml", "summary.json", "result.nc", "force.csv", "force.svg"] {
+    for name in ["scenario.toml", "summary.json", "result.nc", "force.csv", "force.svg", "force.png"] {
         assert!(written.iter().any(|n| n == name), "{name} not in {written:?}");
     }
 }
@@ -140,13 +140,9 @@ fn pictures_are_those_that_are_asked_for() {
         written.filter(|name| [".svg", ".png", ".pdf"].iter().any(|end| name.ends_with(end))).collect()
     };
     assert_eq!(pictures(&["--no-figures"]), [""; 0]);
-    assert_eq!(pictures(&[]), ["distribution.svg", "evolution.svg", "force.svg"]);
     let expected = ["distribution.pdf", "evolution.pdf", "force.pdf"];
     assert_eq!(pictures(&["--figures", "pdf", "--no-title", "--figure-width", "86"]), expected);
-    assert_eq!(pictures(&["--set", "figure.formats=[\"pdf\"]"]), expected);
-    // Only PNG has dots.
-    assert_eq!(pictures(&["--figure-dpi", "50"]).len(), 6);
-    assert_eq!(pictures(&["--figures", "svg", "--figure-dpi", "50"]).len(), 3);
+    assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]"]).len(), 3);
     assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]", "--figures", "pdf"]), expected);
     for (options, expected) in [
         (&["--figures", "eps"][..], "possible values: svg, png, pdf"),

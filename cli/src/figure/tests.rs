@@ -61,7 +61,7 @@ fn outcome() -> Outcome {
 }
 
 fn style() -> Figure {
-    Figure { formats: vec![FigureFormat::Svg, FigureFormat::Png], ..Figure::default() }
+    Figure::default()
 }
 
 fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {

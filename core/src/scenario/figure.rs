@@ -63,7 +63,7 @@ impl FigureFormat {
 impl Default for Figure {
     fn default() -> Self {
         Self {
-            formats: vec![FigureFormat::Svg],
+            formats: vec![FigureFormat::Svg, FigureFormat::Png],
             width: None,
             height: None,
             font_size: None,
