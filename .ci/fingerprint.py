@@ -25,7 +25,7 @@ import numpy as np
 Numbers = dict[str, np.ndarray]
 
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-# Of a summary and of the attributes of result.nc, what tells the program and not the result.
+# Of a summary and of the attributes of result.nc, what describes the program and not the result.
 PROGRAM = {"version", "history"}
 
 

@@ -89,11 +89,12 @@ def texts(package: dict) -> list:
             break
     # Fonts within a crate have licences of their own.
     files = files + sorted(folder.glob("assets/**/LICENSE*"))
-    told = [path.read_text(encoding="utf-8", errors="replace") for path in files]
+    reported = [path.read_text(encoding="utf-8", errors="replace") for path in files]
     authors = ", ".join(package["authors"]) or f"the authors of {package['name']}"
     absent = f"{package['license']}; copyright {authors}; the crate comes without the text of its licence."
     return [
-        re.sub(r"[ \t]+$", "", text.strip("\n\r "), flags=re.MULTILINE).replace("\r\n", "\n") for text in told
+        re.sub(r"[ \t]+$", "", text.strip("\n\r "), flags=re.MULTILINE).replace("\r\n", "\n")
+        for text in reported
     ] or [absent]
 
 

@@ -54,8 +54,8 @@ function commandEngine() {
   const compute = async (request, signal, progress) => {
     const sent = { method: "POST", headers: { ...session, "asperity-number": String(++number) }, signal };
     const asking = setInterval(async () => {
-      const told = await fetch("/progress", sent).catch(() => null);
-      if (told?.ok) progress((await told.json()).progress);
+      const reported = await fetch("/progress", sent).catch(() => null);
+      if (reported?.ok) progress((await reported.json()).progress);
     }, 300);
     try {
       const answered = fetch("/compute", { ...sent, body: JSON.stringify(request) });

@@ -32,11 +32,11 @@ test("what is changed in the page is read by the next cell", async () => {
   const browser = await chromium.launch({ executablePath: browserAt, args: quiet });
   try {
     const address = await new Promise((resolve, reject) => {
-      let told = "";
-      lab.on("exit", () => reject(new Error(told)));
+      let reported = "";
+      lab.on("exit", () => reject(new Error(reported)));
       lab.stderr.on("data", (text) => {
-        told += text;
-        const found = /http:\/\/127\.0\.0\.1:(\d+)\/lab/.exec(told);
+        reported += text;
+        const found = /http:\/\/127\.0\.0\.1:(\d+)\/lab/.exec(reported);
         if (found) resolve(`http://127.0.0.1:${found[1]}/lab/tree/explorer.ipynb?token=t`);
       });
     });
@@ -56,7 +56,7 @@ test("what is changed in the page is read by the next cell", async () => {
     const area = frame.locator("#text");
     for (let look = 0; look < 600 && !(await area.inputValue()).includes("std = 0.3"); look++) await tab.waitForTimeout(100);
     await frame.locator('#status:has-text("full accuracy")').waitFor();
-    const told = await frame.locator("#numbers tr:nth-child(3) td:last-child").textContent();
+    const reported = await frame.locator("#numbers tr:nth-child(3) td:last-child").textContent();
     if (process.env.PICTURE) await tab.screenshot({ path: process.env.PICTURE });
     await tab.locator(".jp-CodeCell").nth(1).locator(".cm-content").click();
     await tab.keyboard.press("Shift+Enter");
@@ -64,7 +64,7 @@ test("what is changed in the page is read by the next cell", async () => {
     await output.waitFor();
     // The last digit shown may be the next one. F_k = (mean² + std²)/(2 mean) but for one contact in 2000, whose threshold would be below 0.
     const found = Number((await output.textContent()).replace("found ", ""));
-    assert.ok(Math.abs(found - Number(told)) < 1e-9, `${found} ${told}`);
+    assert.ok(Math.abs(found - Number(reported)) < 1e-9, `${found} ${reported}`);
     assert.ok(Math.abs(found - 0.545) < 1e-4, `${found}`);
   } finally {
     await browser.close();

@@ -87,13 +87,13 @@ test("WebAssembly and native code agree on the shipped scenarios", async () => {
     const request = { text: readFileSync(join(folder, name), "utf8"), parts: ["task"] };
     const expected = (await native(request, 2000))?.task?.record.variables;
     if (!expected) continue;
-    const told = [];
-    const found = new Map(webAssembly((fraction) => told.push(fraction))(request).task.record.variables.map((variable) => [variable.name, variable.values]));
+    const reported = [];
+    const found = new Map(webAssembly((fraction) => reported.push(fraction))(request).task.record.variables.map((variable) => [variable.name, variable.values]));
     for (const { name: variable, values } of expected) {
       const far = difference(values, found.get(variable));
       assert.ok(far <= allowed(variable), `${name}: ${variable} ${far}`);
     }
-    assert.ok(told.every((fraction, i) => fraction <= 1 && fraction >= (told[i - 1] ?? 0) - 1e-12), `${name}: progress falls`);
+    assert.ok(reported.every((fraction, i) => fraction <= 1 && fraction >= (reported[i - 1] ?? 0) - 1e-12), `${name}: progress falls`);
     compared.push(name);
   }
   console.log(`${compared.length} scenarios that take native code less than 2 s: ${compared.join(", ")}`);
@@ -105,15 +105,15 @@ async function inBrowser(use, hash = "", address = pathToFileURL(page).href) {
   const browser = await chromium.launch({ executablePath: browserAt, args: quiet });
   try {
     const tab = await browser.newPage({ viewport: { width: 1250, height: 900 } });
-    const told = [];
-    tab.on("console", (message) => told.push(message.text()));
-    tab.on("pageerror", (error) => told.push(String(error)));
+    const reported = [];
+    tab.on("console", (message) => reported.push(message.text()));
+    tab.on("pageerror", (error) => reported.push(String(error)));
     const own = /^http:/.test(address) ? new URL(address).origin : "file:";
-    tab.on("request", (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(own) || told.push(request.url()));
+    tab.on("request", (request) => /^(blob|data):/.test(request.url()) || request.url().startsWith(own) || reported.push(request.url()));
     await tab.goto(address + hash);
     await settled(tab);
     await use(tab);
-    assert.deepEqual(told, []);
+    assert.deepEqual(reported, []);
   } finally {
     await browser.close();
   }
@@ -137,9 +137,9 @@ async function agrees(tab) {
   assert.ok(difference(expected.force.force, found.force.force) < 1e-12);
   assert.equal(found.block?.summary.slips, expected.block?.summary.slips);
   const row = await tab.textContent("#numbers tr:first-child td:last-child");
-  const told = expected.force.static_friction?.value.toPrecision(10) ?? "not reached";
+  const reported = expected.force.static_friction?.value.toPrecision(10) ?? "not reached";
   // The last digit shown may be the next one.
-  assert.ok(row === told || Math.abs(Number(row) - Number(told)) < 1e-9, `${row} ${told}`);
+  assert.ok(row === reported || Math.abs(Number(row) - Number(reported)) < 1e-9, `${row} ${reported}`);
 }
 
 test("each control changes the text and the numbers", () =>
@@ -448,7 +448,7 @@ slip = "overdamped"
 distance = 2000.0
 `;
 
-test("long work tells its progress and is given up, in the page and by the command", async () => {
+test("long work reports its progress and is given up, in the page and by the command", async () => {
   await inBrowser((tab) => progresses(tab, LONG));
   await served((tab) => progresses(tab, LONG));
 });
@@ -461,23 +461,23 @@ test("in the frame of a notebook the page hears of progress and answers", async 
   const browser = await chromium.launch({ executablePath: browserAt, args: quiet });
   try {
     const tab = await browser.newPage();
-    const told = [];
-    tab.on("console", (message) => told.push(message.text()));
-    tab.on("pageerror", (error) => told.push(String(error)));
+    const reported = [];
+    tab.on("console", (message) => reported.push(message.text()));
+    tab.on("pageerror", (error) => reported.push(String(error)));
     await tab.exposeFunction("kernel", async (request) => JSON.stringify(await native(request, 60000)));
     await tab.evaluate(async ([script, page, scenario]) => {
       const { default: widget } = await import(`data:text/javascript,${encodeURIComponent(script)}`);
-      let tell;
+      let report;
       const send = async ({ view, number, request }) => {
         if (!request.preview) {
-          tell({ view, number, progress: 0.25 });
+          report({ view, number, progress: 0.25 });
           await new Promise((resolve) => setTimeout(resolve, 1000));
-          tell({ view, number, progress: 0.5 });
+          report({ view, number, progress: 0.5 });
           await new Promise((resolve) => setTimeout(resolve, 1000));
         }
-        tell({ view, number, answer: await kernel(request) });
+        report({ view, number, answer: await kernel(request) });
       };
-      const model = { get: (name) => ({ page, scenario })[name], send, on: (_, heard) => (tell = heard), off: () => {} };
+      const model = { get: (name) => ({ page, scenario })[name], send, on: (_, heard) => (report = heard), off: () => {} };
       widget.render({ model, el: document.body });
       // What is none of the page's business.
       document.querySelector("iframe").onload = ({ target }) => target.contentWindow.postMessage({ number: 7, progress: 0.1 }, "*");
@@ -492,7 +492,7 @@ test("in the frame of a notebook the page hears of progress and answers", async 
     const row = await frame.locator("#numbers tr:nth-child(3) td:last-child").textContent();
     // The last digit shown may be the next one.
     assert.ok(Math.abs(Number(row) - force.kinetic_friction) < 1e-9, row);
-    assert.deepEqual(told, []);
+    assert.deepEqual(reported, []);
   } finally {
     await browser.close();
   }
@@ -552,7 +552,7 @@ test("the command serves the page and computes for it", () => {
   }, scenario);
 });
 
-test("a newer request ends what takes long, and the end of the command is told", () =>
+test("a newer request ends what takes long, and the end of the command is reported", () =>
   served(async (tab) => {
     const quick = await text(tab);
     const long = readFileSync(new URL("../scenarios/half-space-512.toml", import.meta.url), "utf8");
@@ -590,7 +590,7 @@ test("measurements are shown, and others are refused with a reason", () =>
     assert.equal((await tab.evaluate(() => state.measured)).position.length, 3);
   }));
 
-test("a link holds the scenario, and a broken one is told", async () => {
+test("a link holds the scenario, and a broken one is reported", async () => {
   const scenario = '[contacts]\nthresholds.gamma = { mean = 1.0, std = 0.3 }\n[block]\nstiffness = 0.5\n[drive]\ndistance = 5.0\n';
   await inBrowser(async (tab) => {
     assert.equal(await text(tab), scenario);

@@ -3,12 +3,12 @@
 
 /** @type {{memory: WebAssembly.Memory, request_buffer(length: number): number, answer_request(): number, answer_buffer(): number} | undefined} */
 let compiled;
-let told = 0;
+let reported = 0;
 
 /** Says how far the work is, ten times in a second. @param {number} fraction */
 function progress(fraction) {
-  if (performance.now() < told + 100) return;
-  told = performance.now();
+  if (performance.now() < reported + 100) return;
+  reported = performance.now();
   postMessage({ fraction });
 }
 

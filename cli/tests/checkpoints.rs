@@ -233,9 +233,9 @@ fn two_runs_do_not_keep_checkpoints_in_one_place() {
         let output = folder.run(&[&["run", "slow.toml"], option].concat());
         let said = errors(&output);
         assert_eq!(output.status.code(), Some(1), "{said}");
-        let told =
+        let reported =
             format!("out/slow: another run (process {}) writes checkpoints for this folder", first.id());
-        assert!(said.contains(&told), "{said}");
+        assert!(said.contains(&reported), "{said}");
     }
     assert!(first.wait().unwrap().success(), "the first was disturbed");
     same(&folder, &expected);

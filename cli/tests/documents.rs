@@ -117,11 +117,11 @@ fn blocks_do_what_they_show() {
         }
         all.extend(different);
     }
-    let told = |d: &Difference| format!("{}\nshown:\n{}\nprinted:\n{}\n", d.place, d.shown, d.printed);
+    let reported = |d: &Difference| format!("{}\nshown:\n{}\nprinted:\n{}\n", d.place, d.shown, d.printed);
     assert!(
         all.is_empty(),
         "{}`make outputs` shows what is printed",
-        all.iter().map(told).collect::<String>()
+        all.iter().map(reported).collect::<String>()
     );
     for language in ["toml", "console", "console fails", "sh", "rust"] {
         assert!(ran.contains_key(language), "no {language} block at all: {ran:?}");
@@ -212,7 +212,7 @@ fn links_lead_somewhere() {
 }
 
 #[test]
-fn one_version_is_told_everywhere() {
+fn one_version_is_reported_everywhere() {
     let version = env!("CARGO_PKG_VERSION");
     assert!(document("CITATION.cff").contains(&format!("\nversion: {version}\n")));
     let changelog = document("CHANGELOG.md");

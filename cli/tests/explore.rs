@@ -267,7 +267,7 @@ fn requests_from_elsewhere_are_refused() {
 }
 
 #[test]
-fn what_is_no_request_is_told() {
+fn what_is_no_request_is_reported() {
     let explorer = Explorer::start(&Folder::new(), &[]);
     let reply = explorer.answer("a", "{\"text\": 3}");
     assert!(reply.status == 400 && reply.text().starts_with("the request is invalid"), "{}", reply.text());
@@ -378,7 +378,7 @@ fn four_pages_compute_and_a_closed_one_makes_room() {
 }
 
 #[test]
-fn the_progress_of_long_work_is_told() {
+fn the_progress_of_long_work_is_reported() {
     let explorer = Explorer::start(&Folder::new(), &[]);
     let progress = |session: &str| {
         let request = String::from_utf8(post(&explorer.headers(session), "")).unwrap();
@@ -388,17 +388,17 @@ fn the_progress_of_long_work_is_told() {
     };
     let _long = explorer.ask("a", &body(LONG, &["task"]));
     let started = Instant::now();
-    let mut told = vec![0.0];
+    let mut reported = vec![0.0];
     // Three different fractions, rising.
-    while told.len() < 4 {
-        assert!(started.elapsed() < LONGEST, "{told:?}");
+    while reported.len() < 4 {
+        assert!(started.elapsed() < LONGEST, "{reported:?}");
         let now = progress("a");
-        if now != told[told.len() - 1] {
-            told.push(now);
+        if now != reported[reported.len() - 1] {
+            reported.push(now);
         }
         std::thread::sleep(Duration::from_millis(20));
     }
-    assert!(told.is_sorted() && told[3] < 1.0, "{told:?}");
+    assert!(reported.is_sorted() && reported[3] < 1.0, "{reported:?}");
     assert_eq!(progress("another"), 0.0);
 }
 
@@ -417,14 +417,14 @@ fn a_signal_ends_it_at_work_too() {
         let _work = at_work.then(|| explorer.ask("a", &body(LONG, &["task"])));
         explorer.signal(signal);
         assert_eq!(explorer.child.wait().unwrap().code(), Some(130), "{signal}");
-        let mut told = String::new();
-        explorer.child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
-        assert_eq!(told, "the explorer has ended\n");
+        let mut reported = String::new();
+        explorer.child.stderr.take().unwrap().read_to_string(&mut reported).unwrap();
+        assert_eq!(reported, "the explorer has ended\n");
     }
 }
 
 #[test]
-fn what_cannot_be_served_is_told() {
+fn what_cannot_be_served_is_reported() {
     let folder = Folder::new();
     folder.write("wrong.toml", &QUICK.replace("0.1", "-0.1"));
     let output = folder.run(&["explore", "--no-open", "wrong.toml"]);

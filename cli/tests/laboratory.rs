@@ -81,7 +81,7 @@ fn line(x: &[f64], y: &[f64]) -> [(f64, f64); 2] {
 /// The numbers of `docs/undetermined.md`: a catalogue knows the ends of each loading only, and the last one is where the block
 /// fails. A loading at a constant rate would make the rise of the stress proportional to the waiting time; it hardly depends on it.
 #[test]
-fn a_catalogue_of_events_does_not_tell_the_stiffness_of_loading() {
+fn a_catalogue_of_events_does_not_determine_the_stiffness_of_loading() {
     let Some(data) = std::env::var_os("ASPERITY_LAB_DATA").filter(|name| !name.is_empty()).map(PathBuf::from)
     else {
         println!("skipped: ASPERITY_LAB_DATA is not set");
@@ -103,15 +103,15 @@ fn a_catalogue_of_events_does_not_tell_the_stiffness_of_loading() {
     let [at_once, rate] = line(&waits, &rises);
     println!("rises {at_once:?} MPa and {rate:?} MPa/s, rates {:?}", mean_and_std(&rates));
     // Numbers of the page, to half of their last digits.
-    let told = |found: f64, page: f64, digit: f64| (found - page).abs() < 0.5 * digit;
-    assert!(told(at_once.0, 0.0170, 1e-4) && told(at_once.1, 0.0006, 1e-4), "{at_once:?}");
-    assert!(told(rate.0, 0.00074, 1e-5) && told(rate.1, 0.00014, 1e-5), "{rate:?}");
-    assert!(told(mean_and_std(&rates).0, 0.0057, 1e-4), "{rates:?}");
+    let reported = |found: f64, page: f64, digit: f64| (found - page).abs() < 0.5 * digit;
+    assert!(reported(at_once.0, 0.0170, 1e-4) && reported(at_once.1, 0.0006, 1e-4), "{at_once:?}");
+    assert!(reported(rate.0, 0.00074, 1e-5) && reported(rate.1, 0.00014, 1e-5), "{rate:?}");
+    assert!(reported(mean_and_std(&rates).0, 0.0057, 1e-4), "{rates:?}");
     let [_, stiffness] = line(&slip, &drop);
     let [offset, of_most] = line(&slip[1..], &drop[1..]);
     println!("drop over slip {stiffness:?}, without the first event {of_most:?} beside {offset:?}");
-    assert!(told(stiffness.0, 0.588, 1e-3) && told(stiffness.1, 0.014, 1e-3), "{stiffness:?}");
-    assert!(told(of_most.0, 0.675, 1e-3) && told(of_most.1, 0.035, 1e-3), "{of_most:?}");
+    assert!(reported(stiffness.0, 0.588, 1e-3) && reported(stiffness.1, 0.014, 1e-3), "{stiffness:?}");
+    assert!(reported(of_most.0, 0.675, 1e-3) && reported(of_most.1, 0.035, 1e-3), "{of_most:?}");
 }
 
 /// Columns of a tab-separated file, in order.

@@ -87,19 +87,20 @@ fn agrees(place: &str, words: &str, work: &Work) {
     if let Some(title) = title {
         assert!(plain(&work["title"]).starts_with(title), "{place}: the title of [{words}]");
     }
-    let told = words.split(['*', '(']).next().unwrap().trim_end_matches([' ', ',']);
-    let told = year(told).map_or(told, |year| told.trim_end_matches(year)).trim_end_matches([' ', ',']);
-    if told.is_empty() {
+    let reported = words.split(['*', '(']).next().unwrap().trim_end_matches([' ', ',']);
+    let reported =
+        year(reported).map_or(reported, |year| reported.trim_end_matches(year)).trim_end_matches([' ', ',']);
+    if reported.is_empty() {
         return;
     }
     let authors = plain(&work["author"]);
     let known: Vec<_> = authors.split(" and ").map(name).collect();
-    let told: Vec<_> = told.split(" and ").flat_map(|part| part.split(", ")).map(name).collect();
+    let reported: Vec<_> = reported.split(" and ").flat_map(|part| part.split(", ")).map(name).collect();
     assert!(
-        told.len() == known.len() || others && told.len() < known.len(),
+        reported.len() == known.len() || others && reported.len() < known.len(),
         "{place}: the authors of [{words}]"
     );
-    for ((last, initials), (known, letters)) in told.iter().zip(&known) {
+    for ((last, initials), (known, letters)) in reported.iter().zip(&known) {
         assert_eq!(last, known, "{place}: an author of [{words}]");
         assert!(initials.is_empty() || initials == letters, "{place}: the initials of {last}");
     }

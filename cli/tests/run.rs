@@ -328,6 +328,6 @@ fn a_fit_that_does_not_converge_ends_with_an_error_and_its_last_values() {
     assert!(errors(&output).contains("the fit has not converged; its last values and its misfit are in out"));
     let written = names(&folder.path().join("out/fit"));
     assert!(["fit.json", "fit.csv", "fitted.toml"].iter().all(|name| written.iter().any(|w| w == name)));
-    let told = std::fs::read_to_string(folder.path().join("out/fit/fit.json")).unwrap();
-    assert!(told.contains("\"converged\": false") && told.contains("\"chi_squared\""));
+    let reported = std::fs::read_to_string(folder.path().join("out/fit/fit.json")).unwrap();
+    assert!(reported.contains("\"converged\": false") && reported.contains("\"chi_squared\""));
 }

@@ -95,6 +95,6 @@ fn completions_know_the_commands() {
 }
 
 #[test]
-fn the_version_is_told() {
+fn the_version_is_reported() {
     assert_eq!(Folder::new().succeed(&["--version"]), concat!("asperity ", env!("CARGO_PKG_VERSION"), "\n"));
 }

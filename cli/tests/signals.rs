@@ -54,7 +54,7 @@ fn spawn(command: &mut Command) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// The same command, which hears SIGHUP where the tests themselves were told to outlive the terminal, too.
+/// The same command, which hears SIGHUP where the tests themselves were made to outlive the terminal, too.
 fn heeding_sighup(command: &Command) -> Command {
     let mut heard = Command::new("env");
     heard.arg("--default-signal=HUP").arg(command.get_program()).args(command.get_args());
@@ -194,8 +194,8 @@ fn a_run_with_checkpoints_keeps_one_first_also_where_a_signal_comes_twice() {
         let output = ended_by(child, signals);
         assert_eq!(output.status.code(), Some(130), "{signals:?}");
         let said = errors(&output);
-        let told = "interrupted: no results were written; --resume continues from out/events.checkpoint.";
-        assert!(said.contains(told), "{signals:?}: {said}");
+        let reported = "interrupted: no results were written; --resume continues from out/events.checkpoint.";
+        assert!(said.contains(reported), "{signals:?}: {said}");
     }
 }
 
@@ -256,7 +256,7 @@ fn a_second_signal_ends_what_does_not_stop() {
 }
 
 #[test]
-fn who_is_told_to_outlive_the_terminal_does() {
+fn who_is_made_to_outlive_the_terminal_does() {
     let folder = folder();
     let mut shell = Command::new("sh");
     let script = r#"exec nohup "$0" run long.toml"#;
@@ -289,6 +289,7 @@ fn a_run_ends_when_its_time_is_over() {
     assert_eq!(left(folder.path()), [""; 0]);
     let output = folder.run(&["run", "events.toml", "--max-time", "1s"]);
     assert_eq!(output.status.code(), Some(130));
-    let told = "stopped after 1 s (--max-time): no results were written; --resume continues from out/events.";
-    assert!(errors(&output).starts_with(told), "{}", errors(&output));
+    let reported =
+        "stopped after 1 s (--max-time): no results were written; --resume continues from out/events.";
+    assert!(errors(&output).starts_with(reported), "{}", errors(&output));
 }

@@ -89,10 +89,10 @@ fn a_case_is_the_run_with_its_values() {
     let sets = ["--set", &std, "--set", "contacts.count=10", "--set", "contacts.stiffness=0.1"];
     let json = folder.succeed(&[&["run", "one.toml", "--json", "--no-figures"], &sets[..]].concat());
     let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
-    let told = |cell: usize| row[cell].parse::<f64>().unwrap();
-    assert_eq!(summary["static_friction"]["force"].as_f64(), Some(told(4)));
-    assert_eq!(summary["static_friction"]["position"].as_f64(), Some(told(5)));
-    assert_eq!(summary["kinetic_friction"].as_f64(), Some(told(6)));
+    let reported = |cell: usize| row[cell].parse::<f64>().unwrap();
+    assert_eq!(summary["static_friction"]["force"].as_f64(), Some(reported(4)));
+    assert_eq!(summary["static_friction"]["position"].as_f64(), Some(reported(5)));
+    assert_eq!(summary["kinetic_friction"].as_f64(), Some(reported(6)));
 }
 
 /// Numbers that look random (SplitMix64), the same in every run of the test.
@@ -297,8 +297,8 @@ fn pictures_of_a_sweep_are_drawn_anew() {
         let read = || pictures.iter().map(|name| std::fs::read(results.join(name)).unwrap());
         let before: Vec<_> = read().collect();
         pictures.iter().for_each(|name| std::fs::remove_file(results.join(name)).unwrap());
-        let told = folder.succeed(&["plot", scenario, "--figures", "svg"]);
-        assert!(told.contains(some.trim_end_matches(".svg")), "{told}");
+        let reported = folder.succeed(&["plot", scenario, "--figures", "svg"]);
+        assert!(reported.contains(some.trim_end_matches(".svg")), "{reported}");
         assert!(read().zip(&before).all(|(now, before)| now == *before), "{scenario}");
     }
 }
@@ -320,8 +320,8 @@ keep = ["kinetic_friction"]
     );
     let output = folder.run(&["sweep", "failing.toml", "--no-figures"]);
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
-    let told = String::from_utf8(output.stdout).unwrap();
-    assert!(told.contains("cases                  3, 1 of them failed"), "{told}");
+    let reported = String::from_utf8(output.stdout).unwrap();
+    assert!(reported.contains("cases                  3, 1 of them failed"), "{reported}");
     let table = std::fs::read_to_string(folder.path().join("out/failing/sweep.csv")).unwrap();
     let rows: Vec<&str> = table.lines().skip(1).collect();
     assert!(rows[0].contains("0.50") && rows[2].contains("0.50"), "{table}");

@@ -69,13 +69,13 @@ fn time(turns: usize, mut turn: impl FnMut()) -> f64 {
     best.fold(f64::INFINITY, f64::min)
 }
 
-/// What a coupling takes of what is held more than before, two numbers per cell being the bench's own; told of large ones
+/// What a coupling takes of what is held more than before, two numbers per cell being the bench's own; reported for large ones
 /// alone, whose memory is no longer held when they are gone.
 fn bytes_per_cell(more: f64, size: usize) -> String {
     if size < 1 << 24 { "–".into() } else { format!("{:.1}", more / size as f64 - 16.0) }
 }
 
-/// Bytes that this process holds; 0 where the system does not tell.
+/// Bytes that this process holds; 0 where the system does not report it.
 fn memory() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmRSS")).unwrap_or_default();

@@ -226,7 +226,7 @@ fn quartiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
     [1, 2, 3].map(|k| values[k * (values.len() - 1) / 4])
 }
 
-/// A script that runs when it is told to.
+/// A script that runs when it is asked to.
 struct Peer {
     process: Child,
     to: Option<ChildStdin>,
@@ -308,7 +308,7 @@ fn memory() -> String {
     format!("* Peak memory: {before} kB after {few} breaks, {after} kB after {more} more.")
 }
 
-/// Most memory this process has had, kB; 0 where the system does not tell.
+/// Most memory this process has had, kB; 0 where the system does not report it.
 fn peak_memory() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or_default();

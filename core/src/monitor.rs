@@ -218,7 +218,7 @@ impl Monitor for Rising<'_> {
     }
 }
 
-/// Up to where a part of the work tells its progress, of its share. A part of the share 1/n that begins at k/n ends, by rounding,
+/// Up to where a part of the work reports its progress, of its share. A part of the share 1/n that begins at k/n ends, by rounding,
 /// now and then above (k + 1)/n, where the next one begins: progress would fall by its last digit.
 const SHORT: f64 = 1.0 - 1e-9;
 

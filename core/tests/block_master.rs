@@ -42,7 +42,7 @@ fn first_slips_are_those_of_the_table() {
 
 #[test]
 fn contacts_without_stretch_carry_no_force_at_the_start() {
-    // Exactly: of rounding in polynomials nothing is told.
+    // Exactly: of rounding in polynomials nothing is reported.
     for std in [0.05, 0.1, 0.3] {
         assert_eq!(relaxed(std, 1e-11).ahead(0.0).force, 0.0);
         let relaxed = point(0.0);
@@ -152,7 +152,7 @@ fn a_straight_way_back_may_be_as_long_as_lives() {
 
 /// A slider that turns back meets every break, wherever the solution had ended before it was continued.
 /// Where all contacts slip from one side of X = 0 to relaxed ones at X = X_T = 0, nothing there has a size by which to
-/// tell rounding.
+/// recognise rounding.
 #[test]
 fn a_slip_may_end_at_the_origin() {
     let run = pull(&mut relaxed(0.01, 1e-9), 0.3, Slip::Arrest, &[9.0, -5.0, 8.0]);

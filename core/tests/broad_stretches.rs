@@ -1,4 +1,4 @@
-//! Stretches of re-formed and initial contacts that reach beyond all thresholds: they are left out, and their share is told.
+//! Stretches of re-formed and initial contacts that reach beyond all thresholds: they are left out, and their share is reported.
 
 mod common;
 
@@ -70,10 +70,14 @@ fn a_scenario_accepts_them_and_tells_their_share() {
         // Both are solved to 1e-10.
         assert!((a - b).abs() < 2e-10, "{a} {b}");
     }
-    let told = broad.warnings();
-    assert_eq!(told.len(), 2);
-    assert!(told[0].starts_with("contacts.reforming: a share of 2.000e-1 is left out"), "{}", told[0]);
-    assert!(told[1].starts_with("initial: a share of 2.000e-1 is left out"), "{}", told[1]);
+    let reported = broad.warnings();
+    assert_eq!(reported.len(), 2);
+    assert!(
+        reported[0].starts_with("contacts.reforming: a share of 2.000e-1 is left out"),
+        "{}",
+        reported[0]
+    );
+    assert!(reported[1].starts_with("initial: a share of 2.000e-1 is left out"), "{}", reported[1]);
     // Contacts that may break at once are all kept.
     let mut relaxed = pulled(Law::Rectangular { min: 0.0, max: 1.25 }, TaskStart::Relaxed);
     assert_eq!(relaxed.warnings().len(), 1);

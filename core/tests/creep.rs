@@ -185,7 +185,7 @@ fn creep_is_that_of_contacts_that_break_one_by_one() {
     let mean = positions.iter().sum::<f64>() / RUNS as f64;
     let variance = positions.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (RUNS - 1) as f64;
     let error = (variance / RUNS as f64).sqrt();
-    // A fiftieth of the slip of 0.07, so that the comparison tells something.
+    // A fiftieth of the slip of 0.07, so that the comparison shows something.
     assert!(error < 2e-3, "{error}");
     // Four standard errors.
     assert!((found - mean).abs() < 4.0 * error, "{found} {mean} ± {error}");
@@ -287,7 +287,7 @@ fn impossible_loads_are_refused() {
             "duration: expected a finite number above 0",
         ),
     ] {
-        let told = load.follow(&transport, accuracy, &mut ()).unwrap_err().to_string();
-        assert!(told.starts_with(words), "{told}");
+        let reported = load.follow(&transport, accuracy, &mut ()).unwrap_err().to_string();
+        assert!(reported.starts_with(words), "{reported}");
     }
 }

@@ -129,7 +129,7 @@ fn cells_that_follow_leave_the_stationary_law_alone_while_the_floor_rests() {
             let rest = MovingBoundary { floor: (0.1, 0.1), ceiling: 2.0, duration, absorbing: false };
             (0..10).for_each(|_| cells.advance(&rest, &medium, &mut now, &mut room));
             let error = now.iter().zip(&stationary).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            // Rounding of widths told from middles, each of which counts in all above it.
+            // Rounding of widths computed from middles, each of which counts in all above it.
             assert!(error < 1e-10 * largest, "{count} {duration} {error:e}");
         }
     }

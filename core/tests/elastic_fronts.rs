@@ -227,8 +227,8 @@ fn speed(stiffness: f64, above: f64) -> f64 {
     }
     let found = 40.0 / (starts[ahead + 60] - starts[ahead + 20]);
     // The catalogue fits the middle half of all cells: the speed is uniform there to 1 %.
-    let told = largest.map_or(f64::NAN, |event| event.front_speed_right);
-    assert!((told / found - 1.0).abs() < 0.01, "the catalogue has {told}, cells slipped at {found}");
+    let reported = largest.map_or(f64::NAN, |event| event.front_speed_right);
+    assert!((reported / found - 1.0).abs() < 0.01, "the catalogue has {reported}, cells slipped at {found}");
     found
 }
 

@@ -121,7 +121,7 @@ fn kept(state: &RateDependentInterfaceState) -> RateDependentInterfaceState {
 }
 
 /// What an interface has come to, in all.
-fn told(interface: &mut RateDependentInterface) -> (ContactsState, String) {
+fn reported(interface: &mut RateDependentInterface) -> (ContactsState, String) {
     (ContactsState::of(&interface.state()), format!("{:?} {:?}", interface.energy(), interface.stretches(1)))
 }
 
@@ -141,7 +141,7 @@ fn goes_on(sample: &Sample, cell: &dyn Fn(&Contacts) -> Box<dyn RateDependentCon
     }
     assert!(steps >= 16, "{name} was never interrupted after eight steps");
     assert_eq!(found, expected, "{name}");
-    assert!(told(&mut parts) == told(&mut whole), "{name}");
+    assert!(reported(&mut parts) == reported(&mut whole), "{name}");
     found.len()
 }
 

@@ -305,9 +305,9 @@ fn the_profile_of_a_linear_number_is_its_standard_error() {
     let offset = found.estimate("offset").unwrap();
     assert!((offset.error - 15.0 / 150.0_f64.sqrt()).abs() < 1e-9 * offset.error, "{offset:?}");
     let profile = found.interval_by_profile("offset", &mut ()).unwrap();
-    for (end, told) in profile.into_iter().zip(offset.interval) {
+    for (end, reported) in profile.into_iter().zip(offset.interval) {
         // The end is sought to 0.01 of 1.96 errors.
-        assert!((end - told).abs() < 0.03 * offset.error, "{profile:?} {offset:?}");
+        assert!((end - reported).abs() < 0.03 * offset.error, "{profile:?} {offset:?}");
     }
     let value = offset.value + 2.0 * offset.error;
     let rise = found.profile("offset", value, &mut ()).unwrap();

@@ -1,5 +1,5 @@
 //! Fits to records of the force in steady sliding that the ensemble makes contact by contact: values, errors, intervals, and what
-//! a record cannot tell.
+//! a record cannot determine.
 
 use std::sync::Arc;
 
@@ -63,11 +63,11 @@ fn intervals_hold_the_truth_as_often_as_they_tell() {
             |of: &dyn Fn(&SteadyEstimates) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
         let mean = of(&|found| found.estimate(name).unwrap().value);
         let scatter = of(&|found| (found.estimate(name).unwrap().value - mean).powi(2)).sqrt();
-        let told = of(&|found| found.estimate(name).unwrap().error);
+        let reported = of(&|found| found.estimate(name).unwrap().error);
         // The mean of 80 scatters by a ninth of an error; the bias is of second order in errors of a few percent. The scatter
         // of 80 is known to 1/√160.
-        assert!((mean - value).abs() < 0.4 * told, "{name}: {mean}");
-        assert!((scatter / told - 1.0).abs() < 4.0 / 160.0_f64.sqrt(), "{name}: {scatter} {told}");
+        assert!((mean - value).abs() < 0.4 * reported, "{name}: {mean}");
+        assert!((scatter / reported - 1.0).abs() < 4.0 / 160.0_f64.sqrt(), "{name}: {scatter} {reported}");
     }
     // P-values of the test of whiteness are uniform: the number below 0.05 is 4 ± 2.
     let unlikely = found.iter().filter(|found| found.misfit.whiteness < 0.05).count();
@@ -167,16 +167,16 @@ fn the_error_of_a_normal_number_is_that_of_its_profile() {
     let found = SteadyFit::new(guess(), simulated(4000, 0.1, 8)).free(names()).reading(0.0).run().unwrap();
     let mean = found.estimate("thresholds.mean").unwrap();
     let profile = found.interval_by_profile("thresholds.mean", &mut ()).unwrap();
-    for (end, told) in profile.into_iter().zip(mean.interval) {
+    for (end, reported) in profile.into_iter().zip(mean.interval) {
         // The likelihood of 4000 readings is nearly a parabola: its third derivative is of the order of the relative error, .5 %.
-        assert!((end - told).abs() < 0.2 * mean.error, "{profile:?} {mean:?}");
+        assert!((end - reported).abs() < 0.2 * mean.error, "{profile:?} {mean:?}");
     }
 }
 
 #[test]
 fn what_a_record_does_not_determine_is_refused_with_the_direction() {
     let record = simulated(2000, 0.1, 6);
-    // Noise and mean tell N⟨k⟩² and N⟨k⟩; where the zero of the force is not known, only the first.
+    // Noise and mean determine N⟨k⟩² and N⟨k⟩; where the zero of the force is not known, only the first.
     let error = SteadyFit::new(guess(), record.clone())
         .free(["count", "stiffness", "offset"])
         .reading(0.0)
@@ -205,17 +205,17 @@ fn wrong_input_is_refused_with_its_name() {
     let record = simulated(100, 0.1, 1);
     let refused = |fit: SteadyFit| fit.run().unwrap_err().to_string();
     let fit = |record: &SteadyRecord| SteadyFit::new(guess(), record.clone());
-    let told = |error: &str, words: &str| assert!(error.contains(words), "{error}");
-    told(&refused(fit(&record)), "free: expected at least one key");
-    told(&refused(fit(&record).free(["initial.max"])), "free.0: expected one of thresholds.mean");
-    told(&refused(fit(&record).free(["count", "count"])), "free.1: expected each key once");
-    told(
+    let reported = |error: &str, words: &str| assert!(error.contains(words), "{error}");
+    reported(&refused(fit(&record)), "free: expected at least one key");
+    reported(&refused(fit(&record).free(["initial.max"])), "free.0: expected one of thresholds.mean");
+    reported(&refused(fit(&record).free(["count", "count"])), "free.1: expected each key once");
+    reported(
         &refused(fit(&record).free(["count"]).prior("stiffness", Prior { value: 1.0, error: 0.1 })),
         "prior.stiffness",
     );
-    told(&refused(fit(&record).free(["count"]).reading(-1.0)), "reading");
-    told(&refused(fit(&record).free(["count"]).offset(f64::NAN)), "offset");
-    told(
+    reported(&refused(fit(&record).free(["count"]).reading(-1.0)), "reading");
+    reported(&refused(fit(&record).free(["count"]).offset(f64::NAN)), "offset");
+    reported(
         &refused(fit(&record).free([
             "count",
             "stiffness",
@@ -227,18 +227,18 @@ fn wrong_input_is_refused_with_its_name() {
         ])),
         "force: expected 112 readings",
     );
-    told(&refused(fit(&SteadyRecord { spacing: 0.0, ..record.clone() }).free(["count"])), "spacing");
+    reported(&refused(fit(&SteadyRecord { spacing: 0.0, ..record.clone() }).free(["count"])), "spacing");
     let mut broken = record.clone();
     broken.forces[7] = f64::NAN;
-    told(&refused(fit(&broken).free(["count"])), "force.7");
-    told(
+    reported(&refused(fit(&broken).free(["count"])), "force.7");
+    reported(
         &refused(fit(&SteadyRecord { forces: vec![3.0; 50], ..record }).free(["count"])),
         "force: expected forces that scatter",
     );
     let unequal = SteadyRecord::at_positions(&[0.0, 1.0, 2.1, 3.0], vec![0.0; 4]).unwrap_err().to_string();
-    told(&unequal, "position.2: expected equal steps");
+    reported(&unequal, "position.2: expected equal steps");
     let fewer = SteadyRecord::at_positions(&[0.0, 1.0], vec![0.0]).unwrap_err().to_string();
-    told(&fewer, "force: expected 2 forces");
+    reported(&fewer, "force: expected 2 forces");
 }
 
 #[test]

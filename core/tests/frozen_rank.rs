@@ -18,8 +18,8 @@ use common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
 use common::sliders::Impatient;
 use common::{contacts, gaussian, initial, lognormal, point, weibull};
 
-/// F_k, and the error that the life tells.
-fn told(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
+/// F_k, and the error that the life reports.
+fn reported(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
     let mut contacts = Contacts::new(newborn.clone(), Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::FrozenRank { mature: mature.clone(), time: 1.0 });
     let life = moving(&contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap();
@@ -27,7 +27,7 @@ fn told(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
 }
 
 fn kinetic_friction(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> f64 {
-    told(newborn, mature, velocity).0
+    reported(newborn, mature, velocity).0
 }
 
 #[test]
@@ -81,11 +81,11 @@ fn between_gammas_ranks_are_those_of_the_law_followed_by_finite_volumes() {
         let [coarse, fine, finest] =
             [500, 1000, 2000].map(|cells| by_finite_volumes(&newborn, &mature, velocity, cells));
         let (better, best) = (fine + (fine - coarse) / 3.0, finest + (finest - fine) / 3.0);
-        let (found, error) = told(&newborn, &mature, velocity);
+        let (found, error) = reported(&newborn, &mature, velocity);
         // The tolerance by default is 1e-10; a digit for both solutions.
         assert!(error < 1e-9, "{velocity}: {error:e}");
         // Finite volumes are of second order, extrapolated once: the better one is off by a fifteenth of what they differ by,
-        // or less. What they differ by may be 0 by chance, what the life tells is not.
+        // or less. What they differ by may be 0 by chance, what the life reports is not.
         let off = (found - best).abs();
         assert!(
             off < (best - better).abs() + error && off < 3e-8,
@@ -102,9 +102,9 @@ fn a_pull_reaches_an_accuracy_that_is_asked_for() {
     let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
     let equation = MasterEquation::at(contacts, &initial, 5.0).unwrap();
     let pull = equation.pull_with(1.4, 1e-9, &mut ()).unwrap();
-    let told = pull.error_estimate() / equation.life().mean();
+    let reported = pull.error_estimate() / equation.life().mean();
     // The tolerance that was asked for.
-    assert!(equation.life().error() <= told && told < 1e-9, "{told:e}");
+    assert!(equation.life().error() <= reported && reported < 1e-9, "{reported:e}");
     // ∫Q = 1, by a quadrature that shares nothing with the solution but Γ.
     for position in [0.2, 0.7, 1.0, 1.37] {
         assert!((pull.total_probability(position) - 1.0).abs() < 1e-9, "{position}");

@@ -127,7 +127,7 @@ impl Plain {
     }
 }
 
-/// Both catalogues are the same, event by event; the epicentre is not told where several contacts tie.
+/// Both catalogues are the same, event by event; the epicentre is not reported where several contacts tie.
 fn compare(contacts: &Contacts, initial: &Initial, coupling: LatticeCoupling, events: usize) {
     let contacts = Contacts { count: coupling.shape.size() as f64, ..contacts.clone() };
     let mut plain = Plain::new(&contacts, initial, coupling);

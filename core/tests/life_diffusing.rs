@@ -109,7 +109,7 @@ fn free_thresholds_are_met_as_bachelier_and_levy_have_it() {
             let points = (-99..=400).map(|i| 0.1 * f64::from(i)).filter(|z| z.abs() < 9.9);
             let exact: f64 = points.map(|z| 0.1 * weight(z) * left(0.6 + 0.06 * z)).sum();
             let found = life.survival().curve().value(x);
-            // The error told; the reflecting ends are too far away to matter.
+            // The error reported; the reflecting ends are too far away to matter.
             assert!((found - exact).abs() < life.error().max(1e-12), "{velocity} {x} {found} {exact}");
         }
         assert!(life.error() < 1e-9, "{:e}", life.error());
@@ -135,7 +135,7 @@ fn thresholds_that_have_no_time_to_diffuse_are_the_newborn_ones() {
     }
 }
 
-/// Where the layer D/v above the stretch is thin its mass is told by two terms, where it is not elements resolve it.
+/// Where the layer D/v above the stretch is thin its mass is given by two terms, where it is not elements resolve it.
 #[test]
 fn thin_layers_go_on_from_layers_that_are_resolved() {
     let newborn: [SharedLaw; 2] = [gaussian(0.5, 0.1), Arc::new(Gamma::new(0.6, 0.2).unwrap())];
@@ -186,14 +186,14 @@ fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_
         let curves = |life: &Life| {
             [life.survival(), life.force(), life.square(), life.breaking_energy()].map(|k| k.curve().clone())
         };
-        // They diffuse by as much as a layer that can be resolved takes, 1e-10 of all thresholds; the error told has it.
-        let told = ageing.error();
-        assert!(told < 1e-7, "{told:e}");
+        // They diffuse by as much as a layer that can be resolved takes, 1e-10 of all thresholds; the error reported has it.
+        let reported = ageing.error();
+        assert!(reported < 1e-7, "{reported:e}");
         for (a, b) in curves(&ageing).iter().zip(&curves(&still)) {
             for k in 0..140 {
                 let (a, b) = (a.value(0.01 * f64::from(k)), b.value(0.01 * f64::from(k)));
                 // Carried force and energy have thresholds of up to 1.7 and stiffnesses of up to 2.6 as factors.
-                assert!((a - b).abs() < 10.0 * told, "{k} {a} {b}: {:e}, told {told:e}", a - b);
+                assert!((a - b).abs() < 10.0 * reported, "{k} {a} {b}: {:e}, reported {reported:e}", a - b);
             }
         }
         assert!(still.survival().curve().value(0.9) < 0.7);

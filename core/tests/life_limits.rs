@@ -94,7 +94,7 @@ fn the_law_of_creep_is_right_over_every_barrier() {
 
 #[test]
 fn the_law_of_creep_gets_better_with_the_height_of_the_barrier() {
-    // At the same share left of the barrier the next terms fall with T²/E₀² and faster, but for what remains to be told of
+    // At the same share left of the barrier the next terms fall with T²/E₀² and faster, but for what remains to be reported of
     // rounding by the solver, 1e-9.
     for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
         let [low, high] = [20.0_f64, 40.0]

@@ -95,7 +95,7 @@ fn one_state_variable_behind_a_spring_is_found_again() {
 }
 
 #[test]
-fn two_state_variables_are_told_apart() {
+fn two_state_variables_are_distinguished() {
     let at = displacements(40.0, 400);
     let states = [
         StateVariable { evolution: 0.008, distance: 0.5 },

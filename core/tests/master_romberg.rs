@@ -59,7 +59,7 @@ fn trapezoid(laws: [&SharedLaw; 3], distance: f64, count: usize, parts: usize) -
     force
 }
 
-/// Extrapolates halved steps to none; the last correction tells the error.
+/// Extrapolates halved steps to none; the last correction estimates the error.
 fn romberg(laws: [&SharedLaw; 3], distance: f64, parts: usize) -> (Vec<f64>, f64) {
     let counts = [128, 256, 512, 1024, 2048];
     let mut table: Vec<Vec<f64>> = counts.iter().map(|&n| trapezoid(laws, distance, n, parts)).collect();

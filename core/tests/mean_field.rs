@@ -106,7 +106,7 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
                     / (12.0 * step);
                 let flux = -spread * mature.density(h) * slope;
                 let residual = law.survival(h) - newborn.survival(h) - flux;
-                // The density is told to 1e-9 of itself; differences and aD make 2000 times that of it at most.
+                // The density is reported to 1e-9 of itself; differences and aD make 2000 times that of it at most.
                 assert!(residual.abs() < 2e-6, "{} {velocity} {h} {residual:e}", newborn.name());
             }
         }

@@ -240,52 +240,52 @@ fn stability_asks_often_and_stops_at_once() {
     });
 }
 
-/// All fractions done that it was told.
+/// All fractions done that it was reported.
 #[derive(Default)]
-struct Told(Vec<f64>);
+struct Reported(Vec<f64>);
 
-impl Monitor for Told {
+impl Monitor for Reported {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.0.push(fraction);
         ControlFlow::Continue(())
     }
 }
 
-impl Told {
-    /// Whether they never fell, were told up to the end, and in most of ten parts of the way.
+impl Reported {
+    /// Whether they never fell, were reported up to the end, and in most of ten parts of the way.
     fn is_steady(&self) -> bool {
-        let Self(told) = self;
-        let rises =
-            told.windows(2).all(|pair| pair[0] <= pair[1]) && told.iter().all(|f| (0.0..=1.0).contains(f));
+        let Self(reported) = self;
+        let rises = reported.windows(2).all(|pair| pair[0] <= pair[1])
+            && reported.iter().all(|f| (0.0..=1.0).contains(f));
         // Not in all of them: where contacts start together, little is known before they have been followed.
-        let tenths = (0..10).filter(|tenth| told.iter().any(|f| (10.0 * f) as usize == *tenth));
-        rises && tenths.count() >= 6 && told.last().is_some_and(|last| *last > 0.9)
+        let tenths = (0..10).filter(|tenth| reported.iter().any(|f| (10.0 * f) as usize == *tenth));
+        rises && tenths.count() >= 6 && reported.last().is_some_and(|last| *last > 0.9)
     }
 }
 
 /// Of contacts that wear out, and of some that live for many mean lives.
 #[test]
-fn steady_starts_tell_how_far_they_are() {
+fn steady_starts_report_how_far_they_are() {
     let logarithmic = Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 });
     for thresholds in [gaussian(1.0, 0.1), weibull(0.7, 1.0)] {
         let contacts = with(ageing(logarithmic.clone(), None), contacts(&thresholds, &point(0.0)));
-        let mut told = Told::default();
-        Transport::steady_with(&contacts, 0.1, 1e-6, &mut told).unwrap();
-        assert!(told.is_steady(), "{:?}", told.0);
+        let mut reported = Reported::default();
+        Transport::steady_with(&contacts, 0.1, 1e-6, &mut reported).unwrap();
+        assert!(reported.is_steady(), "{:?}", reported.0);
     }
 }
 
-/// Lives at a velocity tell how far they are, and never less than before.
+/// Lives at a velocity report how far they are, and never less than before.
 #[test]
-fn lives_at_a_velocity_tell_how_far_they_are() {
+fn lives_at_a_velocity_report_how_far_they_are() {
     let start = initial(&point(0.0));
     let warm = with(ageing(None, warm(0.05)), contacts(&gaussian(1.0, 0.1), &gaussian(0.2, 0.05)));
     let diffusing =
         with(ageing(diffusing(0.0025), None), contacts(&gaussian(0.5, 0.1), &gaussian(0.2, 0.05)));
     for contacts in [warm, diffusing] {
-        let mut told = Told::default();
-        MasterEquation::at_with(contacts, &start, 0.1, &mut told).unwrap();
-        assert!(told.is_steady(), "{:?}", told.0);
+        let mut reported = Reported::default();
+        MasterEquation::at_with(contacts, &start, 0.1, &mut reported).unwrap();
+        assert!(reported.is_steady(), "{:?}", reported.0);
     }
 }
 

@@ -141,7 +141,7 @@ fn looked_at(thresholds: &[f64], share: f64) -> Vec<f64> {
     first
 }
 
-/// Contacts of narrow thresholds break a second time only when all have broken once. Uncoupled ones tell their thresholds.
+/// Contacts of narrow thresholds break a second time only when all have broken once. Uncoupled ones show their thresholds.
 #[test]
 fn first_breaks_are_those_found_by_looking_at_all_contacts() {
     let narrow = gaussian(1.0, 0.05);
@@ -253,7 +253,7 @@ fn slides_are_upright() {
     }
 }
 
-/// What is told of cells of a law is refused of others.
+/// What is stated for cells of a law is refused of others.
 #[test]
 fn first_breaks_of_cells_need_a_law_and_a_drive_that_pulls_all() {
     let refused = |loading: CellLoading, cells: Box<dyn Cells>| {

@@ -109,7 +109,7 @@ type Make = fn(&mut dyn Monitor) -> Made;
 const OBJECTS: [(&str, Make); 4] =
     [("pull", pull), ("block", block), ("lattice", lattice), ("interface", cells)];
 
-/// Not a test by itself: makes what it is told to, and tells the most memory that this process has had.
+/// Not a test by itself: makes what it is asked to, and prints the most memory that this process has had.
 #[test]
 #[ignore = "a process of the other test"]
 fn one_object() {

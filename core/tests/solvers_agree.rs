@@ -17,7 +17,7 @@ use common::{
 
 const VELOCITY: f64 = 0.5;
 const DISTANCE: f64 = 2.2;
-/// What rounding of thousands of steps in time adds up to, which is not told.
+/// What rounding of thousands of steps in time adds up to, which is not reported.
 const ROUNDING: f64 = 1e-12;
 /// Places that are compared, no breaks of a force among them.
 const PLACES: usize = 7;
@@ -143,17 +143,17 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// How far both are apart, at most. Neither may be off by more than it tells.
+/// How far both are apart, at most. Neither may be off by more than it reports.
 fn compare(tolerance: f64, which: impl Fn(&Case) -> bool) -> f64 {
     let (mut wrong, mut most) = (Vec::new(), 0.0_f64);
     for case in all().filter(which) {
         let (exact, of_exact) = renewed(&case.contacts);
         let (force, error) = followed(&case.contacts, tolerance);
         let apart = apart(&exact, &force);
-        let told = format!("{case}: {apart:.1e} apart, {error:.1e} and {of_exact:.1e} told");
-        println!("{told}");
+        let reported = format!("{case}: {apart:.1e} apart, {error:.1e} and {of_exact:.1e} reported");
+        println!("{reported}");
         if apart > error + of_exact + ROUNDING {
-            wrong.push(told);
+            wrong.push(reported);
         }
         most = most.max(apart);
     }
@@ -179,9 +179,9 @@ fn a_tolerance_is_kept_where_contacts_break_as_soon_as_they_form() {
     assert!(off < 1e-4, "{off:e}");
 }
 
-/// The table of thresholds by rank is the same for both tolerances, of which one is to tell what the other is off by.
+/// The table of thresholds by rank is the same for both tolerances, of which one is to show what the other is off by.
 #[test]
-fn what_ranks_are_off_by_is_told() {
+fn what_ranks_are_off_by_is_reported() {
     let rule =
         |case: &Case| case.rule == "frozen_rank" && matches!(case.law, "exponential" | "gamma with a pole");
     compare(1e-6, rule);

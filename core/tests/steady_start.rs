@@ -320,7 +320,7 @@ fn an_athermal_drive_starts_at_kinetic_friction() {
 }
 
 #[test]
-fn the_told_accuracy_holds_the_error_of_the_stretches() {
+fn the_reported_accuracy_holds_the_error_of_the_stretches() {
     let gaussian = |mean, std| scenario::Law::Gaussian { mean, std };
     let cases = [(gaussian(1.0, 0.25), scenario::Law::zero()), (gaussian(1.0, 0.1), gaussian(0.9, 0.09))];
     for (thresholds, reforming) in cases {
@@ -333,11 +333,11 @@ fn the_told_accuracy_holds_the_error_of_the_stretches() {
         let found = pull.run(&model).unwrap();
         let forces = found.record.values("force").unwrap();
         let off = forces.iter().map(|force| (force - friction).abs()).fold(0.0, f64::max);
-        let told = found.accuracy.unwrap();
+        let reported = found.accuracy.unwrap();
         // One contact in 1e9 is left out of the stretches, so the force is off, and by less than what such contacts carry.
-        assert!(off > 1e-11 && told < 1e-8, "{off:e} {told:e}");
+        assert!(off > 1e-11 && reported < 1e-8, "{off:e} {reported:e}");
         // F_k by the renewal equation at a velocity is that without one but for rounding.
-        assert!(off < told + 1e-14, "{off:e} {told:e}");
+        assert!(off < reported + 1e-14, "{off:e} {reported:e}");
     }
 }
 

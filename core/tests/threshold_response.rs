@@ -215,7 +215,7 @@ fn the_adjoint_is_the_derivative_of_a_scalar() {
 
 /// Forces are totals of N_c⟨k⟩; contacts without such a response, and arguments out of range, are refused.
 #[test]
-fn responses_are_scaled_and_limits_are_told() {
+fn responses_are_scaled_and_limits_are_reported() {
     let plain = Contacts::new(gaussian(1.0, 0.15), point(0.0));
     let solve = |contacts: &Contacts, velocity: f64| {
         MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap().pull(2.0).unwrap()

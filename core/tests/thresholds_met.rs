@@ -1,4 +1,4 @@
-//! The stretches at which time-dependent contacts break in steady sliding, and what is told of their law.
+//! The stretches at which time-dependent contacts break in steady sliding, and what is reported of their law.
 
 mod common;
 

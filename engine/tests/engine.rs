@@ -51,8 +51,8 @@ fn the_force_is_that_of_the_master_equation() {
         assert_eq!(force, pull.force(x));
     }
     let peak = pull.static_friction().unwrap();
-    let told = found.static_friction.unwrap();
-    assert_eq!((told.position, told.value), (peak.position, peak.value));
+    let reported = found.static_friction.unwrap();
+    assert_eq!((reported.position, reported.value), (peak.position, peak.value));
     assert_eq!(found.critical_stiffness.0, pull.critical_stiffness());
     assert_eq!(found.kinetic_friction, equation(0.2).steady_state().kinetic_friction());
 }
@@ -120,9 +120,9 @@ fn the_critical_stiffness_is_that_of_each_width() {
     let found = answer(&request(&[Part::CriticalStiffness])).critical_stiffness.unwrap();
     for i in [4, 12, 20, 28] {
         let pull = equation(found.width[i]).pull(4.0).unwrap();
-        let (told, exact) = (found.critical_stiffness[i].0, pull.critical_stiffness());
+        let (reported, exact) = (found.critical_stiffness[i].0, pull.critical_stiffness());
         // A slope follows from a force of error 1e-4 over lengths of σ; K_c from 9 to 0.05.
-        assert!((told - exact).abs() < 1e-4 / found.width[i] + 1e-3 * exact, "{told} {exact}");
+        assert!((reported - exact).abs() < 1e-4 / found.width[i] + 1e-3 * exact, "{reported} {exact}");
     }
 }
 

@@ -1195,7 +1195,7 @@ class Estimates:
 
         The logarithm of the density is a sum of Gaussian kernels over eight standard deviations of the fitted thresholds to
         either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
-        that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
+        that what the curve does not determine is continued like a Gaussian. The other free numbers are found again.
 
         Parameters
         ----------
@@ -3963,7 +3963,7 @@ class Simulation:
         duration
             A time, 0 or above.
         progress
-            As for MasterEquation.pull. Ctrl-C interrupts the computation; `time` tells how much of it is done.
+            As for MasterEquation.pull. Ctrl-C interrupts the computation; `time` shows how much of it is done.
 
         Raises
         ------
@@ -4150,7 +4150,7 @@ class SteadyEstimates:
 
     def friction(self, /) -> FrictionEstimates:
         """F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
-        the initial stretches, of which the record tells nothing.
+        the initial stretches, of which the record contains nothing.
 
         Returns
         -------

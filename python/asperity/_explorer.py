@@ -22,17 +22,17 @@ export default {
     frame.style = "width: 100%; height: 900px; border: 0";
     frame.srcdoc = model.get("page").replace('"scenario":null', scenario);
     const ask = ({ source, data }) => source === frame.contentWindow && model.send({ view, ...data });
-    const tell = (message) => {
+    const report = (message) => {
       if (message.view !== view) return;
       const answer = message.answer && JSON.parse(message.answer);
       frame.contentWindow?.postMessage({ number: message.number, progress: message.progress, answer }, "*");
     };
     addEventListener("message", ask);
-    model.on("msg:custom", tell);
+    model.on("msg:custom", report);
     el.append(frame);
     return () => {
       removeEventListener("message", ask);
-      model.off("msg:custom", tell);
+      model.off("msg:custom", report);
     };
   },
 };
@@ -86,10 +86,10 @@ class Explorer:
         """Answers a request of the page."""
         asked = {"view": message["view"], "number": message["number"]}
 
-        def tell(fraction: float) -> None:
+        def report(fraction: float) -> None:
             self._widget.send({**asked, "progress": fraction})
 
-        answer = self._engine.answer(json.dumps(message["request"]), tell)
+        answer = self._engine.answer(json.dumps(message["request"]), report)
         self._widget.send({**asked, "answer": answer})
         self._widget.scenario = json.loads(answer)["text"]
 

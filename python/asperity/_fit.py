@@ -16,8 +16,8 @@ def text(fit: "Estimates") -> str:
 
 def html(fit: "Estimates") -> str:
     remark = " ".join(remarks(fit))
-    told = {"remark": remark} if remark else {}
-    return _show.table("Estimates", {**rows(fit), **compared(fit), **told})
+    reported = {"remark": remark} if remark else {}
+    return _show.table("Estimates", {**rows(fit), **compared(fit), **reported})
 
 
 def summary(fit: "Estimates") -> str:

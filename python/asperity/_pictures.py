@@ -198,14 +198,14 @@ def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
 def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     """Static friction against the logarithm of the hold time, with the fitted growth."""
     hold = record["hold"]
-    told = getattr(record, "summary", {}).get("hold_curve", {})
+    reported = getattr(record, "summary", {}).get("hold_curve", {})
     dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5}
     (line,) = ax.plot(hold, record["static_friction"], **{**dots, "label": "master equation", **style})
-    if "healing_per_decade" in told:
+    if "healing_per_decade" in reported:
         times = np.geomspace(hold[0], hold[-1], 201)
-        beta, cutoff = told["healing_per_decade"] / math.log(10), told.get("healing_cutoff")
+        beta, cutoff = reported["healing_per_decade"] / math.log(10), reported.get("healing_cutoff")
         grown = np.log(times) if cutoff is None else np.log1p(times / cutoff) - np.log1p(1 / cutoff)
-        fitted = told["at_one"] + beta * grown
+        fitted = reported["at_one"] + beta * grown
         ax.plot(times, fitted, color=line.get_color(), linewidth=0.9, label="fitted growth")
     if "ensemble_force" in record:
         errors(ax, hold, record["ensemble_force"], record["ensemble_error"], label="ensemble")
@@ -550,7 +550,7 @@ def slip_rate(record: "Record", ax: "Axes", **style: Any) -> None:
 
     rates = record["slip_rate"]
     highest = rates.max()
-    # Eight decades are more than colours can tell apart.
+    # Eight decades are more than colours can distinguish.
     lowest = max(rates[rates > 0.0].min(initial=highest), 1e-8 * highest)
     look: dict[str, Any] = {"shading": "nearest", "rasterized": True, "cmap": "inferno"}
     norm = LogNorm(lowest, highest) if lowest < highest else None

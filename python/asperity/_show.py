@@ -66,7 +66,7 @@ def record_html(record: "Record") -> str:
 def rows(record: "Record") -> dict[str, str]:
     """What is known of the task, and the variables with their shapes."""
     summary = getattr(record, "summary", None)
-    rows = numbers_of(record) if summary is None else told(summary)
+    rows = numbers_of(record) if summary is None else reported(summary)
     for name, label in record.labels.items():
         sizes = zip(label.dimensions, record[name].shape, strict=True)
         shape = ", ".join(f"{dimension}: {length}" for dimension, length in sizes)
@@ -109,7 +109,7 @@ APART = ("title", "version", "units", "warnings", "numbers")
 """Entries of a summary that are not shown as they are."""
 
 
-def told(summary: Mapping[str, Any]) -> dict[str, str]:
+def reported(summary: Mapping[str, Any]) -> dict[str, str]:
     """The entries of a summary, without lists; those of its tables after the name of the table."""
     rows = {"title": summary["title"]} if summary["title"] else {}
     for name, entry in summary.items():

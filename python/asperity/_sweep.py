@@ -32,7 +32,7 @@ LEAST = 0.2
 AIM = 0.5
 # Batches that wait for a worker, for each that runs.
 AHEAD = 2
-# The number of workers of an executor that does not tell.
+# The number of workers of an executor that does not report it.
 WORKERS = 8
 # The largest number of cases, as in a scenario.
 MOST = 10_000_000

@@ -87,9 +87,9 @@ def row(name: str, runs: list[tuple[float, float, Any]]) -> None:
     """A line of the table."""
     cpu, wall = (statistics.median(run[k] for run in runs) for k in (0, 1))
     found = runs[0][2]
-    told = isinstance(found, Found)
-    solutions = found.solutions if told and found.solutions else "–"
-    print(f"| {name} | {cpu:.1f} | {wall:.1f} | {solutions} | {found if told else '–'} |", flush=True)
+    reported = isinstance(found, Found)
+    solutions = found.solutions if reported and found.solutions else "–"
+    print(f"| {name} | {cpu:.1f} | {wall:.1f} | {solutions} | {found if reported else '–'} |", flush=True)
 
 
 def steady() -> Found:

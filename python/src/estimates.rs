@@ -37,7 +37,7 @@ use crate::{error, typed, values};
 /// 1.0
 #[pyclass(frozen, module = "asperity")]
 pub struct Estimates {
-    told: FittedNumbers,
+    reported: FittedNumbers,
     search: Search<Self, asperity::fit::Estimates>,
     arguments: Arguments,
     model: Py<MasterEquation>,
@@ -62,9 +62,9 @@ impl Estimates {
         let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
         let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        let (told, laws) = (FittedNumbers::of(&found), laws.unbind());
+        let (reported, laws) = (FittedNumbers::of(&found), laws.unbind());
         Ok(Self {
-            told,
+            reported,
             search: Search::Own(Box::new(found)),
             arguments,
             model: model.unbind(),
@@ -88,8 +88,8 @@ impl Estimates {
         (model, pull): (Py<MasterEquation>, Py<Pull>),
         (readings, laws): (Py<Record>, Py<PyDict>),
     ) -> PyResult<Self> {
-        let (told, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
-        Ok(Self { told, search, arguments, model, pull, readings, laws })
+        let (reported, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
+        Ok(Self { reported, search, arguments, model, pull, readings, laws })
     }
 }
 
@@ -98,49 +98,49 @@ impl Estimates {
     /// The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate.
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
-        values::estimates(py, &self.told.parameters())
+        values::estimates(py, &self.reported.parameters())
     }
 
     /// The numbers that were not free: those of the contacts, and those of the machine that are not 0.
     #[getter]
     fn fixed<'py>(&self, py: Python<'py>) -> PyResult<typed::Fixed<'py>> {
-        Ok(typed::Fixed(self.told.fixed.clone().into_py_dict(py)?.into_any()))
+        Ok(typed::Fixed(self.reported.fixed.clone().into_py_dict(py)?.into_any()))
     }
 
     /// The covariance of the estimates in the order of `params`, shape (n, n).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        convert::square(py, self.told.covariance.clone()).map(typed::Array)
+        convert::square(py, self.reported.covariance.clone()).map(typed::Array)
     }
 
     /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
     #[getter]
     fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.told.correlations.clone())
+        values::correlations(py, self.reported.correlations.clone())
     }
 
     /// Whether the search has converged; otherwise the estimates are its last values.
     #[getter]
     fn converged(&self) -> bool {
-        self.told.converged
+        self.reported.converged
     }
 
     /// The number of solutions of the master equation that the search took.
     #[getter]
     fn solutions(&self) -> usize {
-        self.told.solutions
+        self.reported.solutions
     }
 
     /// How well the curve is described, a Misfit; None for a planned measurement.
     #[getter]
     fn misfit<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::Misfit<'py>>> {
-        self.told.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
+        self.reported.misfit.as_ref().map(|misfit| values::misfit(py, misfit)).transpose()
     }
 
     /// The standard deviation of the independent error of a reading, given or estimated, a force.
     #[getter]
     fn reading(&self) -> f64 {
-        self.told.reading
+        self.reported.reading
     }
 
     /// The same fit with other distributions of thresholds, by their names: a dict of Estimates. Misfit.akaike compares them:
@@ -216,7 +216,7 @@ impl Estimates {
     ///
     /// The logarithm of the density is a sum of Gaussian kernels over eight standard deviations of the fitted thresholds to
     /// either side of their mean. Third differences of its coefficients are held small, by as much as is most probable, so
-    /// that what the curve does not tell is continued like a Gaussian. The other free numbers are found again.
+    /// that what the curve does not determine is continued like a Gaussian. The other free numbers are found again.
     ///
     /// Parameters
     /// ----------
@@ -468,7 +468,7 @@ impl Estimates {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let parts = (&this.model, &this.pull, &this.readings, &this.laws).into_pyobject(py)?;
-        pickle::reduced_fit(py, &this.arguments, this.told.written()?, parts)
+        pickle::reduced_fit(py, &this.arguments, this.reported.written()?, parts)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

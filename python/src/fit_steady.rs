@@ -155,7 +155,7 @@ pub fn fit_steady(
 /// True
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyEstimates {
-    told: FittedNumbers,
+    reported: FittedNumbers,
     search: Search<Self, asperity::fit::SteadyEstimates>,
     arguments: Arguments,
     model: Py<MasterEquation>,
@@ -172,8 +172,8 @@ impl SteadyEstimates {
     ) -> PyResult<Self> {
         let model = fitted_model(py, found.equation(), first, free)?;
         let spectrum = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
-        let (told, search) = (FittedNumbers::of_steady(&found), Search::Own(Box::new(found)));
-        Ok(Self { told, search, arguments, model: model.unbind(), spectrum })
+        let (reported, search) = (FittedNumbers::of_steady(&found), Search::Own(Box::new(found)));
+        Ok(Self { reported, search, arguments, model: model.unbind(), spectrum })
     }
 
     /// The end of the search, which an object from a pickle makes again.
@@ -187,8 +187,8 @@ impl SteadyEstimates {
         content: &[u8],
         (model, spectrum): (Py<MasterEquation>, Py<Record>),
     ) -> PyResult<Self> {
-        let (told, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
-        Ok(Self { told, search, arguments, model, spectrum })
+        let (reported, search) = (FittedNumbers::read(content)?, Search::Again(PyOnceLock::new()));
+        Ok(Self { reported, search, arguments, model, spectrum })
     }
 }
 
@@ -197,62 +197,62 @@ impl SteadyEstimates {
     /// The free numbers by name, and after them "reading" if it was estimated: each an Estimate.
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::Estimates<'py>> {
-        values::estimates(py, &self.told.parameters())
+        values::estimates(py, &self.reported.parameters())
     }
 
     /// The numbers that were not free: those of the contacts, and the offset if it is not 0.
     #[getter]
     fn fixed<'py>(&self, py: Python<'py>) -> PyResult<typed::Fixed<'py>> {
-        Ok(typed::Fixed(self.told.fixed.clone().into_py_dict(py)?.into_any()))
+        Ok(typed::Fixed(self.reported.fixed.clone().into_py_dict(py)?.into_any()))
     }
 
     /// The covariance of the estimates in the order of `params`, shape (n, n).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        convert::square(py, self.told.covariance.clone()).map(typed::Array)
+        convert::square(py, self.reported.covariance.clone()).map(typed::Array)
     }
 
     /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
     #[getter]
     fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.told.correlations.clone())
+        values::correlations(py, self.reported.correlations.clone())
     }
 
     /// Whether the search has converged; otherwise the estimates are its last values.
     #[getter]
     fn converged(&self) -> bool {
-        self.told.converged
+        self.reported.converged
     }
 
     /// The number of solutions of the master equation that the search took, without those for derivatives.
     #[getter]
     fn solutions(&self) -> usize {
-        self.told.solutions
+        self.reported.solutions
     }
 
     /// The number of readings of the record.
     #[getter]
     fn readings(&self) -> usize {
-        self.told.readings
+        self.reported.readings
     }
 
     /// How well the record is described, a Misfit: of its Fourier components, each divided by its expected size.
     #[getter]
     fn misfit<'py>(&self, py: Python<'py>) -> PyResult<typed::Misfit<'py>> {
-        let misfit = self.told.misfit.as_ref().ok_or_else(|| pickle::damaged("a planned measurement"))?;
+        let misfit = self.reported.misfit.as_ref().ok_or_else(|| pickle::damaged("a planned measurement"))?;
         values::misfit(py, misfit)
     }
 
     /// The standard deviation of the independent error of a reading, given or estimated, a force.
     #[getter]
     fn reading(&self) -> f64 {
-        self.told.reading
+        self.reported.reading
     }
 
     /// The reading of the force where there is none, given or estimated, a force.
     #[getter]
     fn offset(&self) -> f64 {
-        self.told.offset
+        self.reported.offset
     }
 
     /// The contacts of the estimated numbers.
@@ -278,7 +278,7 @@ impl SteadyEstimates {
     }
 
     /// F_s, F_k, X* and K_c of the estimated contacts, each with its standard error. F_s and K_c are those of a pull from
-    /// the initial stretches, of which the record tells nothing.
+    /// the initial stretches, of which the record contains nothing.
     ///
     /// Returns
     /// -------
@@ -395,7 +395,7 @@ impl SteadyEstimates {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let parts = (&this.model, &this.spectrum).into_pyobject(py)?;
-        pickle::reduced_fit(py, &this.arguments, this.told.written()?, parts)
+        pickle::reduced_fit(py, &this.arguments, this.reported.written()?, parts)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

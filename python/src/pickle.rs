@@ -85,12 +85,12 @@ pub fn reduced<'py>(
 pub fn reduced_fit<'py>(
     py: Python<'py>,
     given: &Arguments,
-    told: Vec<u8>,
+    reported: Vec<u8>,
     parts: Bound<'py, PyTuple>,
 ) -> PyResult<Reduced<'py>> {
     static RESTORE: Import = Import::new("asperity._core", "_restore_fit");
     let arguments =
-        (VERSION, given.function, given.named.bind(py), &given.law, PyBytes::new(py, &told), parts);
+        (VERSION, given.function, given.named.bind(py), &given.law, PyBytes::new(py, &reported), parts);
     Ok((RESTORE.get(py)?.clone(), arguments.into_pyobject(py)?))
 }
 

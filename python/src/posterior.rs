@@ -32,14 +32,14 @@ use crate::{typed, values};
 #[pyclass(frozen, module = "asperity")]
 pub struct Posterior {
     drawn: posterior::Posterior,
-    told: PosteriorSummary,
+    reported: PosteriorSummary,
 }
 
 impl Posterior {
     /// Draws with means, quantiles and the agreement of the chains.
     pub fn new(drawn: posterior::Posterior) -> Self {
-        let told = drawn.summary(str::to_owned);
-        Self { drawn, told }
+        let reported = drawn.summary(str::to_owned);
+        Self { drawn, reported }
     }
 
     /// Draws by the sampler from a posterior in standard coordinates.
@@ -80,7 +80,7 @@ impl Posterior {
     /// The drawn numbers by name: each a PosteriorNumber.
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> PyResult<typed::PosteriorNumbers<'py>> {
-        values::posterior(py, &self.told)
+        values::posterior(py, &self.reported)
     }
 
     /// The draws of each number by name: arrays of shape (chains, draws).
@@ -111,14 +111,14 @@ impl Posterior {
     /// The number of draws whose paths diverged, because the density bends too much: 0 where the draws can be trusted.
     #[getter]
     fn divergences(&self) -> usize {
-        self.told.divergences
+        self.reported.divergences
     }
 
     /// Sentences about draws that are not to be trusted: divergences, chains that differ (r_hat above 1.01), too few
     /// independent draws (ess below 400).
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.told.warnings()
+        self.reported.warnings()
     }
 
     /// The draws as ArviZ holds them, with the groups `posterior` and `sample_stats`. It needs arviz.

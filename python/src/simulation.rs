@@ -237,7 +237,7 @@ impl Simulation {
     /// duration
     ///     A time, 0 or above.
     /// progress
-    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation; `time` tells how much of it is done.
+    ///     As for MasterEquation.pull. Ctrl-C interrupts the computation; `time` shows how much of it is done.
     ///
     /// Raises
     /// ------

@@ -282,9 +282,9 @@ pub fn prediction(py: Python<'_>, positions: Vec<f64>, found: fit::Prediction) -
 }
 
 /// The numbers that were drawn from a posterior.
-pub fn posterior<'py>(py: Python<'py>, told: &PosteriorSummary) -> PyResult<PosteriorNumbers<'py>> {
+pub fn posterior<'py>(py: Python<'py>, reported: &PosteriorSummary) -> PyResult<PosteriorNumbers<'py>> {
     let numbers = PyDict::new(py);
-    for one in &told.numbers {
+    for one in &reported.numbers {
         let [low, median, high] = one.quantiles;
         let arguments = (one.mean, one.std, median, (low, high), one.r_hat.0, one.effective_size.0);
         numbers.set_item(&one.key, POSTERIOR_NUMBER.get(py)?.call1(arguments)?)?;

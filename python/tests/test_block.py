@@ -223,7 +223,7 @@ def test_avalanches() -> None:
     assert np.all(few.drive(10.0).events["broken_fraction"] > 0.9)
 
 
-def test_progress_of_a_drive_is_told() -> None:
+def test_progress_of_a_drive_is_reported() -> None:
     heard: list[float] = []
     asp.Block(asp.Ensemble(THEORY.contacts, size=500_000), 1.0, "overdamped").drive(10, progress=heard.append)
     assert len(heard) > 1

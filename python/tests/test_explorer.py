@@ -24,8 +24,8 @@ def asked(explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch, **request: An
     monkeypatch.setattr(widget, "send", sent.append)
     widget._handle_custom_msg({"view": "0.5", "number": 7, "request": request}, [])
     *progress, message = sent
-    assert all((told["view"], told["number"]) == ("0.5", 7) for told in sent)
-    fractions = [told["progress"] for told in progress]
+    assert all((reported["view"], reported["number"]) == ("0.5", 7) for reported in sent)
+    fractions = [reported["progress"] for reported in progress]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
     answer: dict[str, Any] = json.loads(message["answer"])

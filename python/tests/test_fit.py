@@ -33,7 +33,7 @@ def test_the_numbers_of_a_simulated_curve_are_found() -> None:
         assert abs(one.value - value) < 4 * one.error, name
         assert one.interval[0] < one.value < one.interval[1]
         assert one.limit is None
-    # What 2000 contacts tell: their mean threshold to better than a percent, their number to about a tenth.
+    # What 2000 contacts determine: the mean threshold to better than a percent, the number to about a tenth.
     assert FOUND.params["thresholds.mean"].error < 0.01
     assert 0.05 < FOUND.params["count"].error / 2000 < 0.2
     # The readings of the ensemble are exact.
@@ -459,8 +459,8 @@ def test_numbers_that_only_change_together_are_refused_by_name() -> None:
             contacts, POSITION, None, free=free, initial=asp.Gaussian(0.3, 0.03), reading=0.001, noise="white"
         )
     # x → x + d for all stretches makes the force larger by N⟨k⟩d.
-    told = re.findall(r"(\S+) by ([-+0-9.]+)", str(refused.value))
-    assert told == list(zip(free, ["+1", "-200", "+1", "+1"], strict=True))
+    reported = re.findall(r"(\S+) by ([-+0-9.]+)", str(refused.value))
+    assert reported == list(zip(free, ["+1", "-200", "+1", "+1"], strict=True))
 
 
 def test_the_summary_says_what_is_known_and_what_is_not() -> None:
@@ -480,7 +480,7 @@ def test_the_summary_says_what_is_known_and_what_is_not() -> None:
     assert plan.summary().startswith("errors that a measurement at 150 positions would have")
 
 
-def test_a_curve_of_another_kind_is_told() -> None:
+def test_a_curve_of_another_kind_is_reported() -> None:
     """Contacts of two kinds, fitted as one."""
     two = asp.Mixture([(0.5, asp.Gaussian(0.5, 0.05)), (0.5, asp.Gaussian(1.3, 0.1))])
     force = asp.MasterEquation(asp.Contacts(two, REFORMING, count=2000.0)).pull(4.5)(POSITION)
@@ -492,11 +492,11 @@ def test_a_curve_of_another_kind_is_told() -> None:
     assert "do not trust the errors" in fit._repr_html_()
 
 
-def test_a_search_that_did_not_converge_is_told() -> None:
+def test_a_search_that_did_not_converge_is_reported() -> None:
     """A constant force, which no contacts show."""
     fit = asp.fit(GUESS, POSITION, np.ones(len(POSITION)), free=NAMES[:3], noise="white")
-    told = "The search did not converge: these are its last values." in fit.summary()
-    assert told != fit.converged
+    reported = "The search did not converge: these are its last values." in fit.summary()
+    assert reported != fit.converged
     assert fit.misfit is not None
     assert fit.misfit.unlikely
 
@@ -518,12 +518,12 @@ def test_a_plot_shows_readings_band_and_whitened_residuals() -> None:
 
 
 def test_progress_rises_to_one() -> None:
-    told: list[float] = []
-    asp.fit(GUESS, POSITION, SIMULATED, free=NAMES, progress=told.append)
-    assert told[-1] == 1.0
-    assert told == sorted(told)
-    FOUND.profile("count", [1800.0, 2200.0], progress=told.append)
-    assert told[-1] == 1.0
+    reported: list[float] = []
+    asp.fit(GUESS, POSITION, SIMULATED, free=NAMES, progress=reported.append)
+    assert reported[-1] == 1.0
+    assert reported == sorted(reported)
+    FOUND.profile("count", [1800.0, 2200.0], progress=reported.append)
+    assert reported[-1] == 1.0
 
 
 def fit_of_two_curves() -> tuple[asp.Estimates, NDArray[np.float64], asp.Pull]:

@@ -80,7 +80,7 @@ def test_the_periodogram_is_that_of_numpy() -> None:
         np.testing.assert_allclose(spectrum["expected"][k], expected, rtol=1e-4)
 
 
-def test_a_fit_is_told_as_a_table_and_plotted() -> None:
+def test_a_fit_is_reported_as_a_table_and_plotted() -> None:
     text = FOUND.summary()
     assert text.startswith(f"fit to {len(RECORD)} readings in steady sliding")
     assert all(name in text for name in NAMES)

@@ -203,12 +203,14 @@ def test_loadings_between_events_of_a_laboratory_are_fitted_together() -> None:
     assert line.misfit is not None
     assert found.misfit is not None
     # Numbers of the page "What a curve cannot tell", to half of their last digits.
-    told = [*rate[:2], *found.params["stiffness"][:2], *found.params["thresholds.mean"][:2]]
+    reported = [*rate[:2], *found.params["stiffness"][:2], *found.params["thresholds.mean"][:2]]
     digits = [1e-5, 1e-5, 1e-4, 1e-4, 1e-2, 1e-2]
-    for value, page, digit in zip(told, [0.00445, 0.00021, 0.0188, 0.0018, 1.12, 0.12], digits, strict=True):
+    for value, page, digit in zip(
+        reported, [0.00445, 0.00021, 0.0188, 0.0018, 1.12, 0.12], digits, strict=True
+    ):
         assert value == pytest.approx(page, abs=0.5 * digit)
     assert line.misfit.akaike - found.misfit.akaike == pytest.approx(308, abs=0.5)
-    # Two readings with an offset of their own have opposite residuals, which tell nothing of the errors.
+    # Two readings with an offset of their own have opposite residuals, which show nothing of the errors.
     assert found.misfit.whiteness == 1.0
     assert not found.misfit.unlikely
     # The same by the scenario.

@@ -187,7 +187,7 @@ def test_results_are_shown(pull: asp.Pull) -> None:
     assert repr(FIGURE_2.steady_state()).startswith("<steady sliding: F_k = 0.50125")
 
 
-def test_progress_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     heard: list[float] = []
     contacts = asp.Contacts(asp.Gaussian(1.0, 0.05))
     asp.Ensemble(contacts, size=1_000_000).pull(20.0, progress=heard.append)

@@ -258,9 +258,9 @@ def test_a_picture_shows_the_numbers_of_the_result() -> None:
     np.testing.assert_array_equal(computed, np.c_[result["hold"], result["static_friction"]])
     # The fitted line is that of the summary. The largest residual of 5 points is below √5 times the mean one.
     at = np.interp(np.log(result["hold"]), np.log(fitted[:, 0]), fitted[:, 1])
-    told = result.summary["hold_curve"]
+    reported = result.summary["hold_curve"]
     span = np.ptp(result["static_friction"])
-    assert np.max(np.abs(at - result["static_friction"])) < 2.5 * told["residual_relative"] * span + 1e-5
+    assert np.max(np.abs(at - result["static_friction"])) < 2.5 * reported["residual_relative"] * span + 1e-5
     assert axes.get_xscale() == "log"
     assert axes.get_ylabel() == "$F_s$"
 

@@ -52,7 +52,7 @@ def test_the_same_seed_gives_the_same_draws() -> None:
     first, again, other = (FIT.sample(draws=8, chains=2, seed=seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.draws["count"], again.draws["count"])
     assert (first.draws["count"] != other.draws["count"]).any()
-    # So few draws are not enough, and this is told.
+    # So few draws are not enough, and this is reported.
     assert first.warnings
     assert first.warnings[0] in first.summary()
 
@@ -112,7 +112,7 @@ def test_wrong_input_is_refused() -> None:
 
 
 def test_progress_rises_to_one() -> None:
-    told: list[float] = []
-    FIT.sample(draws=20, chains=2, progress=told.append)
-    assert told[-1] == 1.0
-    assert told == sorted(told)
+    reported: list[float] = []
+    FIT.sample(draws=20, chains=2, progress=reported.append)
+    assert reported[-1] == 1.0
+    assert reported == sorted(reported)

@@ -126,13 +126,17 @@ def test_blocks_are_driven_as_by_the_command(written: tuple[Path, Path]) -> None
         if run.sizes is not None and (folder / "sizes.csv").exists():
             same(run.sizes._asdict(), folder / "sizes.csv")
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        told = summary["ensemble"] if prefix else summary
-        assert (run.regime, run.reason, len(run.events)) == (told["regime"], told["reason"], told["slips"])
+        reported = summary["ensemble"] if prefix else summary
+        assert (run.regime, run.reason, len(run.events)) == (
+            reported["regime"],
+            reported["reason"],
+            reported["slips"],
+        )
         for name in ("period", "mean_drop", "mean_slip", "scatter"):
-            assert getattr(run, name) == told.get(name)
+            assert getattr(run, name) == reported.get(name)
         for name in ("first_instability", "runaway"):
             state = getattr(run, name)
-            assert (state and state._asdict()) == told.get(name)
+            assert (state and state._asdict()) == reported.get(name)
 
 
 def slider(model: asp.Model, scenario: dict[str, Any]) -> asp.Block:

@@ -179,11 +179,11 @@ def test_a_hold_takes_time_and_moves_no_load_point(model: Any) -> None:
     simulation = model.simulation(velocity=0.1)
     simulation.advance(0.5)
     force, begun = simulation.force, simulation.time
-    told: list[float] = []
-    simulation.hold(20.0, progress=told.append)
+    reported: list[float] = []
+    simulation.hold(20.0, progress=reported.append)
     assert simulation.drive == 0.5
     assert simulation.time == pytest.approx(begun + 20.0, rel=1e-12)
-    assert told[-1] == 1.0
+    assert reported[-1] == 1.0
     # No contact breaks, and the spring and the contacts stay in balance.
     np.testing.assert_allclose(simulation.force, force, atol=5e-3)
     assert np.all(simulation.velocities < 1e-2)
@@ -442,9 +442,9 @@ def test_ctrl_c_leaves_a_simulation_that_goes_on(model: Any) -> None:
     assert seen(whole) == seen(simulation)
 
 
-def test_progress_is_told() -> None:
-    told: list[float] = []
+def test_progress_is_reported() -> None:
+    reported: list[float] = []
     model = INTERFACES["half-space"].replace(cells=[24, 24])
-    model.simulation().advance(6.0, progress=told.append)
-    assert told[-1] == 1.0
-    assert told == sorted(told)
+    model.simulation().advance(6.0, progress=reported.append)
+    assert reported[-1] == 1.0
+    assert reported == sorted(reported)

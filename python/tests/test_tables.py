@@ -47,7 +47,7 @@ def test_every_argument_is_an_attribute(description: asp.Description) -> None:
             assert value == parameter.default, name
 
 
-def test_the_stiffness_of_contacts_is_told() -> None:
+def test_the_stiffness_of_contacts_is_reported() -> None:
     assert (CONTACTS.stiffness, CONTACTS.stiffness_per_threshold) == (1.0, None)
     proportional = asp.Contacts(asp.Gaussian(1.0, 0.05), stiffness_per_threshold=2.0)
     assert (proportional.stiffness, proportional.stiffness_per_threshold) == (None, 2.0)

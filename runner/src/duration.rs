@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_told_in_two_units() {
+    fn times_are_reported_in_two_units() {
         for (seconds, expected) in [
             (1, "1 s"),
             (59, "59 s"),

@@ -45,11 +45,11 @@ fn fit_and_sample(
     let monitor = &mut Part::new(monitor, FIT, 1.0 - FIT);
     let drawn = found.standardised().and_then(|target| posterior::sample(&target, sampling, monitor));
     let drawn = drawn.map_err(|error| error.under("fit"))?;
-    let told = drawn.summary(|name| found.key(name));
-    summary.warnings.extend(told.warnings().into_iter().map(|text| format!("fit.posterior: {text}")));
+    let reported = drawn.summary(|name| found.key(name));
+    summary.warnings.extend(reported.warnings().into_iter().map(|text| format!("fit.posterior: {text}")));
     summary.seed = Some(sampling.seed);
     if let Numbers::Fit(FitNumbers { fit }) = &mut summary.numbers {
-        fit.posterior = Some(told);
+        fit.posterior = Some(reported);
     }
     let diverging = drawn.diverging.iter().map(|&diverging| f64::from(u8::from(diverging))).collect();
     let steps = drawn.steps.iter().map(|&steps| steps as f64).collect();

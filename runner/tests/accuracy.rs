@@ -1,4 +1,4 @@
-//! The error budget: what is told of the accuracy of each task holds, and what was asked for and is not reached is refused.
+//! The error budget: what is reported of the accuracy of each task holds, and what was asked for and is not reached is refused.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn run(text: &str) -> Outcome {
 }
 
 fn accuracy(outcome: &Outcome) -> f64 {
-    outcome.summary.accuracy.expect("a task that solves the master equation tells its accuracy")
+    outcome.summary.accuracy.expect("a task that solves the master equation reports its accuracy")
 }
 
 fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
@@ -58,7 +58,7 @@ fn velocity_curves_of_broad_thresholds() {
         let outcome = refused(&text, 1e-12);
         let off = (column(&outcome, "kinetic_friction")[0] - exact).abs();
         assert!(off <= accuracy(&outcome), "{law}: {off:e} {:e}", accuracy(&outcome));
-        // Told it is to be of use: parts of 1e9 of the force.
+        // Reported it is to be of use: parts of 1e9 of the force.
         assert!(accuracy(&outcome) < 1e-9 * exact, "{law}: {:e}", accuracy(&outcome));
     }
 }

@@ -1,4 +1,4 @@
-//! A fit as it is run and written: the fitted scenario, what is told of readings, and a search that does not end.
+//! A fit as it is run and written: the fitted scenario, what is reported of readings, and a search that does not end.
 
 use std::fs;
 use std::path::Path;
@@ -61,13 +61,13 @@ fn the_numbers_that_made_the_shipped_curve_are_found() {
     let fixed: Vec<(&str, f64)> =
         found.fixed.iter().map(|number| (number.key.as_str(), number.value)).collect();
     assert_eq!(fixed, [("contacts.reforming.gaussian.mean", 0.1), ("contacts.reforming.gaussian.std", 0.03)]);
-    // N and k are hardly known apart: the noise alone tells the one from the other.
+    // N and k are hardly known apart: only the noise distinguishes the one from the other.
     assert_eq!(found.correlations.len(), 1);
     assert!(found.correlations[0].coefficient < -0.99);
 }
 
 #[test]
-fn white_noise_of_the_same_readings_is_told_to_be_none() {
+fn white_noise_of_the_same_readings_is_reported_to_be_none() {
     let keys = "fit.free=['contacts.thresholds.gaussian.mean', 'contacts.thresholds.gaussian.std', 'contacts.count']";
     let white = fitted(&["fit.noise='white'", keys, "contacts.stiffness=1.0"]);
     let found = white.summary.numbers.fit().unwrap();
@@ -180,13 +180,13 @@ fn a_measurement_without_forces_has_about_the_errors_of_the_one_that_was_made() 
     let (planned, made) = (planned.summary.numbers.fit().unwrap(), made.summary.numbers.fit().unwrap());
     assert!(planned.misfit.is_none() && planned.sources.is_empty());
     for (planned, made) in planned.numbers.iter().zip(&made.numbers).take(2) {
-        // Errors go with the square root of the number of contacts, which the curve tells to 16 %.
+        // Errors go with the square root of the number of contacts, which the curve determines to 16 %.
         assert!((0.7..1.4).contains(&(planned.error / made.error)), "{planned:?} {made:?}");
     }
 }
 
 #[test]
-fn thresholds_of_free_form_are_told_and_written() {
+fn thresholds_of_free_form_are_reported_and_written() {
     let outcome = fitted(&["fit.thresholds='free_form'"]);
     let form = outcome.summary.numbers.fit().unwrap().free_form.unwrap();
     assert!(form.converged);
@@ -380,14 +380,14 @@ fn a_record_may_have_positions_and_be_part_of_the_scenario() {
 }
 
 #[test]
-fn draws_from_the_posterior_are_told_and_written() {
+fn draws_from_the_posterior_are_reported_and_written() {
     let outcome = fitted(&["fit.posterior={ draws = 12, chains = 2, seed = 3 }"]);
     let found = outcome.summary.numbers.fit().unwrap();
-    let told = found.posterior.as_ref().unwrap();
-    assert_eq!((told.chains, told.draws, outcome.summary.seed), (2, 12, Some(3)));
+    let reported = found.posterior.as_ref().unwrap();
+    assert_eq!((reported.chains, reported.draws, outcome.summary.seed), (2, 12, Some(3)));
     let keys = |numbers: Vec<&String>| numbers.into_iter().cloned().collect::<Vec<String>>();
     assert_eq!(
-        keys(told.numbers.iter().map(|number| &number.key).collect()),
+        keys(reported.numbers.iter().map(|number| &number.key).collect()),
         keys(found.numbers.iter().map(|number| &number.key).collect())
     );
     // 24 draws are not worth 400.
@@ -396,13 +396,13 @@ fn draws_from_the_posterior_are_told_and_written() {
     );
     let values = outcome.record.values("posterior_value").unwrap();
     let mean = values[..24].iter().sum::<f64>() / 24.0;
-    assert!((mean / told.numbers[0].mean - 1.0).abs() < 1e-14);
+    assert!((mean / reported.numbers[0].mean - 1.0).abs() < 1e-14);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("fit");
     output::write(&path, &outcome, &[]).unwrap();
     assert_eq!(output::read(&path).unwrap(), outcome);
     let file = netcdf_reader::NcFile::open(path.join("posterior.nc")).unwrap();
-    for (number, drawn) in told.numbers.iter().zip(values.chunks_exact(24)) {
+    for (number, drawn) in reported.numbers.iter().zip(values.chunks_exact(24)) {
         let stored = file.read_variable::<f64>(&format!("posterior/{}", number.key)).unwrap();
         assert_eq!(
             (stored.shape(), stored.iter().copied().collect::<Vec<f64>>().as_slice()),
@@ -429,9 +429,9 @@ fn a_record_of_steady_sliding_has_a_posterior_near_its_estimates() {
     let sampling = "fit.posterior={ draws = 200, chains = 2, seed = 3 }";
     let outcome = shipped("fit-steady.toml", &[free, truth, "fit.reading=1.0", sampling]);
     let found = outcome.summary.numbers.fit().unwrap();
-    let told = found.posterior.as_ref().unwrap();
-    assert_eq!((told.chains, told.draws), (2, 200));
-    for (drawn, number) in told.numbers.iter().zip(&found.numbers) {
+    let reported = found.posterior.as_ref().unwrap();
+    assert_eq!((reported.chains, reported.draws), (2, 200));
+    for (drawn, number) in reported.numbers.iter().zip(&found.numbers) {
         assert_eq!(drawn.key, number.key);
         let shift = (drawn.mean - number.value) / number.error;
         let ratio = drawn.std / number.error;

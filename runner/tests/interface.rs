@@ -59,13 +59,13 @@ fn contacts_one_by_one_make_the_avalanches_of_the_lattice() {
         (column(&outcome, "drive"), column(&outcome, "force")[3]),
         (&[0.0, 1.0, 2.0, 3.0][..], lattice.force())
     );
-    let told = catalogue(&outcome);
-    assert_eq!((told.cells, told.events, told.magnitude.as_str()), (63, late.len(), "size"));
-    let largest = told.largest.unwrap();
+    let reported = catalogue(&outcome);
+    assert_eq!((reported.cells, reported.events, reported.magnitude.as_str()), (63, late.len(), "size"));
+    let largest = reported.largest.unwrap();
     assert_eq!(largest.magnitude, late.iter().map(|a| a.size).max().unwrap() as f64);
     assert_eq!(column(&outcome, "event_size")[largest.event - 1], largest.magnitude);
     let waiting = (late[late.len() - 1].drive - late[0].drive) / (late.len() - 1) as f64;
-    assert!((told.mean_waiting.unwrap() / waiting - 1.0).abs() < 1e-12);
+    assert!((reported.mean_waiting.unwrap() / waiting - 1.0).abs() < 1e-12);
     assert_eq!(outcome.summary.seed, Some(1));
 }
 
@@ -114,9 +114,9 @@ drive = { distance = 8.0, points = 2 }
     assert_eq!(outcome.summary.seed, Some(4));
 }
 
-/// Scales drawn differ, those of a list are taken; events of a chain tell which cells slipped.
+/// Scales drawn differ, those of a list are taken; events of a chain state which cells slipped.
 #[test]
-fn cells_differ_as_they_are_told_to() {
+fn cells_differ_as_they_are_asked_to() {
     let chain = |more: &str| {
         run(&format!(
             "contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}

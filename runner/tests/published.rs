@@ -21,7 +21,7 @@ fn column<'a>(record: &'a Record, name: &str) -> &'a [f64] {
 
 /// The page says this.
 #[track_caller]
-fn told(text: &str) {
+fn reported(text: &str) {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/gallery.md");
     let page = std::fs::read_to_string(page).unwrap();
     assert!(page.contains(text), "docs/gallery.md does not say: {text}");
@@ -33,7 +33,10 @@ fn first_loading() {
     let outcome = run("fig2", &[]);
     let friction: &Friction = outcome.summary.numbers.friction().unwrap();
     let StaticFriction::Reached { force, position } = friction.static_friction else { panic!("no maximum") };
-    told(&format!("F reaches {force:.4} at X = {position:.4} and ends at {:.5}", friction.kinetic_friction));
+    reported(&format!(
+        "F reaches {force:.4} at X = {position:.4} and ends at {:.5}",
+        friction.kinetic_friction
+    ));
     // (1 + σ²)/2 for thresholds of the width σ = 0.05, but for the mass of a Gaussian below 0.
     assert!((friction.kinetic_friction - 0.5 * (1.0 + 0.05 * 0.05)).abs() < 1e-12);
 }
@@ -49,7 +52,7 @@ fn friction_rises_with_velocity() {
     let creep = &column(&record, "creep_friction")[..velocity.len()];
     let off = creep.iter().zip(all).map(|(law, force)| (law / force - 1.0).abs());
     let off = off.filter(|off| off.is_finite()).fold(0.0, f64::max);
-    told(&format!(
+    reported(&format!(
         "by {slope:.4} per decade at v = 10⁻⁷ to 10⁻⁶, and the law of slow creep holds to {:.1} %",
         100.0 * off
     ));
@@ -62,12 +65,12 @@ fn a_delay_makes_a_maximum() {
     let (velocity, force) = (column(&record, "velocity"), column(&record, "kinetic_friction"));
     let top = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b])).unwrap();
     assert!(top > 0 && force[..=top].is_sorted() && force[top..].iter().rev().is_sorted());
-    told(&format!("highest, {:.3}, at v = {:.3}", force[top], velocity[top]));
+    reported(&format!("highest, {:.3}, at v = {:.3}", force[top], velocity[top]));
     // Contacts live for the mean threshold 1 and are free for vτ = v.
     let closed = |v: f64| 0.5 * (1.0 + 0.05 * 0.05) / (1.0 + v);
     let fast = velocity.iter().zip(force).filter(|(v, _)| **v >= 1.0);
     let off = fast.map(|(&v, force)| (force / closed(v) - 1.0).abs()).fold(0.0, f64::max);
-    told(&format!("from v = 1 on to {:.1} %", 100.0 * off));
+    reported(&format!("from v = 1 on to {:.1} %", 100.0 * off));
 }
 
 /// Braun and Peyrard (2011): friction falls with velocity where contacts age.
@@ -76,8 +79,8 @@ fn ageing_weakens_with_velocity() {
     let record = run("velocity-curve-ageing", &["velocity_curve.points=4"]).record;
     let force = column(&record, "kinetic_friction");
     assert!(force[0] < force[1] && force[1] > force[2] && force[2] > force[3]);
-    told(&format!("from {:.3} at v = 0.1 to {:.3} at v = 10", force[1], force[3]));
-    told(&format!("{:.3} at v = 0.01", force[0]));
+    reported(&format!("from {:.3} at v = 0.1 to {:.3} at v = 10", force[1], force[3]));
+    reported(&format!("{:.3} at v = 0.01", force[0]));
 }
 
 /// Dieterich (1979): static friction grows as the logarithm of the time of a hold.
@@ -85,8 +88,8 @@ fn ageing_weakens_with_velocity() {
 fn static_friction_heals() {
     let summary = serde_json::to_value(&run("healing", &[]).summary).unwrap();
     let number = |name: &str| 100.0 * summary["hold_curve"][name].as_f64().unwrap();
-    told(&format!("by {:.1} % of kinetic friction per factor of ten", number("healing_relative")));
-    told(&format!("to {:.1} % of its range", number("residual_relative")));
+    reported(&format!("by {:.1} % of kinetic friction per factor of ten", number("healing_relative")));
+    reported(&format!("to {:.1} % of its range", number("residual_relative")));
 }
 
 /// Dieterich (1979), Ruina (1983): steps of the velocity.
@@ -94,7 +97,7 @@ fn static_friction_heals() {
 fn velocity_steps_evolve() {
     let summary = serde_json::to_value(&run("velocity-step", &[]).summary).unwrap();
     let number = |step: usize, name: &str| summary["steps"][step]["rate_state"][name].as_f64().unwrap();
-    told(&format!(
+    reported(&format!(
         "to {:.1} % and {:.1} % of its range",
         100.0 * number(1, "residual_relative"),
         100.0 * number(2, "residual_relative")
@@ -122,7 +125,7 @@ fn precursors_of_a_chain_pulled_at_its_edge() {
     let records = records.filter(|more| *more).count();
     assert_eq!(column(&record, "event_epicentre")[0], 0.0);
     let last = reaches[..whole].iter().copied().fold(0.0, f64::max);
-    told(&format!(
+    reported(&format!(
         "{whole} slips end inside it, {records} of them farther than all before, the last at cell {last} of 30"
     ));
 }
@@ -139,12 +142,12 @@ fn fronts_in_a_chain_with_inertia() {
     };
     let (drive, speed, waves) = front(&[]);
     let ratio = speed / waves;
-    told(&format!("runs at {speed:.1} cells per time, {ratio:.2} of the speed of waves"));
+    reported(&format!("runs at {speed:.1} cells per time, {ratio:.2} of the speed of waves"));
     let scale: Vec<_> = (0..100).map(|cell| if cell < 9 { "0.7" } else { "1.0" }).collect();
     let shorter = format!("interface.disorder.scale=[{}]", scale.join(","));
     let (later, faster, _) = front(&[&shorter]);
     assert!(later > drive && faster > speed, "{drive} {speed}, {later} {faster}");
-    told(&format!("it begins at the drive {later:.2} instead of {drive:.2} and runs at {faster:.1}."));
+    reported(&format!("it begins at the drive {later:.2} instead of {drive:.2} and runs at {faster:.1}."));
 }
 
 /// Thøgersen et al. (2014): slow slip after fast slip.
@@ -161,11 +164,11 @@ fn slow_slip_after_fast_slip() {
         time[after - 1] + part * (time[after] - time[after - 1]) - time[peak]
     };
     let (fast, slow) = (falls_to(100.0), falls_to(10.0));
-    told(&format!(
+    reported(&format!(
         "rises to {:.1} thousand and falls below 100 within {fast:.1} units of time",
         velocity[peak]
     ));
-    told(&format!("The next factor of ten takes {:.1}.", slow - fast));
+    reported(&format!("The next factor of ten takes {:.1}.", slow - fast));
 }
 
 /// Hergarten and Neugebauer (2002): foreshocks and aftershocks in the automaton of Olami, Feder and Christensen.
@@ -193,6 +196,6 @@ fn earthquakes_cluster() {
     let mean = count(-1.0, 1.0) / 2.0;
     let rates = |window: f64| [count(-window, 0.0), count(0.0, window)].map(|count| count / (window * mean));
     let ([before, after], far) = (rates(1e-3), rates(0.1));
-    told(&format!("{before:.1} times as often just before and {after:.1} times just after"));
-    told(&format!("{:.2} and {:.2} times", far[0], far[1]));
+    reported(&format!("{before:.1} times as often just before and {after:.1} times just after"));
+    reported(&format!("{:.2} and {:.2} times", far[0], far[1]));
 }

@@ -10,7 +10,7 @@ use serde_json::Value;
 /// Most columns are the same to the last bit, as powers of two multiply without rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// The same where thresholds mature or diffuse: logarithms of densities, down to −645, are told by series, and hazards by
+/// The same where thresholds mature or diffuse: logarithms of densities, down to −645, are computed by series, and hazards by
 /// their slopes.
 const ROUNDING_OF_POTENTIALS: f64 = 2e-12;
 

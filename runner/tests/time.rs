@@ -123,7 +123,7 @@ fn a_delay_frees_contacts_and_friction_ends() {
 }
 
 #[test]
-fn a_protocol_is_told_step_by_step_and_both_solvers_agree() {
+fn a_protocol_is_reported_step_by_step_and_both_solvers_agree() {
     let outcome = run(&format!(
         "{GROWING}
          [[protocol]]
@@ -391,9 +391,9 @@ fn a_block_beside_a_velocity_curve_tells_its_stability() {
     let column = |outcome: &Outcome, name: &str| outcome.record.values(name).unwrap().to_vec();
     assert_eq!(column(&free, "critical_stiffness_sliding"), [f64::INFINITY; 2]);
     assert!(column(&free, "growth_rate").iter().all(|rate| *rate > 0.0));
-    let told = free.summary.numbers.stability().unwrap();
-    assert_eq!((told.velocities, told.unstable), (2, Some(2)));
-    assert_eq!(told.critical_stiffness_sliding.0, f64::INFINITY);
+    let reported = free.summary.numbers.stability().unwrap();
+    assert_eq!((reported.velocities, reported.unstable), (2, Some(2)));
+    assert_eq!(reported.critical_stiffness_sliding.0, f64::INFINITY);
     // Damping of more than −dF_k/dv, which is about βF_k/v.
     assert_eq!(column(&damped, "growth_rate"), [0.0; 2]);
     assert_eq!(damped.summary.numbers.stability().unwrap().unstable, Some(0));

@@ -67,7 +67,7 @@ fn entry(text: &str, seconds: f64) -> Result<Entry, String> {
     let mut deadline = Deadline { begun: ProcessTime::now(), seconds };
     let outcome = run(&input.scenario, &mut deadline).map_err(|error| error.to_string())?;
     let seconds = deadline.begun.elapsed().as_secs_f64();
-    let accuracy = outcome.summary.accuracy.ok_or("a pull tells its accuracy")?;
+    let accuracy = outcome.summary.accuracy.ok_or("a pull reports its accuracy")?;
     Ok(Entry { accuracy, seconds })
 }
 

@@ -84,7 +84,7 @@ impl Server {
         });
         let mut protocol = hyper::server::conn::http1::Builder::new();
         protocol.timer(TokioTimer::new()).header_read_timeout(ARRIVAL).max_buf_size(64 << 10);
-        // An error ends the connection, and nobody is left to be told.
+        // An error ends the connection, and nobody is left to be informed.
         let _ = protocol.serve_connection(TokioIo::new(stream), service).await;
     }
 

@@ -33,10 +33,10 @@ struct Drawn<'a> {
 }
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
-    let told = outcome.summary.numbers.fit()?.posterior.as_ref()?;
+    let reported = outcome.summary.numbers.fit()?.posterior.as_ref()?;
     let values = outcome.record.values("posterior_value")?;
-    let draws = values.chunks_exact(told.chains * told.draws);
-    let numbers = told.numbers.iter().zip(draws).take(MOST);
+    let draws = values.chunks_exact(reported.chains * reported.draws);
+    let numbers = reported.numbers.iter().zip(draws).take(MOST);
     let numbers: Vec<Drawn<'_>> = numbers
         .map(|(number, values)| Drawn { label: label(&number.key), values, range: range(values) })
         .collect();

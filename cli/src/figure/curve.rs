@@ -96,7 +96,7 @@ pub fn counted(points: &[Counted], low: f64, color: &str) -> Vec<Plot> {
     points.iter().map(bar).chain([markers]).collect()
 }
 
-/// The computed points of a smooth curve, if they can be told apart.
+/// The computed points of a smooth curve, if they can be distinguished.
 pub fn computed(x: &[f64], y: &[f64], color: &str) -> Plot {
     const MOST: usize = 60;
     let shown = if x.len() > MOST { Vec::new() } else { curve(x, y) };

@@ -687,7 +687,7 @@ fn moving(velocity: impl Fn(f64) -> f64) -> String {
     svg(&draw(&outcome).unwrap(), "protocol.svg")
 }
 
-/// Slow creep, slow slip and rest are told from each other; the axis of a velocity of one size, or of both signs, is linear.
+/// Slow creep, slow slip and rest are distinguished from each other; the axis of a velocity of one size, or of both signs, is linear.
 #[test]
 fn a_velocity_over_decades_has_a_logarithmic_axis() {
     let slow = moving(|t| if t < 50.0 { 1e-6 } else { 1e-2 });

@@ -29,7 +29,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     let top = style::range([measured, free, mean_field.unwrap_or(&[])]).1;
     let visible = |density: &[f64]| filled(density, style::INVISIBLE * top);
-    // Without empty bins, and those that cannot be told from them.
+    // Without empty bins, and those that cannot be distinguished from them.
     let bins: Vec<usize> = (0..measured.len()).filter(|&i| measured[i] > style::INVISIBLE * top).collect();
     let pick = |values: &[f64]| -> Vec<f64> { bins.iter().map(|&i| values[i]).collect() };
     plots.extend(errors(&pick(drive), &pick(measured), &pick(record.values("measured_error")?), ORANGE));

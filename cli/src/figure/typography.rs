@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn symbols_are_told_from_words_and_units() {
+    fn symbols_are_distinguished_from_words_and_units() {
         for (text, expected) in [
             ("Load-point displacement X_T (m)", &["X", "_T"][..]),
             ("Kinetic friction F_k (N)", &["F", "_k"]),

@@ -109,8 +109,8 @@ fn laws(laws: &FitLaws) -> Vec<(String, String)> {
 }
 
 /// A line for each number that was drawn, and one for all draws.
-fn posterior(told: &PosteriorSummary) -> Vec<(String, String)> {
-    let PosteriorSummary { chains, draws, divergences, numbers } = told;
+fn posterior(reported: &PosteriorSummary) -> Vec<(String, String)> {
+    let PosteriorSummary { chains, draws, divergences, numbers } = reported;
     let all = format!("{chains} chains of {draws} draws, {divergences} of them diverged");
     let number = |number: &PosteriorNumber| {
         let PosteriorNumber { key, mean, std, quantiles: [low, _, high], r_hat, effective_size } = number;

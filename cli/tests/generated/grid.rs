@@ -1,5 +1,5 @@
 //! Distributions × tasks × temperatures × rules of ageing: each combination ends with results or a reason, or is at work within
-//! its memory, tells when it will be done, and stops when it is asked to.
+//! its memory, reports when it will be done, and stops when it is asked to.
 
 use std::path::Path;
 
@@ -154,7 +154,7 @@ impl Combination {
     }
 }
 
-/// Whether the last line of a log tells that less than a day is left, as `1.5 % after 10 s, about 12 min 3 s left`.
+/// Whether the last line of a log reports that less than a day is left, as `1.5 % after 10 s, about 12 min 3 s left`.
 fn is_soon_done(log: &str) -> bool {
     let line = log.lines().rev().find(|line| line.contains(" % after "));
     let left = line.and_then(|line| line.split(", about ").nth(1));
@@ -212,8 +212,8 @@ pub fn judge(numbers: &[u64]) -> Vec<String> {
     child::shared(numbers, |&number| {
         let combination = Combination::of(number);
         let (failures, seconds) = combination.judged();
-        let told = format!("{number}, {}, {seconds:.1} s", combination.name);
-        println!("{told}{}{}", if failures.is_empty() { "" } else { ": " }, failures.join("; "));
-        (!failures.is_empty()).then(|| format!("{told}: {}", failures.join("; ")))
+        let reported = format!("{number}, {}, {seconds:.1} s", combination.name);
+        println!("{reported}{}{}", if failures.is_empty() { "" } else { ": " }, failures.join("; "));
+        (!failures.is_empty()).then(|| format!("{reported}: {}", failures.join("; ")))
     })
 }

@@ -90,7 +90,7 @@ fn nothing_written(folder: &Path) -> Vec<String> {
     written(folder).map(was_written).collect()
 }
 
-/// Places in the results where a number is told that is none.
+/// Places in the results where a number is reported that is none.
 fn no_numbers(results: &Path) -> Vec<String> {
     let mut failures = Vec::new();
     let text = std::fs::read_to_string(results.join("summary.json")).unwrap_or_default();

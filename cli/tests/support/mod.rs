@@ -81,7 +81,7 @@ pub struct Ended {
 
 /// Waits for a process to end.
 #[cfg(target_os = "linux")]
-#[expect(unsafe_code, reason = "no safe function tells what a process took")]
+#[expect(unsafe_code, reason = "no safe function reports what a process took")]
 pub fn reaped(child: Child) -> Ended {
     let (mut status, id) = (0, libc::pid_t::try_from(child.id()).unwrap());
     // SAFETY: `status` and `usage` are there to be written to; all bytes of `usage` may be 0.

@@ -20,9 +20,9 @@ use crate::{Error, Result};
 const UNDETERMINED: f64 = 1e-10;
 /// The same for thresholds of free form: the common level of the coefficients changes no density, and is held weakly.
 const UNDETERMINED_FORM: f64 = 1e-12;
-/// Standard error of a logarithm above which only a limit is told.
+/// Standard error of a logarithm above which only a limit is reported.
 const VAGUE: f64 = 1.0;
-/// Correlations that are told.
+/// Correlations that are reported.
 const CORRELATED: f64 = 0.5;
 
 /// The estimate of a free number.
@@ -333,14 +333,14 @@ pub(super) fn refuse_undetermined(
     let part = |(k, d): (usize, &f64)| (d.abs() > 0.05).then_some(k);
     let named: Vec<usize> = direction.iter().enumerate().filter_map(part).collect();
     let first = named.first().map_or(1.0, |&k| changes[k].0);
-    let told = named.iter().map(|&k| {
+    let reported = named.iter().map(|&k| {
         let (change, name, logarithmic) = &changes[k];
         let of = if *logarithmic { "ln " } else { "" };
         format!("{of}{name} by {:+}", significant(change / first))
     });
     let expected = format!("numbers that the {what} determines (fix one of these, or give it a prior)");
-    let told = told.collect::<Vec<_>>().join(", ");
-    let found = format!("the same {what} if these change together: {told}");
+    let reported = reported.collect::<Vec<_>>().join(", ");
+    let found = format!("the same {what} if these change together: {reported}");
     Err(Error::invalid("free", expected, found))
 }
 

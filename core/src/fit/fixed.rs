@@ -18,7 +18,7 @@ const OF_MACHINE: [MachineNumber; 5] = [
 
 impl Estimates {
     /// The numbers of the contacts that were not free, with their values, and those of the machine that are not 0. A number
-    /// that differs between curves is told for each.
+    /// that differs between curves is reported for each.
     pub fn fixed(&self) -> Vec<(String, f64)> {
         let contacts = self.equation().parameters().into_iter();
         let contacts = contacts.map(|parameter| (parameter.name.into_owned(), parameter.value));

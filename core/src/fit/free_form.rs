@@ -63,7 +63,7 @@ impl Fit {
     /// The same fit with thresholds of free form: ln P_c is a sum of `count` Gaussian kernels, over eight standard
     /// deviations of the thresholds `found` by a fit with a distribution to both sides of their mean.
     ///
-    /// Third differences of the coefficients are normal of variance 1/λ, so that what the curve does not tell is continued like a
+    /// Third differences of the coefficients are normal of variance 1/λ, so that what the curve does not determine is continued like a
     /// Gaussian. λ is the most probable one (D. J. C. MacKay, Neural Comput. 4, 415 (1992)): λ Σ(Δ³θ)² = γ, the effective number
     /// of parameters γ = K − 3 − λ tr V DᵀD, with V the covariance of the estimates. Errors hold at this λ.
     ///

@@ -83,7 +83,7 @@ fn step_to_rise<P>(optimum: &Optimum<P>, number: usize) -> f64 {
 /// About the step of the logarithm of an error at the end of its range, where half the deviance has this slope, to its limit:
 /// errors add by their squares, in which the deviance begins to rise in proportion.
 fn step_of_squares(slope: f64) -> f64 {
-    /// Where the slope does not tell, and the factor by which the step is longer, so that it rather brackets the limit.
+    /// Where the slope does not show it, and the factor by which the step is longer, so that it rather brackets the limit.
     const UNKNOWN: f64 = 0.5;
     const LONGER: f64 = 1.01;
     if slope <= 0.0 {

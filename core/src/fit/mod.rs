@@ -184,7 +184,7 @@ impl Fit {
         self.checked().map(drop)
     }
 
-    /// Finds the most probable values. A search that does not converge is told by [`Estimates::converged`].
+    /// Finds the most probable values. A search that does not converge is reported by [`Estimates::converged`].
     ///
     /// Without measured forces: the errors that such a measurement would have, at the first values.
     ///

@@ -5,7 +5,7 @@ use crate::{Error, Result};
 
 /// Lengths whose squares neither vanish nor overflow.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
-/// The least standard deviation over the mean at which neighbouring numbers near the mean are told apart.
+/// The least standard deviation over the mean at which neighbouring numbers near the mean are distinguished.
 const NARROWEST: f64 = 1e-14;
 /// The largest, at which nearly all of the mean is in a part of 1e-12 of the distribution.
 const WIDEST: f64 = 1e6;

@@ -556,7 +556,7 @@ mod tests {
     }
 
     #[test]
-    fn a_power_that_ends_in_a_place_is_told() {
+    fn a_power_that_ends_in_a_place_is_reported() {
         let law = Series::resolve(each(|x| x * (2.0 - x).sqrt()), &[0.0, 1.0, 2.0], 1e-14).unwrap().0;
         let &[_, end] = &law.breakpoints()[..] else { panic!("{:?}", law.breakpoints()) };
         // Its distance to the end is rounded to 1e-2 in the last cells.

@@ -56,7 +56,7 @@ impl<W: Fn(f64, &mut [f64])> StartQuadrature<W> {
     }
 
     /// Visits all points, for a function that is smooth between `cuts` but for powers of the distance to the positions in
-    /// `steep`. Panels with one of them are divided; the visitor is told which points are near a steep position.
+    /// `steep`. Panels with one of them are divided; the visitor learns which points are near a steep position.
     pub(super) fn each(&self, cuts: &[f64], steep: &[f64], mut visit: impl FnMut(&Points, bool)) {
         for panel in &self.panels {
             let (low, high) = (panel.low, panel.high);

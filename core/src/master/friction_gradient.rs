@@ -84,7 +84,7 @@ impl Pull {
         Ok(found)
     }
 
-    /// ∂X*/∂θ by central differences of eighth order, for tails that decay more slowly than any root tells: those of exponential
+    /// ∂X*/∂θ by central differences of eighth order, for tails that decay more slowly than any root shows: those of exponential
     /// thresholds, where X* is the length of the tail.
     fn relaxation_difference(&self, name: &str, monitor: &mut dyn Monitor) -> Result<f64> {
         /// Step relative to the value.

@@ -40,7 +40,7 @@ struct OneThreshold {
     others: usize,
 }
 
-/// Contacts by where they start, and functions of X that tell when, on the same cells.
+/// Contacts by where they start, and functions of X that show when, on the same cells.
 #[derive(Debug, Clone)]
 struct Generation {
     starts: Layer,
@@ -279,7 +279,7 @@ impl Pull {
     fn has_threshold_response(&self) -> Result<()> {
         let contacts = &self.equation.contacts;
         if let Some(rule) = contacts.rules.first() {
-            let expected = "time-independent contacts: with others a threshold alone does not tell when a contact breaks";
+            let expected = "time-independent contacts: with others a threshold alone does not determine when a contact breaks";
             return Err(Error::invalid(rule, expected, "a response to thresholds"));
         }
         contacts.have_equal_stiffness()

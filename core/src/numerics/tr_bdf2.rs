@@ -79,9 +79,9 @@ mod tests {
             (end - (-h).exp(), error(h, [-1.0, -(1.0 + first), -end]))
         };
         for h in [0.02, 0.01] {
-            let (off, told) = step(h);
+            let (off, reported) = step(h);
             // The next order, of h, in units of this one.
-            assert!((off / told + 1.0).abs() < h, "{off} {told}");
+            assert!((off / reported + 1.0).abs() < h, "{off} {reported}");
         }
         let order = (step(0.02).0 / step(0.01).0).log2();
         assert!((order - 3.0).abs() < 0.05, "{order}");

@@ -70,7 +70,7 @@ pub struct Contacts {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub areas: Option<Areas>,
     /// Distribution R of the stretches at which contacts re-form. Stretches beyond the thresholds are left out, at most half of
-    /// them, and their share is told.
+    /// them, and their share is reported.
     pub reforming: Law,
     /// Thermally activated breaking below the thresholds; without this table there is none.
     #[serde(skip_serializing_if = "Option::is_none")]

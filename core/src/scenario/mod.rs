@@ -308,13 +308,13 @@ pub fn left_out(contacts: &Contacts, initial: &Law, start: TaskStart) -> Vec<Str
         TaskStart::Conditional => start.build(&contacts, initial).unwrap_or_default(),
         TaskStart::Relaxed | TaskStart::Steady => crate::contacts::Initial::default(),
     };
-    let told = |(argument, share, highest): (&str, f64, f64)| {
+    let reported = |(argument, share, highest): (&str, f64, f64)| {
         let key = keys::key_of(argument).unwrap_or_else(|| argument.into());
         format!(
             "{key}: a share of {share:.3e} is left out, stretches from {highest:.6} on, where fewer than one contact in 1e9 holds"
         )
     };
-    contacts.left_out(&initial).into_iter().map(told).collect()
+    contacts.left_out(&initial).into_iter().map(reported).collect()
 }
 
 /// `value` if it is finite and above 0.

@@ -1,4 +1,4 @@
-//! Keys that are valid and change nothing, as far as they can be told without computing anything.
+//! Keys that are valid and change nothing, as far as they can be found without computing anything.
 
 use super::{Block, Delay, Figure, FigureFormat, Law, PerCell, Scenario};
 use crate::contacts::Contacts;
@@ -51,7 +51,7 @@ impl Scenario {
         if fraction != Block::SLIP_FRACTION && self.ensemble.is_none() {
             found.push((
                 "block.slip_fraction",
-                "it tells events of an ensemble: without [ensemble] it has no effect",
+                "it reports events of an ensemble: without [ensemble] it has no effect",
             ));
         }
         let Some(interface) = &self.interface else { return found };

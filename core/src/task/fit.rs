@@ -126,9 +126,9 @@ pub(super) fn found(
     let part = &mut Part::new(monitor, 0.05 + share + others, 0.85 - share - others);
     let form = is_free.then(|| fit.free_form(&found, task.kernels, part)).transpose();
     let form = form.map_err(scenario::Fit::keyed)?;
-    let told = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
+    let reported = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
     let mut record = record(&found);
-    let form = form.map(|form| free_form::tell(&form, &mut record)).transpose()?;
+    let form = form.map(|form| free_form::report(&form, &mut record)).transpose()?;
     let summary = FitSummary {
         converged: found.converged,
         readings: found.readings.iter().map(|curve| curve.positions.len()).sum(),
@@ -140,7 +140,7 @@ pub(super) fn found(
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),
         misfit: found.misfit,
         correlations: correlations(&keys, found.correlations()),
-        friction: friction(&told),
+        friction: friction(&reported),
         laws,
         free_form: form,
         posterior: None,
@@ -156,7 +156,7 @@ pub(super) fn found(
 /// The same fit with each of the distributions of `fit.laws`, from the mean and the standard deviation of the fitted thresholds.
 ///
 /// # Errors
-/// Stopped by the monitor. Another error of a distribution is told in its place.
+/// Stopped by the monitor. Another error of a distribution is reported in its place.
 fn laws(
     task: &scenario::Fit,
     (fit, keys): (&Fit, &FitKeys),

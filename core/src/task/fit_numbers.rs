@@ -43,10 +43,10 @@ pub(super) fn fixed(keys: &FitKeys, numbers: Vec<(String, f64)>) -> Vec<FitFixed
 }
 
 /// Correlations between estimates, with their keys.
-pub(super) fn correlations(keys: &FitKeys, told: Vec<Correlation>) -> Vec<Correlation> {
+pub(super) fn correlations(keys: &FitKeys, reported: Vec<Correlation>) -> Vec<Correlation> {
     let named = |correlation: Correlation| Correlation {
         between: correlation.between.map(|name| keys.key(&name)),
         coefficient: correlation.coefficient,
     };
-    told.into_iter().map(named).collect()
+    reported.into_iter().map(named).collect()
 }

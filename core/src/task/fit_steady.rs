@@ -46,7 +46,7 @@ pub(super) fn found(
     monitor: &mut dyn Monitor,
 ) -> Result<(Output<FitNumbers>, SteadyEstimates)> {
     let found = fit.run_with(&mut Part::new(monitor, 0.0, 0.9)).map_err(scenario::Fit::keyed_steady)?;
-    let told = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
+    let reported = found.friction(&mut Part::new(monitor, 0.9, 0.1))?;
     let mut record = Record::default();
     record.add(WAVE_NUMBER, found.spectrum.wave_numbers.clone());
     record.add(PERIODOGRAM, found.spectrum.periodogram.clone());
@@ -62,7 +62,7 @@ pub(super) fn found(
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),
         misfit: Some(found.misfit),
         correlations: correlations(keys, found.correlations()),
-        friction: friction(&told),
+        friction: friction(&reported),
         laws: None,
         free_form: None,
         sources: source.into_iter().collect(),

@@ -49,7 +49,7 @@ pub(super) const TABLE: CsvTable = CsvTable { file: "thresholds.csv", columns: &
 ///
 /// # Errors
 /// Those of [`FreeForm::table`].
-pub(super) fn tell(form: &FreeForm, record: &mut Record) -> Result<FitFreeForm> {
+pub(super) fn report(form: &FreeForm, record: &mut Record) -> Result<FitFreeForm> {
     let band = form.table()?;
     record.add(LOW, band.low);
     record.add(HIGH, band.high);

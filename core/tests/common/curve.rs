@@ -167,7 +167,7 @@ impl Population for ClosedCurve {
         if self.free {
             return Ok(());
         }
-        assert!(self.breaks || !self.held, "the curve does not tell which contacts have not broken since");
+        assert!(self.breaks || !self.held, "the curve does not show which contacts have not broken since");
         if self.back > 0.0 || on < 0.0 {
             self.back = (self.back - on).max(0.0);
         } else {

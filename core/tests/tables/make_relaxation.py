@@ -4,7 +4,7 @@
 
 phi(u) = integral of R(r) P_c(r+u)/S(r) dr over r, by Gauss points on panels, on nodes of u that serve every s; its
 transform phi^(s) is a sum over them. For lognormal thresholds u turns into the lower half plane, which continues the
-transform to Re s < 0. Roots of phi^(s) = 1 from Newton's method for ln phi^ on a grid of starts; the argument principle tells that
+transform to Re s < 0. Roots of phi^(s) = 1 from Newton's method for ln phi^ on a grid of starts; the argument principle shows that
 no root lies to the right of the slowest, up to the frequency 12 / mean. Parameters are doubles, taken exactly; R is
 cut where S falls below 1e-9, as contacts cannot be placed above (their share is below 1e-12).
 """

@@ -7,7 +7,7 @@ use crc32fast::Hasher;
 /// Bytes of a piece: it is written and counted in a millisecond or so.
 const PIECE: usize = 1 << 20;
 
-/// Passes pieces on, and stops as soon as it is told to.
+/// Passes pieces on, and stops as soon as it is asked to.
 pub struct Pieces<'a> {
     out: &'a mut dyn Write,
     checksum: Hasher,

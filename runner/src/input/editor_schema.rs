@@ -38,7 +38,7 @@ fn rewrite(schema: &mut Value, types: &Value) {
     }
 }
 
-/// A table with unknown keys is told of these alone: one of them may be a required key with another name. What a key excludes
+/// A table with unknown keys gets a message about these alone: one of them may be a required key with another name. What a key excludes
 /// or needs is written as conditions, as Taplo does not know `dependentSchemas` and `dependentRequired`, and within `then`, as it
 /// does not explain a table that has `allOf`.
 fn after_names(table: &mut Map<String, Value>) {

@@ -66,7 +66,7 @@ impl Cases {
         let input = self.read(choices, seeds)?;
         match input.scenario.build() {
             Ok(_) => Ok(input.scenario),
-            Err(error) => Err(self.told(*input.diagnose(&error), choices)),
+            Err(error) => Err(self.reported(*input.diagnose(&error), choices)),
         }
     }
 
@@ -91,7 +91,7 @@ impl Cases {
             }
         }
         read_document(document, self.directory.as_deref())
-            .map_err(|diagnostic| self.told(*diagnostic, choices))
+            .map_err(|diagnostic| self.reported(*diagnostic, choices))
     }
 
     /// The values of a key, as the table has them.
@@ -109,7 +109,7 @@ impl Cases {
     }
 
     /// The diagnostic with the values of the other keys as its hint.
-    fn told(&self, diagnostic: Diagnostic, choices: &[Choice<'_>]) -> Box<Diagnostic> {
+    fn reported(&self, diagnostic: Diagnostic, choices: &[Choice<'_>]) -> Box<Diagnostic> {
         let value = |choice: &Choice<'_>| format!("{} = {}", choice.key, self.node(choice).kind.describe());
         let values: Vec<_> = choices.iter().map(value).collect();
         let help = (!values.is_empty()).then(|| format!("in the case {}", short(&values.join(", "))));

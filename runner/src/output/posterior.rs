@@ -8,7 +8,7 @@ use super::{Outcome, Result};
 pub(super) fn encode(outcome: &Outcome) -> Result<Option<Vec<u8>>> {
     let of = |name: &str| outcome.record.values(name);
     let found = outcome.summary.numbers.fit().and_then(|fit| fit.posterior.as_ref());
-    let (Some(told), Some(values), Some(log_density), Some(diverging), Some(steps)) = (
+    let (Some(reported), Some(values), Some(log_density), Some(diverging), Some(steps)) = (
         found,
         of("posterior_value"),
         of("posterior_log_density"),
@@ -20,9 +20,10 @@ pub(super) fn encode(outcome: &Outcome) -> Result<Option<Vec<u8>>> {
     let mut file = NcFileBuilder::new();
     file.add_attribute("title", text(&outcome.summary.title))?;
     file.add_attribute("version", text(&outcome.summary.version))?;
-    let shape = [told.chains, told.draws];
+    let shape = [reported.chains, reported.draws];
     let dimensions = group(&mut file, "posterior", shape)?;
-    for (number, values) in told.numbers.iter().zip(values.chunks_exact(told.chains * told.draws)) {
+    for (number, values) in reported.numbers.iter().zip(values.chunks_exact(reported.chains * reported.draws))
+    {
         let id = file.add_variable_path::<f64>(format!("posterior/{}", number.key), &dimensions)?;
         file.write_variable(id, values)?;
     }

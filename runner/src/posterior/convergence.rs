@@ -163,7 +163,7 @@ mod tests {
         let apart: Vec<f64> =
             same.iter().enumerate().map(|(i, x)| if i < draws { x + 2.0 } else { *x }).collect();
         assert!(r_hat(&apart, 4) > 1.1);
-        // The same mean but another width: only the distances from the median tell.
+        // The same mean but another width: only the distances from the median show it.
         let wide: Vec<f64> =
             same.iter().enumerate().map(|(i, x)| if i < draws { 4.0 * x } else { *x }).collect();
         assert!(r_hat(&wide, 4) > 1.1);

@@ -18,7 +18,7 @@ pub(super) struct Density<'a> {
     pub evaluations: Rc<Evaluations>,
 }
 
-/// What the density has told.
+/// What the density has reported.
 #[derive(Debug, Default)]
 pub(super) struct Evaluations {
     /// Points since the last draw, with the logarithm of the density.

@@ -28,7 +28,7 @@ use density::{Density, Evaluations};
 const TUNING: usize = 300;
 /// Half the width of the range of first points, in standard errors.
 const START: f64 = 2.0;
-/// Probabilities of the quantiles that are told.
+/// Probabilities of the quantiles that are reported.
 const QUANTILES: [f64; 3] = [0.025, 0.5, 0.975];
 /// Interval between two calls of the monitor.
 const PERIOD: Duration = Duration::from_millis(20);
@@ -172,7 +172,7 @@ fn on_threads(
         }
     });
     let results: Vec<_> = made.into_iter().filter_map(OnceLock::into_inner).collect();
-    // An error of one chain stops the others; it is the one to tell.
+    // An error of one chain stops the others; it is the one to report.
     let failure =
         results.iter().filter_map(|chain| chain.as_ref().err()).find(|error| **error != Error::Stopped);
     failure.map_or(Ok(()), |error| Err(error.clone()))?;
@@ -203,11 +203,16 @@ fn chain(
     chain.set_position(&start).map_err(|error| failed(error.to_string()))?;
     let mut drawn = Vec::with_capacity(sampling.draws);
     for draw in 0..TUNING + sampling.draws {
-        let (z, told) = chain.draw().map_err(|error| failed(error.to_string()))?;
+        let (z, reported) = chain.draw().map_err(|error| failed(error.to_string()))?;
         let log_density = evaluations.at(&z);
         if draw >= TUNING {
             let values = target.values(&z);
-            drawn.push(Drawn { values, log_density, diverging: told.diverging, steps: told.num_steps });
+            drawn.push(Drawn {
+                values,
+                log_density,
+                diverging: reported.diverging,
+                steps: reported.num_steps,
+            });
         }
         shared.drawn.fetch_add(1, Ordering::Relaxed);
     }

@@ -49,13 +49,13 @@ impl Plan {
     /// # Errors
     /// A scenario without `[sweep]`; a name that is kept and is not known.
     pub fn unchecked(input: &Input) -> Result<Self, Box<Diagnostic>> {
-        let told = |error: asperity::Error| input.diagnose(&error);
+        let reported = |error: asperity::Error| input.diagnose(&error);
         let scenario = input.scenario.clone();
         let missing =
             || asperity::Error::invalid("sweep", "a table [sweep] with axes and what to keep", "none");
-        let sweep = scenario.sweep.clone().ok_or_else(missing).map_err(told)?;
-        let summaries = Summaries::new(&scenario).map_err(told)?;
-        let keep = keep::keep(&scenario, &sweep.keep, &summaries).map_err(told)?;
+        let sweep = scenario.sweep.clone().ok_or_else(missing).map_err(reported)?;
+        let summaries = Summaries::new(&scenario).map_err(reported)?;
+        let keep = keep::keep(&scenario, &sweep.keep, &summaries).map_err(reported)?;
         let seeds = if sweep.repeat.is_some() { scenario.seeds() } else { Vec::new() };
         let (cases, dimensions) = (Cases::new(input), sweep.dimensions());
         Ok(Self { cases, scenario, dimensions, seeds, keep, summaries, corners: Sha256::new() })

@@ -6,7 +6,7 @@
 //! follows depends on inertia and is not computed.
 //!
 //! Steps are steps in X, and the balance yields their time: t(X) has a smooth maximum at failure, which steps in X reach. Within
-//! a step the velocity is constant. The error of its time is of third order in its length; two steps of half the length tell it.
+//! a step the velocity is constant. The error of its time is of third order in its length; two steps of half the length show it.
 //! A slider that has come to slide steadily keeps its velocity to the end.
 
 mod balance;

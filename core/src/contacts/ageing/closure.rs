@@ -149,7 +149,7 @@ pub(crate) fn self_consistent_advance(maturing: &ThresholdFokkerPlanck, excess: 
 
 /// C, from points (r, weight) of R.
 pub(crate) fn mean_advance(density: &Elements, starts: &[(f64, f64)]) -> f64 {
-    /// Fraction of contacts above a stretch below which rounding tells nothing of where they break.
+    /// Fraction of contacts above a stretch below which rounding hides where they break.
     const FEWEST: f64 = 1e-13;
     let whole: f64 = starts.iter().map(|start| start.1).sum();
     let of = |&(start, weight): &(f64, f64)| {

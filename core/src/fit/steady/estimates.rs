@@ -19,7 +19,7 @@ use crate::{Error, Result};
 /// derivatives by differences.
 const UNDETERMINED: f64 = 1e-8;
 
-/// Mean advances from break to break of the pull of which friction is told.
+/// Mean advances from break to break of the pull of which friction is reported.
 const LIVES: f64 = 5.0;
 
 /// The periodogram of a record and what is expected of it, for the wave numbers q_k = 2πk/nh, k = 1 … n/2, of a record of n
@@ -144,7 +144,7 @@ impl SteadyEstimates {
     }
 
     /// F_s, F_k, X* and K_c, with the errors that follow from the covariance of the estimates. F_s and K_c are those of a pull
-    /// from the initial state of the first values, of which the record tells nothing.
+    /// from the initial state of the first values, of which the record contains nothing.
     ///
     /// # Errors
     /// Those of [`crate::master::Pull::friction_gradients`].

@@ -178,7 +178,7 @@ impl Objective for SteadyLikelihood {
         &self.free
     }
 
-    /// The mean of a record is known far better than what its noise tells.
+    /// The mean of a record is known far better than its noise determines it.
     fn halvings(&self) -> i32 {
         6
     }

@@ -116,7 +116,7 @@ impl SteadyFit {
         self.checked().map(drop)
     }
 
-    /// Finds the most probable values. A search that does not converge is told by [`SteadyEstimates::converged`].
+    /// Finds the most probable values. A search that does not converge is reported by [`SteadyEstimates::converged`].
     ///
     /// # Errors
     /// A name that is no parameter, is given twice, or none; fewer than 16 readings for each free number; forces that are not

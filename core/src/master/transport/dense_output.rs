@@ -218,7 +218,7 @@ impl<'a> DenseOutput<'a> {
     }
 
     /// Whether forces and breaks are polynomials of the degree of the points, as the last terms of their Chebyshev series
-    /// tell.
+    /// show.
     fn is_resolved(&self) -> bool {
         let mut nodes = self.nodes.clone();
         nodes.sort_by(|a, b| a.s.total_cmp(&b.s));
@@ -288,7 +288,7 @@ mod tests {
     type Case<'a> = (&'a dyn Fn(f64) -> f64, [f64; 2]);
 
     #[test]
-    fn what_is_left_out_is_told_of_smooth_functions_and_of_kinks() {
+    fn what_is_left_out_is_reported_of_smooth_functions_and_of_kinks() {
         // A kink of the slope's slope may lie so that the last terms of degree 4 nearly vanish, not those of degree 8.
         let functions: [Case<'_>; 4] = [
             (&|s| (0.4 * s).exp(), [1.0, 1.0]),
@@ -304,10 +304,10 @@ mod tests {
                 let missed =
                     |k: u32| (value(&nodes, f64::from(k) / 200.0, 0) - of(f64::from(k) / 200.0)).abs();
                 let most = (0..=200).map(missed).fold(0.0, f64::max);
-                let told = left_out(&nodes.iter().map(|node| node.values[0]).collect::<Vec<_>>());
+                let reported = left_out(&nodes.iter().map(|node| node.values[0]).collect::<Vec<_>>());
                 // Rounding apart.
-                assert!(told > least * most - 1e-14, "{degree}: {told:e} {most:e}");
-                assert!(told < 100.0 * most, "{degree}: {told:e} {most:e}");
+                assert!(reported > least * most - 1e-14, "{degree}: {reported:e} {most:e}");
+                assert!(reported < 100.0 * most, "{degree}: {reported:e} {most:e}");
             }
         }
     }

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn few_seeds_tell_sums_to_the_error_and_lie_in_their_cells() {
+    fn few_seeds_give_sums_to_the_error_and_lie_in_their_cells() {
         for law in laws() {
             for error in [1e-4, 1e-7, 1e-10] {
                 let (length, widest, top) = (1.0, 4.0, f64::INFINITY);

@@ -290,7 +290,7 @@ fn record<D: DrivenInterface>(
     };
     if !maps.is_empty() {
         record.add(MAP_DRIVE, maps);
-        // Along a protocol drives do not tell when: the load point may be at rest.
+        // Along a protocol drives do not determine when: the load point may be at rest.
         let times: Vec<f64> = output_points.iter().filter(|at| at.map).filter_map(|at| at.time).collect();
         if !times.is_empty() {
             record.add(MAP_TIME, times);

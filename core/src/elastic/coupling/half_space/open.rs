@@ -201,7 +201,7 @@ mod tests {
         let ((above, beside), (below, ahead)) = (ends(1.0), ends(-1.0));
         assert_eq!((beside, ahead), (3 * SIDE, 3));
         let ratio = |excess: f64| 1.0 - 1.0 / (1.0 + excess);
-        // The digits that are told.
+        // The digits that are reported.
         assert!(
             (ratio(above) - 0.4828).abs() < 1e-4 && (ratio(-below) + 0.934).abs() < 1e-3,
             "{above} {below}"
