@@ -181,7 +181,7 @@ def test_loadings_between_events_of_a_laboratory_are_fitted_together() -> None:
     holding = asp.Contacts(asp.Gaussian(1e3, 10.0), stiffness=0.01)
     line = asp.fit(holding, times, stresses, free=["stiffness", *left], noise="white")
     slope = float(wait @ rise / (wait @ wait))
-    error = np.sqrt(np.sum((rise - slope * wait) ** 2) / (len(wait) - 1) / (wait @ wait))
+    error = float(np.sqrt(np.sum((rise - slope * wait) ** 2) / (len(wait) - 1) / (wait @ wait)))
     rate = line.params["stiffness"]
     # The search ends within a thousandth of an error; errors are those of its end, of a logarithm.
     assert rate.value == pytest.approx(slope, abs=1e-2 * error)
@@ -192,9 +192,9 @@ def test_loadings_between_events_of_a_laboratory_are_fitted_together() -> None:
     names = ["stiffness", "thresholds.mean"]
     found = asp.fit(breaking, times, stresses, free=[*names, *left], noise="white")
     values, covariance = curve_fit(lambda x, k, m: k * m * (1.0 - np.exp(-x / m)), wait, rise, p0=(0.01, 2.0))
-    for name, value, error in zip(names, values, np.sqrt(np.diag(covariance)), strict=True):
-        assert found.params[name].value == pytest.approx(value, abs=1e-2 * error), name
-        assert found.params[name].error == pytest.approx(error, rel=1e-2), name
+    for name, value, width in zip(names, values, np.sqrt(np.diag(covariance)), strict=True):
+        assert found.params[name].value == pytest.approx(value, abs=1e-2 * width), name
+        assert found.params[name].error == pytest.approx(width, rel=1e-2), name
     # The stress left is that at both ends less the fitted rise, on the mean.
     k, m = values
     stress = np.mean(stresses, axis=1) - 0.5 * k * m * (1.0 - np.exp(-wait / m))
@@ -205,10 +205,10 @@ def test_loadings_between_events_of_a_laboratory_are_fitted_together() -> None:
     # Numbers of the page "What a curve cannot tell", to half of their last digits.
     reported = [*rate[:2], *found.params["stiffness"][:2], *found.params["thresholds.mean"][:2]]
     digits = [1e-5, 1e-5, 1e-4, 1e-4, 1e-2, 1e-2]
-    for value, page, digit in zip(
+    for number, page, digit in zip(
         reported, [0.00445, 0.00021, 0.0188, 0.0018, 1.12, 0.12], digits, strict=True
     ):
-        assert value == pytest.approx(page, abs=0.5 * digit)
+        assert number == pytest.approx(page, abs=0.5 * digit)
     assert line.misfit.akaike - found.misfit.akaike == pytest.approx(308, abs=0.5)
     # Two readings with an offset of their own have opposite residuals, which show nothing of the errors.
     assert found.misfit.whiteness == 1.0
