@@ -89,11 +89,7 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
     readings = fit.readings
     measured = "force" in readings
     panels = 2 if measured else 1
-    if axes is None:
-        axes = new_panels(panels)
-    elif not isinstance(axes, Iterable):
-        raise TypeError(f"axes: expected {panels} axes of matplotlib, got {type(axes).__name__}")
-    axes = tuple(axes)
+    axes = panels_or_new(axes, panels)
     position, expected, reach = readings["position"], readings["expected"], 2 * readings["std"]
     above = axes[0]
     numbers = readings["curve"] if "curve" in readings else 0 * position
@@ -454,9 +450,25 @@ def axes_or_new(ax: "Axes | None") -> "Axes":
     """The axes, or new ones."""
     if ax is None:
         return new_axes()
-    if not callable(getattr(ax, "plot", None)):
+    if not are_axes(ax):
         raise TypeError(f"ax: expected axes of matplotlib, got {type(ax).__name__}")
     return ax
+
+
+def panels_or_new(axes: "Sequence[Axes] | None", count: int) -> "tuple[Axes, ...]":
+    """The axes, which are as many as this or more, or new ones."""
+    if axes is None:
+        return new_panels(count)
+    given = tuple(axes) if isinstance(axes, Iterable) else ()
+    if len(given) < count or not all(map(are_axes, given)):
+        of = f" of {', '.join(type(ax).__name__ for ax in given)}" if given else ""
+        raise TypeError(f"axes: expected {count} axes of matplotlib, got {type(axes).__name__}{of}")
+    return given
+
+
+def are_axes(ax: Any) -> bool:
+    """Whether something plots as axes do."""
+    return callable(getattr(ax, "plot", None))
 
 
 def new_axes() -> "Axes":

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import asperity as asp
 import numpy as np
@@ -515,6 +515,15 @@ def test_a_plot_shows_readings_band_and_whitened_residuals() -> None:
     np.testing.assert_array_equal(whitened[:, 1], FOUND.readings["whitened"])
     plan = asp.fit(TRUE, POSITION, None, free=["count"], reading=1.0)
     assert len(plan.plot()) == 1
+    for wrong, kind in [
+        (3, "int"),
+        ("xy", "str of str, str"),
+        ([], "list"),
+        ([above], f"list of {type(above).__name__}"),
+    ]:
+        with pytest.raises(TypeError, match=f"^axes: expected 2 axes of matplotlib, got {kind}$"):
+            FOUND.plot(axes=cast("Any", wrong))
+    assert FOUND.plot(axes=(above, below)) == (above, below)
 
 
 def test_progress_rises_to_one() -> None:
