@@ -64,13 +64,14 @@ impl Transport {
     /// and the longest free.
     pub(super) fn is_settled(&self) -> bool {
         let Some(begun) = &self.constant.begun else { return false };
-        let oldest = self.cohorts.iter().map(|cohort| cohort.place.age).fold(0.0, f64::max);
+        let longest = self.time - begun.time - self.broken.longest_free();
         !self.constant.unused
             && begun.rates.0 > 0.0
-            && self.time - begun.time > oldest + self.broken.longest_free()
             && self.ages.is_none()
             && self.kinks.is_empty()
             && !self.broken.is_pending()
+            // The oldest come first, so that hardly more than one is looked at before.
+            && self.cohorts.iter().all(|cohort| cohort.place.age < longest)
     }
 
     /// Continues steady sliding at a velocity for a time, in which breaks and energies increase as they did since the rate has
