@@ -189,6 +189,17 @@ fn avalanches_ask_within_them() {
     });
 }
 
+/// Identical contacts break all at once, in one generation of an avalanche.
+#[test]
+fn generations_ask_within_them() {
+    alone(|| {
+        let coupling = LatticeCoupling::with_alpha(Shape::Square([2048; 2]), Edges::Open, 0.2);
+        let (contacts, start) = (contacts(&point(1.0), &gaussian(0.1, 0.01)), initial(&point(0.0)));
+        let mut lattice = Lattice::new(contacts, start, &coupling, 1, Disorder::Annealed).unwrap();
+        patient("generation", |monitor| lattice.run_with(Until::Events(1), monitor, &mut |_| ()));
+    });
+}
+
 #[test]
 fn readings_of_many_holds_and_tables_of_ranks_ask_often() {
     alone(|| {

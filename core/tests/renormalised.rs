@@ -5,11 +5,11 @@ mod common;
 use std::ops::ControlFlow;
 
 use asperity::Error;
-use asperity::block::Slip;
+use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::{self, CellLoading, Cells, Curves, Interface, InterfaceParameters, Populations};
 use asperity::ensemble::Disorder;
-use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape};
+use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape, Until};
 use asperity::first_breaks::FirstBreaks;
 use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling};
 use asperity::monitor::Monitor;
@@ -167,6 +167,68 @@ fn neighbours_make_nearly_the_renormalised_law() {
         // Of the way from uncoupled contacts to the mean field; what is missing is in proportion to the share.
         assert!(breaks.distance(&law) < expected * breaks.distance(thresholds.as_ref()));
         assert!(breaks.std() > law.std() && breaks.mean() > law.mean());
+    }
+}
+
+/// Force per contact at each of the drives X = (1 − κ) X_T, by a block of the stiffness K = (1 − κ)/κ per contact.
+fn mean_field(thresholds: &SharedLaw, coupling: f64, drives: &[f64]) -> Vec<f64> {
+    let mut population =
+        master(thresholds, &point(0.0), &point(0.0)).population_with(1e-10, &mut ()).unwrap();
+    let last = drives[drives.len() - 1] / (1.0 - coupling);
+    let block = Block::new(Loading::Spring((1.0 - coupling) / coupling), Slip::Overdamped, None).unwrap();
+    let run =
+        block.pull(&mut population, &Drive { turning_points: vec![last], points: drives.len() + 1 }).unwrap();
+    // The drives are points of the trace, so that nothing is interpolated; of two at a slip the one after it.
+    let at = |drive: &f64| {
+        let mut here = run.trace.iter().filter(|point| ((1.0 - coupling) * point.drive - drive).abs() < 1e-9);
+        here.next_back().expect("a point of the trace").force
+    };
+    drives.iter().map(at).collect()
+}
+
+fn drives() -> Vec<f64> {
+    (1..=80).map(|i| 0.1 * f64::from(i)).collect()
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
+/// Mean field for the whole pull, below and above the critical coupling: a block is what contacts do that stretch all others.
+#[test]
+fn contacts_that_stretch_all_others_are_those_under_a_block() {
+    const SIZE: usize = 40_000;
+    for (std, coupling) in [(0.15, 1.0 / 7.0), (0.1, 0.05), (0.1, 0.4)] {
+        let thresholds = gaussian(1.0, std);
+        let found = together::forces(&thresholds, coupling, SIZE, &drives());
+        let off = largest_difference(&found, &mean_field(&thresholds, coupling, &drives()));
+        // Stretches scatter by 0.29 in steady sliding and at most by 0.5 about their mean: five standard errors of the latter.
+        let limit = 2.5 / (SIZE as f64).sqrt();
+        assert!(off < limit, "{std} {coupling} {off} {limit}");
+    }
+}
+
+/// On a square lattice mean field holds for weak coupling, for the whole pull; the renormalised distribution does not describe
+/// it as that of independent contacts.
+#[test]
+fn contacts_on_a_lattice_are_nearly_those_under_a_block() {
+    // Of the strongest force: neighbours are few, and their number that has broken scatters.
+    for (std, coupling, within) in [(0.15, 1.0 / 7.0, 0.04), (0.1, 0.05, 0.012)] {
+        let thresholds = gaussian(1.0, std);
+        let mut lattice = lattice(&thresholds, 400, coupling / 4.0);
+        let force = |drive: &f64| {
+            lattice.run(Until::Drive(*drive), &mut |_| ()).unwrap();
+            lattice.force()
+        };
+        let found: Vec<f64> = drives().iter().map(force).collect();
+        let strongest = found.iter().copied().fold(0.0, f64::max);
+        let block = largest_difference(&found, &mean_field(&thresholds, coupling, &drives())) / strongest;
+        let law: SharedLaw = std::sync::Arc::new(renormalised(&thresholds, coupling));
+        let pull = master(&law, &point(0.0), &point(0.0)).pull(8.0).unwrap();
+        let alone: Vec<f64> = drives().iter().map(|&drive| pull.force(drive)).collect();
+        let alone = largest_difference(&found, &alone) / strongest;
+        assert!(block < within, "{std} {coupling} {block}");
+        assert!(alone > 5.0 * block, "{std} {coupling} {alone} {block}");
     }
 }
 

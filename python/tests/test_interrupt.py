@@ -56,6 +56,8 @@ LONG: dict[str, Callable[[], object]] = {
     "lattice": lambda: LATTICE.drive(1e7, catalogue_from=1e6),
     "law of many": lambda: LAW.pdf(MANY),
     "force at many": lambda: PULL(MANY),
+    "table": lambda: asp.Tabulated(samples=MANY, exact=True),
+    "kernel density": lambda: asp.Tabulated(samples=MANY),
     "draws": lambda: LAW.rvs(2 * 10**8, seed=1),
     "fit": lambda: asp.fit(
         AGEING, POSITION, np.sin(POSITION), free=["ageing.diffusion"], velocity=0.1, noise="white"

@@ -3,8 +3,14 @@
 
 use rayon::prelude::*;
 
+use crate::Result;
+use crate::monitor::{Monitor, report};
+
 /// Cells of a chunk, the work of one thread at a time; fewer are not worth a thread.
 pub(super) const CHUNK: usize = 1 << 12;
+
+/// Cells after which monitors are asked: costly functions of so many take a hundredth of a second.
+const PIECE: usize = 8 * CHUNK;
 
 /// Fills a slice with a function of the cell.
 pub(super) fn fill<T: Send>(values: &mut [T], of: impl Fn(usize) -> T + Sync) {
@@ -16,6 +22,24 @@ pub(super) fn fill<T: Send>(values: &mut [T], of: impl Fn(usize) -> T + Sync) {
     } else {
         values.par_chunks_mut(CHUNK).enumerate().for_each(fill);
     }
+}
+
+/// The same with a report to the monitor after each piece of many cells.
+///
+/// # Errors
+/// Stopped by the monitor.
+pub(super) fn fill_with<T: Send>(
+    values: &mut [T],
+    of: impl Fn(usize) -> T + Sync,
+    monitor: &mut dyn Monitor,
+) -> Result<()> {
+    for (piece, values) in values.chunks_mut(PIECE).enumerate() {
+        fill(values, |cell| of(piece * PIECE + cell));
+        if values.len() == PIECE {
+            report(monitor, 0.0)?;
+        }
+    }
+    Ok(())
 }
 
 /// Changes each value of a slice by a function of the cell and the value.
@@ -64,16 +88,30 @@ pub(super) fn gather<T: Send>(
     parts.into_iter().fold(nothing(), join)
 }
 
-/// The values of a function of the cell where it has one, in order, chunk by chunk.
-pub(super) fn find<T: Send>(number: usize, of: impl Fn(usize) -> Option<T> + Sync) -> Vec<Vec<T>> {
+/// The values of a function of the cell where it has one, in order, chunk by chunk, with a report to the monitor after each
+/// piece of many cells.
+///
+/// # Errors
+/// Stopped by the monitor.
+pub(super) fn find<T: Send>(
+    number: usize,
+    of: impl Fn(usize) -> Option<T> + Sync,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<Vec<T>>> {
     let part = |chunk: usize| {
         let cells = chunk * CHUNK..number.min((chunk + 1) * CHUNK);
         cells.filter_map(&of).collect::<Vec<_>>()
     };
     if number <= CHUNK {
-        return vec![part(0)];
+        return Ok(vec![part(0)]);
     }
-    (0..number.div_ceil(CHUNK)).into_par_iter().map(part).collect()
+    let (mut found, chunks) = (Vec::new(), number.div_ceil(CHUNK));
+    for first in (0..chunks).step_by(PIECE / CHUNK) {
+        let piece = first..chunks.min(first + PIECE / CHUNK);
+        found.par_extend(piece.into_par_iter().map(part));
+        report(monitor, 0.0)?;
+    }
+    Ok(found)
 }
 
 /// Σ of a function of the cell.

@@ -123,7 +123,7 @@ impl SlideRecord {
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
         let ([begin, duration], known) = (times, self.unstable.len());
-        let found = self.newly_unstable(model, configuration, by);
+        let found = self.newly_unstable(model, configuration, by, monitor)?;
         for (advance, cell, together) in found.into_iter().flatten() {
             self.together |= together;
             self.unstable.push(cell);
@@ -150,7 +150,8 @@ impl SlideRecord {
         model: &InterfaceModel,
         configuration: &Configuration,
         by: &[f64],
-    ) -> Vec<Vec<(f64, u32, bool)>> {
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Vec<(f64, u32, bool)>>> {
         // Between −K_0j − A_jj and this slope a cell is held by neighbours that stand still, but
         // not by neighbours that move along with it.
         let (steep, jumps) = (-model.springs.mean(), model.cells.extremes().jumps);
@@ -162,7 +163,7 @@ impl SlideRecord {
             Some((at, cell as u32, together))
         };
         let may = |cell: usize| !self.is_unstable(cell) && (jumps || is_far(cell));
-        find(model.len(), |cell| if may(cell) { begins(cell) } else { None })
+        find(model.len(), |cell| if may(cell) { begins(cell) } else { None }, monitor)
     }
 
     /// Energy ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j that the slide has dissipated, with [`InterfaceModel::mean_pulls`].

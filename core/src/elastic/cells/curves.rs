@@ -8,7 +8,7 @@ use super::tabulate::CurveTable;
 use super::{
     CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, Standing, checked,
 };
-use crate::elastic::batch::{change, change_chunks, fill, gather, largest};
+use crate::elastic::batch::{change, change_chunks, fill_with, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
@@ -273,8 +273,7 @@ impl Cells for Curves {
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes], monitor: &mut dyn Monitor) -> Result<()> {
         self.extend_curves(by, monitor)?;
         let batch = self.batch();
-        fill(slopes, |cell| batch.cell(cell).slopes(by[cell]));
-        Ok(())
+        fill_with(slopes, |cell| batch.cell(cell).slopes(by[cell]), monitor)
     }
 
     fn instability(&self, cell: usize, by: f64, slope: f64) -> Option<Instability> {

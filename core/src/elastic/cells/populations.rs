@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::Cell;
 use super::tabulate::CurveTable;
 use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, checked};
-use crate::elastic::batch::{all, change_chunks, fill, gather, largest};
+use crate::elastic::batch::{all, change_chunks, fill_with, gather, largest};
 use crate::monitor::{Monitor, report};
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
@@ -308,8 +308,7 @@ impl Cells for Populations {
 
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes], monitor: &mut dyn Monitor) -> Result<()> {
         self.extend_curves(by, monitor)?;
-        fill(slopes, |cell| self.cells[cell].on_curve().slopes(by[cell]));
-        Ok(())
+        fill_with(slopes, |cell| self.cells[cell].on_curve().slopes(by[cell]), monitor)
     }
 
     fn instability(&self, cell: usize, by: f64, slope: f64) -> Option<Instability> {

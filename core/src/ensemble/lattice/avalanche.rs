@@ -32,7 +32,7 @@ impl Avalanche {
     }
 }
 
-/// An avalanche that goes on, with the sums over its generations so far.
+/// An avalanche that goes on, with the sums over its completed generations.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct OngoingAvalanche {
     pub(super) epicentre: usize,
@@ -43,6 +43,18 @@ pub(super) struct OngoingAvalanche {
     /// What edges and drive have absorbed, in the same units.
     pub(super) lost: f64,
     pub(super) force_before: f64,
+    pub(super) generation: OngoingGeneration,
+}
+
+/// A generation that goes on, with its sums so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct OngoingGeneration {
+    /// Force that its contacts have released, in units of the stiffness of a contact.
+    pub(super) released: f64,
+    /// What open edges have absorbed of it, in the same units.
+    pub(super) outward: f64,
+    /// Contacts that have passed the released force on.
+    pub(super) distributed: usize,
 }
 
 /// A catalogue as columns.

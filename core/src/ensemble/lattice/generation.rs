@@ -1,6 +1,9 @@
 //! One generation of an avalanche: contacts at their thresholds break, then their neighbours gain force.
 
-use super::Lattice;
+use std::ops::Range;
+
+use super::avalanche::{OngoingAvalanche, OngoingGeneration};
+use super::{ASK, Lattice};
 
 impl Lattice {
     /// Contacts that break up to this drive break now.
@@ -18,19 +21,51 @@ impl Lattice {
         self.grid.number(first.expect("the least end is below the limit") as usize)
     }
 
-    /// Contacts of the front break and re-form; returns the force they release.
-    pub(super) fn break_front(&mut self) -> f64 {
+    /// Continues the generation by so many contacts that the monitor is asked in time, and completes the generation after its
+    /// last contact.
+    pub(super) fn continue_generation(&mut self, event: &mut OngoingAvalanche) {
+        let part = self.released.len()..self.front.len().min(self.released.len() + ASK);
+        self.unasked += part.len();
+        event.generation.released = self.break_contacts(part, event.generation.released);
+        // All force is released before any neighbour gains: parallel update, independent of the order of the sites.
+        if self.released.len() < self.front.len() {
+            return;
+        }
+        let from = event.generation.distributed;
+        let part = from..self.front.len().min(from + ASK);
+        event.generation.distributed = part.end;
+        event.generation.outward = self.distribute(part, event.generation.outward);
+        if event.generation.distributed < self.front.len() {
+            self.unasked += ASK;
+            return;
+        }
+        self.end_generation(event);
+    }
+
+    /// Adds the sums of a generation to those of its avalanche. The contacts that follow are the next generation.
+    fn end_generation(&mut self, event: &mut OngoingAvalanche) {
+        let OngoingGeneration { released, outward, .. } = std::mem::take(&mut event.generation);
+        event.size += self.front.len() as u64;
+        event.duration += 1;
+        event.released += released;
+        // Springs to the drive take the dissipated fraction, open edges what would go beyond them. Losses are summed, not
+        // taken as a difference of total forces, which would lose the digits of small avalanches.
+        event.lost += self.dissipated * released + outward;
+        std::mem::swap(&mut self.front, &mut self.following);
+        self.following.clear();
+        self.released.clear();
+    }
+
+    /// Contacts of a part of the front break and re-form; returns `all` with the force they release.
+    fn break_contacts(&mut self, part: Range<usize>, mut all: f64) -> f64 {
         let limit = self.limit();
         let Self { grid, births, born, ends, front, following, released, broken, scar, drive, .. } = self;
-        released.clear();
-        let mut all = 0.0;
-        for &at in front.iter() {
+        for &at in &front[part] {
             let place = at as usize;
             let (threshold, life) = births.next(born, || grid.number(place));
             // A contact that neighbours have pushed beyond its threshold breaks with that larger stretch.
             let let_go = threshold + (*drive - ends[place]) - life.stretch;
-            // A contact breaks once per generation, and all of its force is released before any
-            // neighbour gains: parallel update, independent of the order of the sites.
+            // A contact breaks once per generation.
             ends[place] = *drive + (life.threshold - life.stretch);
             released.push(let_go);
             all += let_go;
@@ -45,13 +80,12 @@ impl Lattice {
         all
     }
 
-    /// Distributes the released force to the neighbours, which may reach their thresholds; returns what open
-    /// edges absorb.
-    pub(super) fn distribute(&mut self) -> f64 {
+    /// Distributes the force released by a part of the front to the neighbours, which may reach their thresholds; returns
+    /// `outward` with what open edges absorb.
+    fn distribute(&mut self, part: Range<usize>, mut outward: f64) -> f64 {
         let limit = self.limit();
         let Self { grid, ends, front, following, released, alpha, .. } = self;
-        let mut outward = 0.0;
-        for (&place, released) in front.iter().zip(released) {
+        for (&place, released) in front[part.clone()].iter().zip(&released[part]) {
             let gain = *alpha * *released;
             for mut near in grid.around(place as usize) {
                 if ends[near] == f64::INFINITY {

@@ -10,14 +10,12 @@ mod grid;
 mod minima;
 mod state;
 
-use avalanche::OngoingAvalanche;
 pub use avalanche::{Avalanche, record};
+use avalanche::{OngoingAvalanche, OngoingGeneration};
 pub use coupling::LatticeCoupling;
 pub use state::LatticeState;
 
 pub use crate::shape::{Edges, Shape};
-
-use std::mem;
 
 use self::births::{BirthRecord, LatticeBirths};
 use self::grid::ContactGrid;
@@ -43,7 +41,7 @@ const TOGETHER: f64 = 1e-13;
 const REPORT: u64 = 1 << 10;
 
 /// Breaks between two questions to the monitor whether to stop, some milliseconds.
-const ASK: u64 = 1 << 16;
+const ASK: usize = 1 << 16;
 
 /// When to stop driving a lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,7 +113,7 @@ pub struct Lattice {
     /// Places of contacts that break now, and of those that follow.
     front: Vec<u32>,
     following: Vec<u32>,
-    /// The stretch that each of those that break now releases.
+    /// The stretch that each of those that break now has released, as far as they have broken.
     released: Vec<f64>,
     /// Whether the contact at a site broke in the last avalanche; the list of these sites.
     broken: Vec<bool>,
@@ -123,7 +121,7 @@ pub struct Lattice {
     /// An avalanche within which a monitor has stopped the lattice.
     ongoing: Option<OngoingAvalanche>,
     /// Breaks since the monitor was asked.
-    unasked: u64,
+    unasked: usize,
 }
 
 impl Lattice {
@@ -294,27 +292,15 @@ impl Lattice {
     /// The same with a monitor, which hears of no progress.
     ///
     /// # Errors
-    /// Stopped by the monitor, maybe between two generations of the avalanche: it is then the next one, and goes on as if it had
-    /// not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is that before it.
+    /// Stopped by the monitor, maybe within the avalanche: it is then the next one, and goes on as if it had not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is that before it.
     pub fn next_event_with(&mut self, monitor: &mut dyn Monitor) -> Result<Avalanche> {
         let mut event = self.ongoing.take().unwrap_or_else(|| self.begin_event());
-        // One generation per iteration, as in parallel updates of the automaton.
         while !self.front.is_empty() {
             if self.unasked >= ASK {
                 self.unasked = 0;
                 report(monitor, 0.0).inspect_err(|_| self.ongoing = Some(event))?;
             }
-            self.unasked += self.front.len() as u64;
-            event.size += self.front.len() as u64;
-            event.duration += 1;
-            let all = self.break_front();
-            event.released += all;
-            // Springs to the drive take the dissipated fraction, open edges what would go beyond them.
-            // Losses are summed, not taken as a difference of total forces, which would lose the
-            // digits of small avalanches.
-            event.lost += self.dissipated * all + self.distribute();
-            mem::swap(&mut self.front, &mut self.following);
-            self.following.clear();
+            self.continue_generation(&mut event);
         }
         self.update_minima();
         self.stretch.add(-event.lost);
@@ -340,7 +326,15 @@ impl Lattice {
         self.drive = self.minima.least().max(self.drive);
         let force_before = self.force();
         let epicentre = self.start_avalanche();
-        OngoingAvalanche { epicentre, size: 0, duration: 0, released: 0.0, lost: 0.0, force_before }
+        OngoingAvalanche {
+            epicentre,
+            size: 0,
+            duration: 0,
+            released: 0.0,
+            lost: 0.0,
+            force_before,
+            generation: OngoingGeneration::default(),
+        }
     }
 }
 

@@ -26,17 +26,26 @@ pub struct LatticeState {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct StoppedAvalanche {
     sums: OngoingAvalanche,
-    /// The contacts that break next, and those that have broken, along rows.
+    /// The contacts of the generation that goes on, those of the next one so far, and those that have broken, along rows.
     front: Vec<usize>,
+    following: Vec<usize>,
     scar: Vec<usize>,
+    /// The stretch that each contact of this generation has released, as far as they have broken.
+    released: Vec<f64>,
 }
 
 impl Lattice {
     /// The present state.
     pub fn state(&self) -> LatticeState {
         let ends = (0..self.size()).map(|number| self.ends[self.grid.place(number)]).collect();
-        let front = || self.front.iter().map(|&place| self.grid.number(place as usize)).collect();
-        let stopped = |sums| StoppedAvalanche { sums, front: front(), scar: self.scar().collect() };
+        let numbers = |places: &[u32]| places.iter().map(|&place| self.grid.number(place as usize)).collect();
+        let stopped = |sums| StoppedAvalanche {
+            sums,
+            front: numbers(&self.front),
+            following: numbers(&self.following),
+            scar: numbers(&self.scar),
+            released: self.released.clone(),
+        };
         LatticeState {
             base: self.base,
             drive: self.drive,
@@ -61,7 +70,10 @@ impl Lattice {
             return Err(Error::invalid("state", expected, found));
         }
         let known = |stopped: &StoppedAvalanche| {
-            stopped.front.iter().chain(&stopped.scar).all(|&number| number < self.size())
+            let StoppedAvalanche { sums, front, following, scar, released } = stopped;
+            front.iter().chain(following).chain(scar).all(|&number| number < self.size())
+                && sums.generation.distributed <= released.len()
+                && released.len() <= front.len()
         };
         if !ongoing.as_ref().is_none_or(known) {
             let expected = format!("an avalanche of contacts below {}", self.size());
@@ -79,12 +91,15 @@ impl Lattice {
     /// Continues within an avalanche, or between two.
     fn resume(&mut self, stopped: Option<StoppedAvalanche>) {
         self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
-        self.front.clear();
+        [&mut self.front, &mut self.following].into_iter().for_each(Vec::clear);
+        self.released.clear();
         self.ongoing = stopped.as_ref().map(|stopped| stopped.sums);
-        let Some(StoppedAvalanche { front, scar, .. }) = stopped else { return };
+        let Some(StoppedAvalanche { front, following, scar, released, .. }) = stopped else { return };
         let place = |number: usize| self.grid.place(number) as u32;
         self.front.extend(front.into_iter().map(place));
+        self.following.extend(following.into_iter().map(place));
         self.scar.extend(scar.into_iter().map(place));
+        self.released = released;
         self.scar.iter().for_each(|&place| self.broken[place as usize] = true);
     }
 
