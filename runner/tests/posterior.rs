@@ -1,6 +1,7 @@
 //! Draws from the posterior of a fit: against the errors of the fit, against the law by which curves are made, and their files.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity::contacts::{Contacts, Initial};
 use asperity::fit::{ErrorModel, Estimates, Fit, Measurement, Prior};
@@ -9,6 +10,7 @@ use asperity::master::MasterEquation;
 use asperity::random::{Purpose, Stream};
 use asperity::scenario::FitPosterior;
 use asperity_runner::posterior::{Posterior, sample};
+use rayon::prelude::*;
 
 /// The master equation of `count` contacts with Gaussian thresholds.
 fn equation([mean, std, count]: [f64; 3]) -> MasterEquation {
@@ -102,13 +104,25 @@ fn assert_uniform_ranks(replicas: u64, bins: usize, most: f64) {
         let drawn = sample(&fit.run().unwrap().standardised().unwrap(), sampling, &mut ()).unwrap();
         [0, 1].map(|k| drawn.values[k].iter().step_by(2).filter(|value| **value < truth[k]).count())
     };
-    let all: Vec<[usize; 2]> = (0..replicas).map(ranks).collect();
+    let done = AtomicU64::new(0);
+    let counted = |replica: u64| {
+        let ranks = ranks(replica);
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        if done.is_multiple_of(25) {
+            println!("{done} of {replicas} replicas");
+        }
+        ranks
+    };
+    let all: Vec<[usize; 2]> = (0..replicas).into_par_iter().map(counted).collect();
     for k in 0..2 {
         let mut counts = vec![0.0; bins];
         all.iter().for_each(|ranks| counts[ranks[k] * bins / 100] += 1.0);
         let expected = replicas as f64 / bins as f64;
         let chi_squared: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
-        println!("{}: χ² = {chi_squared:.1} of the ranks of {replicas} truths in {bins} bins", names[k]);
+        println!(
+            "{}: χ² = {chi_squared:.1} of the ranks of {replicas} truths in {bins} bins: {counts:?}",
+            names[k]
+        );
         assert!(chi_squared < most, "{}: {chi_squared} {counts:?}", names[k]);
     }
 }

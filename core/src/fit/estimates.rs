@@ -230,8 +230,9 @@ impl Ended {
         let least = if likelihood.smoothness.is_some() { UNDETERMINED_FORM } else { UNDETERMINED };
         refuse_undetermined(free, &optimum.score.information, &active, ("curve", least))?;
         let covariance = matrix::covariance(&optimum.score.information, &active);
-        let covariance =
+        let mut covariance =
             covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len())) * faer::Scale(self.bias());
+        self.add_kurtosis(&mut covariance);
         let share = 1.0 / free.len() as f64;
         let parameters = (0..free.len()).map(|k| {
             let part = &mut Part::new(monitor, k as f64 * share, share);

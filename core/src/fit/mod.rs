@@ -7,7 +7,8 @@
 //! several times too large or too small, it begins with those multiplied by one factor that are most like the curve. The
 //! covariance of the contacts is computed at the estimates of a fit with independent errors, scaled by N⟨k⟩² in the search, and
 //! renewed up to three times; the search with correlated errors begins with every s-th reading. Errors of the estimates are the
-//! inverse of the expected information. Several curves share their numbers but for those that are free for one of them; their
+//! inverse of the expected information; those of the sizes of errors are larger where the whitened residuals have more than the
+//! kurtosis of normal ones. Several curves share their numbers but for those that are free for one of them; their
 //! errors are independent.
 //!
 //! ```
@@ -48,6 +49,7 @@ mod matrix;
 mod measurement;
 mod misfit;
 mod modelled_errors;
+mod noise_size;
 mod prediction;
 mod search;
 mod smoothness;

@@ -97,7 +97,8 @@ impl<'a> Breaking<'a> {
             passed(&b.mirrored(), u, self.thresholds.density(b.position + u))
         }));
         out.extend(self.hazards.iter().map(|b| self.passed_by_bound(b)));
-        out.retain(|b| b.position >= ahead && b.amplitude != 0.0);
+        // Where a pole of P_c is itself passed, its density has no value: what follows from it is among those that are met.
+        out.retain(|b| b.position >= ahead && b.amplitude != 0.0 && b.amplitude.is_finite());
         out
     }
 

@@ -1,0 +1,78 @@
+//! The errors of the sizes of noise that is not normal.
+//!
+//! The common size of all errors follows from χ² = Σz² of the whitened residuals z. If these are independent, of variance 1 and with
+//! the excess kurtosis κ, the variance of χ² is (2 + κ)n in place of 2n of normal ones, and the variance of the logarithm of the
+//! size of Σ is (2 + κ)/n. This is the covariance of estimates whose likelihood is not that of the data (P. J. Huber, Proc. 5th
+//! Berkeley Symp. 1, 221 (1967); H. White, Econometrica 50, 1 (1982)), along this one direction; the curve itself is as well known
+//! as with normal noise.
+
+use faer::Mat;
+
+use super::estimates::Ended;
+use super::free::Role;
+use super::likelihood::Errors;
+use super::matrix;
+
+impl Ended {
+    /// Adds to the covariance of the coordinates what follows from the kurtosis of the whitened residuals.
+    pub(super) fn add_kurtosis(&self, covariance: &mut Mat<f64>) {
+        let along = self.common_size();
+        let information = matrix::inner(&along, &(&self.optimum.score.information * &along));
+        if information > 0.0 {
+            let excess = excess_kurtosis(self.optimum.trial.curves.iter().map(|curve| &curve.whitened));
+            *covariance += &along * along.transpose() * faer::Scale(0.5 * excess / information);
+        }
+    }
+
+    /// How the coordinates change, without a change of the curve, where Σ becomes larger as a whole, as far as its parts are free:
+    /// the noise of contacts is N⟨k⟩² at a given N⟨k⟩, an error of readings or a drift has a standard deviation.
+    fn common_size(&self) -> Mat<f64> {
+        let free = &self.likelihood.free;
+        let changes = |k: usize| match (free[k].role, free[k].quantity.as_str()) {
+            (Role::Reading | Role::DriftAmplitude, _) => 0.5,
+            (Role::Contacts, "count") if self.divides_all_noise() => -1.0,
+            (Role::Contacts, "stiffness") if self.divides_all_noise() => 1.0,
+            _ => 0.0,
+        };
+        let at_bound = &self.optimum.at_bound;
+        Mat::from_fn(free.len(), 1, |k, _| if at_bound[k] { 0.0 } else { changes(k) })
+    }
+
+    /// Whether N and ⟨k⟩ are free for each curve, so that a curve of given N⟨k⟩ may have more or less noise.
+    fn divides_all_noise(&self) -> bool {
+        let free = |curve: usize, name: &str| {
+            self.likelihood.free.iter().any(|number| number.quantity == name && number.applies_to(curve))
+        };
+        let mut curves = 0..self.likelihood.fit.curves.len();
+        matches!(self.likelihood.errors, Errors::Modelled(Some(_)))
+            && curves.all(|curve| free(curve, "count") && free(curve, "stiffness"))
+    }
+}
+
+/// κ = Σz⁴/Σz² − 3 of whitened residuals, but not below 0: residuals of readings without any noise do not count. A sample of normal
+/// ones has as many below as above 0, up to √(24/n).
+fn excess_kurtosis<'a>(curves: impl Iterator<Item = &'a Mat<f64>>) -> f64 {
+    let squares = |whitened: &Mat<f64>| {
+        let squares = (0..whitened.nrows()).map(|i| whitened[(i, 0)] * whitened[(i, 0)]);
+        squares.fold([0.0, 0.0], |[two, four], square| [two + square, four + square * square])
+    };
+    let [two, four] = curves.map(squares).fold([0.0, 0.0], |all, one| [all[0] + one[0], all[1] + one[1]]);
+    if two > 0.0 { (four / two - 3.0).max(0.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_of_readings_without_noise_change_no_kurtosis() {
+        let column = |values: &[f64]| Mat::from_fn(values.len(), 1, |i, _| values[i]);
+        // Five residuals of variance 1 with one large one: (16 + 4 · 1/16)/5 − 3 would be 0.25, rounding aside.
+        let noisy = column(&[2.0, 0.5, -0.5, 0.5, -0.5]);
+        let with = |exact: usize| excess_kurtosis([&noisy, &Mat::zeros(exact, 1)].into_iter());
+        assert!((with(0) - 0.25).abs() < 1e-14, "{}", with(0));
+        assert_eq!(with(20), with(0));
+        assert_eq!(excess_kurtosis([&column(&[1.0, -1.0, 1.0])].into_iter()), 0.0);
+        assert_eq!(excess_kurtosis([&Mat::zeros(3, 1)].into_iter()), 0.0);
+    }
+}
