@@ -3,12 +3,13 @@
 mod common;
 
 use asperity::block::{Block, Loading, Slide, Slip};
-use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
+use asperity::contacts::{Ageing, Barrier, Contacts, FreeFriction, Rules, Stiffness, Temperature};
 use asperity::history::{History, Piece};
+use asperity::law::SharedLaw;
 use asperity::master::{MasterEquation, Transport};
 use asperity::rate_dependent::RateDependentContacts;
 use common::pulled::near;
-use common::{contacts, gaussian, initial, point};
+use common::{contacts, gamma, gaussian, initial, point};
 
 /// Of a step of the slider, as a length …
 const TOLERANCE: f64 = 1e-4;
@@ -45,6 +46,13 @@ fn warm() -> Rules {
     Rules { temperature: Some(temperature), ..Rules::default() }
 }
 
+/// Contacts that slide for a while before they form again.
+fn free() -> Rules {
+    let times: SharedLaw = gamma(4.0, 2.0);
+    let free_friction = FreeFriction { force: 0.1, viscosity: 0.05 };
+    Rules { delay: times.into(), free_friction, ..Rules::default() }
+}
+
 fn per_threshold(contacts: Contacts) -> Contacts {
     Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts }
 }
@@ -64,6 +72,7 @@ fn the_work_is_found_again() {
             DAMPED,
         ),
         ("delay", of(Rules { delay: 2.0.into(), ..warm() }), INERTIAL),
+        ("free", of(free()), INERTIAL),
         ("identical", Contacts { thresholds: point(1.0), ..of(warm()) }, INERTIAL),
         ("per threshold", per_threshold(of(ageing(strengthening(), warm()))), INERTIAL),
     ];
