@@ -6,6 +6,7 @@ says more of such blocks.
 """
 
 import doctest
+import json
 import os
 import re
 import shutil
@@ -15,8 +16,10 @@ from pathlib import Path
 import asperity
 import ipynb
 import matplotlib.pyplot as plt
+import nbclient
 import nbformat
 import pytest
+import snowballstemmer
 
 ROOT = Path(__file__).parents[1]
 PYTHON = {"python", "pycon"}
@@ -34,6 +37,11 @@ PAGES = [
     for page in sorted((ROOT / "docs").rglob("*.md"))
     if PYTHON & {language for language, *_ in blocks(page)}
 ]
+
+
+def site() -> Path:
+    """The folder of the site, which is built before these tests."""
+    return ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "docs"
 
 
 @pytest.fixture
@@ -101,6 +109,36 @@ def test_notebooks_for_download_have_the_cells_of_their_pages_and_run(
         exec(compile(source, f"{page.stem}.ipynb, cell {number}", "exec"), names)
         # A notebook shows the figures of a cell and closes them.
         plt.close("all")
+
+
+def test_the_site_offers_all_notebooks_and_jupyter_runs_one(folder: Path) -> None:
+    """All of them are run cell by cell above; a kernel of Jupyter takes seconds to start."""
+    offered = site() / "notebooks"
+    for page in NOTEBOOKS:
+        made = json.loads((offered / f"{page.stem}.ipynb").read_text(encoding="utf-8"))
+        assert made == ipynb.notebook(page.read_text(encoding="utf-8")), page.stem
+    run = nbformat.read(offered / "areas.ipynb", as_version=4)
+    nbclient.NotebookClient(run, resources={"metadata": {"path": folder}}).execute()
+    outputs = [cell.outputs for cell in run.cells if cell.cell_type == "code"]
+    assert any(outputs)
+
+
+# Words of the field in the glossary.
+FIELD = """
+    stress drop recurrence load point ageing slip law state variable direct effect nucleation precursors
+    d_c asperity junction healing epicentre foreshocks afterslip aperiodicity
+"""
+
+
+def test_the_search_of_the_site_finds_the_words_of_the_field() -> None:
+    """The index of the site that was built before these tests has the stems of words, each with its pages."""
+    index = site() / "searchindex.js"
+    found = json.loads(index.read_text(encoding="utf-8").removeprefix("Search.setIndex(").removesuffix(")"))
+    page = found["docnames"].index("glossary")
+    stem = snowballstemmer.stemmer("english").stemWord
+    for word in FIELD.split():
+        listed = [found[index].get(stem(word), []) for index in ("terms", "titleterms")]
+        assert any(page in (pages if isinstance(pages, list) else [pages]) for pages in listed), word
 
 
 def test_there_are_pages_in_python() -> None:

@@ -1,6 +1,9 @@
 //! The pictures of shipped scenarios as SVG: panels share their edges, maps have square cells and colour bars as tall as they are,
-//! nothing is outside of the picture or its frames, vertical axes show their values in full, and labels are the words of the field.
+//! nothing is outside of the picture or its frames, vertical axes show their values in full, legends cover nothing, and labels are the
+//! words of the field.
 
+#[path = "picture/legends.rs"]
+mod legends;
 #[path = "picture/ranges.rs"]
 mod ranges;
 mod support;
@@ -85,18 +88,24 @@ fn pictures_of_shipped_scenarios_are_in_order() {
     let folder = others();
     let paths = [tomls(&scenarios()), tomls(folder.path())].concat();
     let (mut seen, mut axes): (Vec<String>, Vec<usize>) = (Vec::new(), Vec::new());
+    let mut legends = [0, 0];
     let found: Vec<_> = paths.par_iter().map(|path| checked(path)).collect();
-    found.into_iter().for_each(|(pictures, shown)| {
+    found.into_iter().for_each(|(pictures, shown, inside)| {
         seen.extend(pictures);
         axes.extend(shown);
+        inside.into_iter().for_each(|is_inside| legends[usize::from(is_inside)] += 1);
     });
     seen.sort();
     seen.dedup();
     axes.sort_unstable();
     axes.dedup();
-    assert_eq!(axes.len(), ranges::SHOWN.len(), "{axes:?}");
+    let checked = ranges::count();
+    assert_eq!(axes, (0..checked).collect::<Vec<usize>>());
+    // Most panels have room for a legend; those that are filled by curves or cells have not.
+    assert!(legends[1] > 2 * legends[0] && legends[0] > 5, "{legends:?} legends below and inside");
     let known: Vec<&str> = PICTURES.iter().map(|picture| picture.0).collect();
     assert_eq!(seen, known);
+    known.iter().for_each(|name| assert!(ranges::has(name), "{name}"));
 }
 
 /// Scenarios with the pictures that no shipped one has.
@@ -114,8 +123,9 @@ fn others() -> Folder {
     folder
 }
 
-/// The names of the pictures of a scenario, which are in order, and the numbers of the vertical axes in them.
-fn checked(path: &std::path::Path) -> (Vec<String>, Vec<usize>) {
+/// The names of the pictures of a scenario, which are in order, the numbers of the vertical axes in them, and which of their legends
+/// are in a panel.
+fn checked(path: &std::path::Path) -> (Vec<String>, Vec<usize>, Vec<bool>) {
     let scenario = path.file_stem().unwrap().to_str().unwrap();
     let folder = Folder::new();
     let mut arguments =
@@ -124,16 +134,17 @@ fn checked(path: &std::path::Path) -> (Vec<String>, Vec<usize>) {
     arguments.extend(shorter.iter().flat_map(|set| ["--set", *set]));
     folder.succeed(&arguments);
     let out = folder.path().join("out");
-    let record = asperity_runner::output::read(&out).map(|outcome| outcome.record).unwrap_or_default();
+    let outcome = asperity_runner::output::read(&out).ok();
     let drawn = names(&out).into_iter().filter_map(|name| Some(name.strip_suffix(".svg")?.to_owned()));
-    let mut axes = Vec::new();
+    let (mut axes, mut inside) = (Vec::new(), Vec::new());
     let drawn = drawn.inspect(|name| {
         let svg = std::fs::read_to_string(out.join(format!("{name}.svg"))).unwrap();
         let place = format!("{scenario}: {name}");
         check(&place, name, &svg);
-        axes.extend(ranges::check(&place, name, &svg, &record));
+        axes.extend(ranges::check(&place, name, &svg, outcome.as_ref()));
+        inside.extend(legends::check(&place, &svg));
     });
-    (drawn.collect(), axes)
+    (drawn.collect(), axes, inside)
 }
 
 fn check(place: &str, name: &str, svg: &str) {

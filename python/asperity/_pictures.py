@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from asperity._core import Record
 
+# Variances of a force below this, relative to the largest, are 0 up to rounding.
+CERTAIN = 1e-9
+
 Draw: TypeAlias = Callable[Concatenate["Record", "Axes", ...], None]
 
 
@@ -430,9 +433,10 @@ def distribution(record: "Record", ax: "Axes", **style: Any) -> None:
 def covariance(record: "Record", ax: "Axes", **style: Any) -> None:
     """The correlation coefficient of the force at two positions."""
     values = record["covariance"]
-    std = np.sqrt(np.diag(values))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = values / np.outer(std, std)
+    variance = np.diag(values)
+    # Where the force is certain but for rounding, there is no correlation and the map is blank.
+    std = np.sqrt(np.where(variance > CERTAIN * variance.max(), variance, np.nan))
+    correlation = values / np.outer(std, std)
     at = record["covariance_position"]
     map_style: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -1.0, "vmax": 1.0, "shading": "nearest"}
     mesh = ax.pcolormesh(at, at, correlation, **{**map_style, **style})

@@ -4,7 +4,7 @@
 use asperity::task::summary::{Catalogue, PowerLaw};
 use asperity_runner::output::Outcome;
 use kuva::plot::MarkerShape;
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
@@ -12,7 +12,7 @@ use super::advance::Advance;
 use super::curve::{Counted, Point, counted, line, thinned};
 use super::distribution::stem;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 /// Bins per decade.
@@ -59,10 +59,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_title_size(size)
         .with_cell_size(page.width / 2.0, page.height(300.0))
         .with_row_height(0, page.height(200.0))
-        .with_spacing(10.0)
-        .with_shared_legend_entries(legend)
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(ticks::panels(figure, plots, layouts))
+        .with_spacing(10.0);
+    Some(legend::placed(ticks::panels(figure, plots, layouts), &legend, &[1, 2]))
 }
 
 /// The fitted distribution in words.

@@ -45,9 +45,9 @@ pub fn cut(mut scene: Scene) -> Scene {
 }
 
 /// A frame: its left and right, its upper and lower end.
-struct Frame {
-    across: (f64, f64),
-    along: (f64, f64),
+pub struct Frame {
+    pub across: (f64, f64),
+    pub along: (f64, f64),
 }
 
 impl Frame {
@@ -77,7 +77,8 @@ impl Frame {
         }
     }
 
-    fn has(&self, (x, y): Point) -> bool {
+    /// Whether a point is in the frame.
+    pub fn has(&self, (x, y): Point) -> bool {
         (self.across.0 - NEAR..=self.across.1 + NEAR).contains(&x)
             && (self.along.0 - NEAR..=self.along.1 + NEAR).contains(&y)
     }
@@ -117,7 +118,7 @@ impl Frame {
     }
 
     /// The part of a segment.
-    fn segment(&self, from: Point, to: Point) -> Option<(Point, Point)> {
+    pub fn segment(&self, from: Point, to: Point) -> Option<(Point, Point)> {
         let (right, down) = (to.0 - from.0, to.1 - from.1);
         let (mut start, mut end): (f64, f64) = (0.0, 1.0);
         for (direction, room) in [
@@ -140,7 +141,7 @@ impl Frame {
     }
 
     /// The part of an area with this outline.
-    fn area(&self, outline: &[Point]) -> Vec<Point> {
+    pub fn area(&self, outline: &[Point]) -> Vec<Point> {
         let mut outline = outline.to_vec();
         let along = |a: f64, b: f64, edge: f64| (edge - a) / (b - a);
         for (edge, sign, upright) in [
@@ -183,7 +184,7 @@ pub struct Run {
 
 impl Run {
     /// The points, with the first at the end if the path returns there.
-    fn closed(&self) -> Vec<Point> {
+    pub fn closed(&self) -> Vec<Point> {
         let back = self.points.first().filter(|_| self.is_closed);
         self.points.iter().chain(back).copied().collect()
     }

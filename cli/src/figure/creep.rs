@@ -3,12 +3,13 @@
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
+use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line};
 use super::style::{self, BLACK, BLUE, GREEN, ORANGE, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Colours of the curves of several forces; those of further forces are dashed.
 const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
@@ -25,7 +26,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         "Slip since loading",
         outcome.record.get("creep_position")?,
     ));
-    Some(ticks::panel(drawn(outcome, &curves), labelled(outcome, page, &curves, layout)?))
+    let layout = in_time(outcome, page, &curves, layout)?;
+    Some(legend::placed(ticks::panel(drawn(outcome, &curves), layout), &entries(outcome, &curves)?, &[0]))
 }
 
 /// The velocity on logarithmic axes.
@@ -36,7 +38,8 @@ pub fn rate(outcome: &Outcome, page: Page) -> Option<Scene> {
     let layout = style::layout((0.0, 1.0), ends).with_log_y().with_y_tick_format(style::powers(ends));
     let layout =
         layout.with_y_label(style::axis(outcome, "Velocity v", outcome.record.get("creep_velocity")?));
-    Some(ticks::panel(drawn(outcome, &curves), labelled(outcome, page, &curves, layout)?))
+    let layout = in_time(outcome, page, &curves, layout)?;
+    Some(legend::placed(ticks::panel(drawn(outcome, &curves), layout), &entries(outcome, &curves)?, &[0]))
 }
 
 /// Time to failure against force.
@@ -99,31 +102,27 @@ fn dashes(row: usize) -> Option<&'static str> {
     (row >= COLORS.len()).then_some(DASHES)
 }
 
-/// A layout with the axis of time and a legend.
-fn labelled(
-    outcome: &Outcome,
-    page: Page,
-    curves: &[Curve],
-    layout: kuva::render::layout::Layout,
-) -> Option<kuva::render::layout::Layout> {
+/// A layout with the axis of time.
+fn in_time(outcome: &Outcome, page: Page, curves: &[Curve], layout: Layout) -> Option<Layout> {
+    let ends = style::decades(&<[f64; 2]>::from(style::range(curves.iter().map(|curve| curve.0.as_slice()))));
+    let layout = layout.with_log_x().with_x_axis_min(ends.0).with_x_axis_max(ends.1);
+    let layout = layout.with_x_tick_format(style::powers(ends));
+    let words = style::axis(outcome, "Time t", outcome.record.get("creep_time")?);
+    Some(page.titled(layout, &outcome.summary.title).with_x_label(words))
+}
+
+/// The forces of the curves, and the marker of failure.
+fn entries(outcome: &Outcome, curves: &[Curve]) -> Option<Vec<LegendEntry>> {
     let unit = outcome.summary.units.label(Quantity::Force);
     let force = outcome.record.values("imposed_force")?;
     let entry = |row: usize| {
         let words = format!("F = {}", style::with_unit(force[row], &unit));
         style::line(words, COLORS[row % COLORS.len()], dashes(row))
     };
-    let mut legend: Vec<LegendEntry> = curves.iter().map(|curve| entry(curve.2)).collect();
+    let mut entries: Vec<LegendEntry> = curves.iter().map(|curve| entry(curve.2)).collect();
     let numbers = outcome.summary.numbers.creep();
     if curves.iter().any(|curve| numbers.get(curve.2).is_some_and(|at| at.failure_time.is_some())) {
-        legend.push(style::marker("failure", BLACK, MarkerShape::Cross));
+        entries.push(style::marker("failure", BLACK, MarkerShape::Cross));
     }
-    let ends = style::decades(&<[f64; 2]>::from(style::range(curves.iter().map(|curve| curve.0.as_slice()))));
-    let layout = layout.with_log_x().with_x_axis_min(ends.0).with_x_axis_max(ends.1);
-    let layout = layout.with_x_tick_format(style::powers(ends));
-    let layout = page.titled(layout, &outcome.summary.title).with_x_label(style::axis(
-        outcome,
-        "Time t",
-        outcome.record.get("creep_time")?,
-    ));
-    Some(style::legend_below(layout, legend))
+    Some(entries)
 }

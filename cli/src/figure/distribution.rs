@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{Point, below, curve, density_line, line};
 use super::style::{self, BLACK, BLUE, ORANGE, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 const DOTS: &str = "3 3";
 const DASHES: &str = "8 4";
@@ -37,7 +37,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_x_label(style::axis(outcome, "Stretch x", record.get("stretch")?))
         .with_y_label(style::axis(outcome, "Stretch density Q(x)", record.get("steady_stretch_density")?))
         .with_y2_label(axis.label);
-    Some(ticks::twin(plots, axis.plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::twin(plots, axis.plots, layout), &legend, &[0]))
 }
 
 /// The curves of the right axis.

@@ -10,7 +10,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "5 4";
 /// Range of the picture, in units of the position at the end of the first slip.
@@ -80,7 +80,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
             "Load-point displacement X_T, first loading",
             record.get("branch_drive")?,
         ));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// The area between the drive of a slip and the equilibrium drive.

@@ -3,14 +3,14 @@
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{density_line, histogram};
 use super::distribution::stem;
 use super::style::{self, BLUE, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Largest number of panels; if there are more snapshots, some are left out.
 const PANELS: usize = 24;
@@ -42,10 +42,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_title_size(size)
         .with_cell_size(page.width / columns as f64, height)
         .with_row_height(rows - 1, height + LABEL)
-        .with_spacing(6.0)
-        .with_shared_legend_entries(legend(outcome))
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(ticks::panels(figure, plots, layouts))
+        .with_spacing(6.0);
+    let panels: Vec<usize> = (0..plots.len()).collect();
+    Some(legend::placed(ticks::panels(figure, plots, layouts), &entries(outcome), &panels))
 }
 
 /// The snapshots that are drawn: all, or an even selection with the first and the last.
@@ -133,7 +132,7 @@ fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<V
     Some(layouts.into_iter().enumerate().map(label).collect())
 }
 
-fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
+fn entries(outcome: &Outcome) -> Vec<LegendEntry> {
     let record = &outcome.record;
     let mut entries = vec![style::line("master equation", BLUE, None)];
     let has_atoms = record.get("stretch_atom_weight").is_some();

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Heights of the panels, and of the label of the lowest axis.
 const HEIGHT: f64 = 340.0;
@@ -93,10 +93,8 @@ fn stacked(
         .with_title_size(size)
         .with_cell_size(page.width, heights[0])
         .with_row_height(rows - 1, heights[rows - 1] + LABEL)
-        .with_spacing(4.0)
-        .with_shared_legend_entries(legend)
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(ticks::panels(figure, plots, layouts))
+        .with_spacing(4.0);
+    Some(legend::placed(ticks::panels(figure, plots, layouts), &legend, &[0]))
 }
 
 /// The whitened residuals between lines at ±2.

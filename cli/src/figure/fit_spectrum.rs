@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Bins of wave numbers per factor e.
 const BINS: f64 = 24.0;
@@ -50,7 +50,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("fit_wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("fit_periodogram")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// Means of wave numbers and of values over bins of equal width in ln q; the first bins hold one each.

@@ -10,7 +10,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, errors, line, spread};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots};
-use super::{measured, ticks};
+use super::{legend, measured, ticks};
 
 /// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 160;
@@ -42,12 +42,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         let curves = (computed.as_slice(), measured.as_slice());
         return Some(measured::with_residuals(outcome, page, (plots, axes), curves, legend));
     }
-    let layout = style::legend_below(axes, legend);
-    Some(if loaded_by.is_some() {
-        ticks::twin(plots, Vec::new(), layout)
-    } else {
-        ticks::panel(plots, layout)
-    })
+    let scene = match loaded_by {
+        Some(_) => ticks::twin(plots, Vec::new(), axes),
+        None => ticks::panel(plots, axes),
+    };
+    Some(legend::placed(scene, &legend, &[0]))
 }
 
 fn axes(outcome: &Outcome, page: Page, position: &[f64], force: &[f64]) -> Option<Layout> {

@@ -7,7 +7,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::style::{self, BLUE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
@@ -25,5 +25,5 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Threshold", record.get("free_form_threshold")?))
         .with_y_label(style::axis(outcome, "Density of thresholds", record.get("free_form_density")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }

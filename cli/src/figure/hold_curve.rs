@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 use super::curve::{computed, errors, line};
 use super::smooth::along_logarithm;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
@@ -35,7 +35,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))
         .with_y_label(style::axis(outcome, "Static friction F_s", record.get("static_friction")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// Points of the fitted curve.

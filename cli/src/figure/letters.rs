@@ -22,6 +22,19 @@ fn face(number: usize) -> &'static Face<'static> {
     FACES[number].get_or_init(read)
 }
 
+/// About how wide a typeset text of this size is: the advances of its letters, without kerning, which brings letters nearer.
+pub fn width(text: &str, size: f64) -> f64 {
+    let advance = |face: &Face, letter: char| {
+        let glyph = face.glyph_index(letter)?;
+        Some(f64::from(face.glyph_hor_advance(glyph)?) / f64::from(face.units_per_em()))
+    };
+    let wide = |span: &Span| -> f64 {
+        let face = face(usize::from(span.is_italic));
+        span.size * span.text.chars().filter_map(|letter| advance(face, letter)).sum::<f64>()
+    };
+    typography::spans(text, size).iter().map(wide).sum()
+}
+
 /// A text and where it stands.
 pub struct Text<'a> {
     pub content: &'a str,

@@ -2,14 +2,14 @@
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, ScatterPlot};
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, line};
 use super::style::{self, GREEN, GREY, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Heights of the panels, and of the label of the lower axis.
 const HEIGHT: f64 = 340.0;
@@ -52,13 +52,11 @@ pub fn with_residuals(
         .with_title_size(size)
         .with_cell_size(page.width, above)
         .with_row_height(1, below + LABEL)
-        .with_spacing(4.0)
-        .with_shared_legend_entries(legend)
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+        .with_spacing(4.0);
     let mut upper = panel(layout, sides, 0.0);
     (upper.title, upper.x_label) = (None, None);
     let lower = panel(lower.with_x_label(label), sides, LABEL);
-    ticks::panels(figure, vec![plots, residuals], vec![upper, lower])
+    legend::placed(ticks::panels(figure, vec![plots, residuals], vec![upper, lower]), &legend, &[0])
 }
 
 /// What is left of measured points: their forces less those of the curve, between these ends.

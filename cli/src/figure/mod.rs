@@ -21,12 +21,14 @@ mod formats;
 mod free_form;
 mod grey;
 mod hold_curve;
+mod legend;
 mod letters;
 mod measured;
 mod png_file;
 mod potential;
 mod protocol;
 mod raster;
+mod room;
 mod shapes;
 mod simplify;
 mod sizes;
@@ -54,6 +56,7 @@ use kuva::render::render::Scene;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use formats::Picture;
+use legend::fitted;
 
 pub use formats::check;
 pub use style::digits;
@@ -78,33 +81,41 @@ fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String
     }
     let page = formats::page(style);
     let scenes = [
-        ("force", force::scene(outcome, page).or_else(|| compared::scene(outcome, page))),
-        ("evolution", evolution::scene(outcome, page)),
-        ("distribution", distribution::scene(outcome, page)),
-        ("covariance", covariance::scene(outcome, page)),
-        stick_slip::scene(outcome, page),
-        ("velocity_curve", velocity_curve::scene(outcome, page)),
-        ("hold_curve", hold_curve::scene(outcome, page)),
-        ("protocol", protocol::scene(outcome, page)),
-        ("velocity_step", velocity_step::scene(outcome, page)),
-        ("creep_curve", creep::scene(outcome, page)),
-        ("creep_rate", creep::rate(outcome, page)),
-        ("static_fatigue", creep::fatigue(outcome, page)),
-        ("equilibrium", equilibrium::scene(outcome, page)),
-        ("potential", potential::scene(outcome, page)),
-        ("slip", slip::scene(outcome, page)),
-        ("sizes", sizes::scene(outcome, page)),
-        ("catalogue", catalogue::scene(outcome, page)),
-        ("stress_map", stress_map::scene(outcome, page)),
-        ("space_time", space_time::scene(outcome, page)),
-        ("slip_rate", slip_rate::scene(outcome, page)),
-        ("thresholds", thresholds::scene(outcome, page)),
-        ("spectrum", spectrum::scene(outcome, page).or_else(|| fit_spectrum::scene(outcome, page))),
-        ("correlation", spectrum::correlation(outcome, page)),
-        ("stability", stability::scene(outcome, page)),
-        ("fit", fit::scene(outcome, page)),
-        ("free_form", free_form::scene(outcome, page)),
-        ("corner", corner::scene(outcome, page)),
+        (
+            "force",
+            fitted(page, |page| force::scene(outcome, page).or_else(|| compared::scene(outcome, page))),
+        ),
+        ("evolution", fitted(page, |page| evolution::scene(outcome, page))),
+        ("distribution", fitted(page, |page| distribution::scene(outcome, page))),
+        ("covariance", fitted(page, |page| covariance::scene(outcome, page))),
+        (stick_slip::name(&outcome.record), fitted(page, |page| stick_slip::scene(outcome, page))),
+        ("velocity_curve", fitted(page, |page| velocity_curve::scene(outcome, page))),
+        ("hold_curve", fitted(page, |page| hold_curve::scene(outcome, page))),
+        ("protocol", fitted(page, |page| protocol::scene(outcome, page))),
+        ("velocity_step", fitted(page, |page| velocity_step::scene(outcome, page))),
+        ("creep_curve", fitted(page, |page| creep::scene(outcome, page))),
+        ("creep_rate", fitted(page, |page| creep::rate(outcome, page))),
+        ("static_fatigue", fitted(page, |page| creep::fatigue(outcome, page))),
+        ("equilibrium", fitted(page, |page| equilibrium::scene(outcome, page))),
+        ("potential", fitted(page, |page| potential::scene(outcome, page))),
+        ("slip", fitted(page, |page| slip::scene(outcome, page))),
+        ("sizes", fitted(page, |page| sizes::scene(outcome, page))),
+        ("catalogue", fitted(page, |page| catalogue::scene(outcome, page))),
+        ("stress_map", fitted(page, |page| stress_map::scene(outcome, page))),
+        ("space_time", fitted(page, |page| space_time::scene(outcome, page))),
+        ("slip_rate", fitted(page, |page| slip_rate::scene(outcome, page))),
+        ("thresholds", fitted(page, |page| thresholds::scene(outcome, page))),
+        (
+            "spectrum",
+            fitted(page, |page| {
+                spectrum::scene(outcome, page).or_else(|| fit_spectrum::scene(outcome, page))
+            }),
+        ),
+        ("correlation", fitted(page, |page| spectrum::correlation(outcome, page))),
+        ("stability", fitted(page, |page| stability::scene(outcome, page))),
+        ("fit", fitted(page, |page| fit::scene(outcome, page))),
+        ("free_form", fitted(page, |page| free_form::scene(outcome, page))),
+        ("corner", fitted(page, |page| corner::scene(outcome, page))),
     ];
     let title = page.heading(&outcome.summary.title).0;
     let scenes = scenes.into_iter().filter_map(|(name, scene)| Some((name.to_owned(), scene?)));

@@ -11,7 +11,7 @@ use kuva::render::render::Scene;
 use super::curve::{curve, line};
 use super::equilibrium::{end, first_slip};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 const COLORS: [&str; 3] = [GREY, BLUE, GREEN];
 
@@ -51,5 +51,5 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
             "Potential V(X) − V(X_1), first loading",
             record.get("potential")?,
         ));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }

@@ -2,14 +2,14 @@
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::advance::is_in_time;
 use super::curve::{Point, curve, errors, line, spread, thinned};
 use super::style::{self, BLUE, GREEN, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Heights of the panels of velocity and force.
 const HEIGHTS: (f64, f64) = (150.0, 330.0);
@@ -37,13 +37,12 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_title_size(size)
         .with_cell_size(page.width, page.height(HEIGHTS.0))
         .with_row_height(1, page.height(HEIGHTS.1) + LABEL)
-        .with_spacing(6.0)
-        .with_shared_legend_entries(legend(outcome))
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(ticks::panels(figure, vec![above.0, below.0], vec![above.1, below.1]))
+        .with_spacing(6.0);
+    let scene = ticks::panels(figure, vec![above.0, below.0], vec![above.1, below.1]);
+    Some(legend::placed(scene, &entries(outcome), &[1]))
 }
 
-fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
+fn entries(outcome: &Outcome) -> Vec<LegendEntry> {
     // The contacts of cells are of one kind; a rigid slider and a block have both.
     if outcome.summary.numbers.catalogue().is_some() && outcome.summary.disorder.is_some() {
         return vec![style::line(style::sized_ensemble(outcome), BLUE, None)];

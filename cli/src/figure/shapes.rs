@@ -10,6 +10,7 @@ use super::clip::runs;
 use super::coverage::Coverage;
 use super::letters::{Letters, Text};
 use super::raster::CellImage;
+use super::room::translation;
 use super::{curve::Point, grey};
 
 /// What is drawn at once.
@@ -218,12 +219,6 @@ impl Drawn<'_> {
         let (across, down) = self.moved.iter().fold((0.0, 0.0), |sum, by| (sum.0 + by.0, sum.1 + by.1));
         Transform::from_translate(across as f32, down as f32).post_scale(self.scale as f32, self.scale as f32)
     }
-}
-
-/// By how much a group with this attribute is moved.
-fn translation(transform: &str) -> Option<Point> {
-    let (across, down) = transform.strip_prefix("translate(")?.strip_suffix(')')?.split_once([',', ' '])?;
-    Some((across.trim().parse().ok()?, down.trim().parse().ok()?))
 }
 
 /// A line through points.

@@ -6,7 +6,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{Counted, counted, line};
 use super::style::{self, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 /// Fewest bins with events that are drawn.
@@ -43,7 +43,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label("Contacts broken in an event")
         .with_y_label("Events per number of contacts");
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// Number of integers in the bin around `size`.

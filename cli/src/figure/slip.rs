@@ -1,13 +1,13 @@
 //! `slip`: the time course of the first inertial slip.
 
 use asperity_runner::output::Outcome;
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::style::{self, BLUE, GREEN, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 const HEIGHT: f64 = 190.0;
 /// Height of the label of the lowest axis.
@@ -32,10 +32,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_title_size(size)
         .with_cell_size(page.width, page.height(HEIGHT))
         .with_row_height(2, page.height(HEIGHT) + LABEL)
-        .with_spacing(6.0)
-        .with_shared_legend_entries(legend)
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
-    Some(ticks::panels(figure, plots, layouts))
+        .with_spacing(6.0);
+    Some(legend::placed(ticks::panels(figure, plots, layouts), &legend, &[2]))
 }
 
 fn panel(outcome: &Outcome, columns: &[(&str, &str)], words: &str) -> Option<(Plots, Layout)> {

@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
@@ -48,7 +48,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Wave number q", record.get("wave_number")?))
         .with_y_label(style::axis(outcome, "Spectrum S", record.get("spectrum")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// The autocovariance relative to the variance.

@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{Point, line};
 use super::style::{self, BLACK, BLUE, GREY, ORANGE, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
@@ -67,5 +67,5 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Stiffness K", record.get("stiffness")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }

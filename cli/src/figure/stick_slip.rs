@@ -11,31 +11,38 @@ use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, line, spread};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 /// Largest number of markers of the ensemble.
 const MARKERS: usize = 300;
 
-/// The picture, with a name for the kind of drive.
-pub fn scene(outcome: &Outcome, page: Page) -> (&'static str, Option<Scene>) {
+/// The name of the picture, by the kind of drive.
+pub fn name(record: &Record) -> &'static str {
+    let Some(drive) = record.get("drive") else { return "stick_slip" };
+    let turns = drive.values.windows(2).any(|pair| pair[1] < pair[0]);
+    match drive.quantity {
+        Quantity::Force => "creep",
+        _ if turns => "hysteresis",
+        _ => "stick_slip",
+    }
+}
+
+pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
-    let Some(drive) = record.get("drive") else { return ("stick_slip", None) };
+    let drive = record.get("drive")?;
     if record.get("velocity").is_some() && record.get("event_drive").is_none() {
-        return ("stick_slip", None);
+        return None;
     }
     if drive.quantity == Quantity::Force {
-        return ("creep", traces(outcome, page, ("position", "drive"), ("Position X", "Imposed force")));
+        return traces(outcome, page, ("position", "drive"), ("Position X", "Imposed force"));
     }
-    let backward = |pair: &[f64]| pair[1] < pair[0];
-    let turns = drive.values.windows(2).any(backward);
     let words = if ["branch_drive", "event_time"].iter().any(|name| record.get(name).is_some()) {
         ("Load-point displacement X_T", "Spring force")
     } else {
         ("Position X", "Friction force F")
     };
-    let name = if turns { "hysteresis" } else { "stick_slip" };
-    (name, traces(outcome, page, ("drive", "spring_force"), words))
+    traces(outcome, page, ("drive", "spring_force"), words)
 }
 
 /// The traces of both models as curves in two of their variables.
@@ -66,7 +73,7 @@ fn traces(outcome: &Outcome, page: Page, names: (&str, &str), words: (&str, &str
         .titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
         .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 fn columns<'a>(record: &'a Record, prefix: &str, names: (&str, &str)) -> Option<(&'a [f64], &'a [f64])> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asperity::record::Variable;
 use asperity::scenario::Disorder;
 use asperity_runner::output::Outcome;
-use kuva::plot::{LegendEntry, LegendPosition, LegendShape, MarkerShape};
+use kuva::plot::{LegendEntry, LegendShape, MarkerShape};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
@@ -35,12 +35,15 @@ pub struct Page {
     pub width: f64,
     /// Height of panels over the usual one.
     stretch: f64,
+    /// What is left free below a picture of one panel.
+    free: f64,
 }
 
 impl Page {
     /// A canvas of this width whose pictures of one panel have this ratio of height to width.
     pub fn new(width: f64, aspect: Option<f64>) -> Self {
-        Self { width, stretch: width * aspect.map_or(1.0 / WIDTH, |aspect| aspect / HEIGHT) }
+        let stretch = width * aspect.map_or(1.0 / WIDTH, |aspect| aspect / HEIGHT);
+        Self { width, stretch, free: 0.0 }
     }
 
     /// The height of what is as high as this on the usual canvas.
@@ -48,10 +51,15 @@ impl Page {
         usual * self.stretch
     }
 
+    /// The canvas on which so much is left free below a picture of one panel.
+    pub fn with_free(self, free: f64) -> Self {
+        Self { free, ..self }
+    }
+
     /// The size of a picture of one panel, and the title above it, with a font size that fits its length.
     pub fn titled(self, layout: Layout, title: &str) -> Layout {
         let (text, size) = self.heading(title);
-        let layout = layout.with_width(self.width).with_height(self.height(HEIGHT));
+        let layout = layout.with_width(self.width).with_height(self.height(HEIGHT) - self.free);
         layout.with_title(text).with_title_size(size)
     }
 
@@ -103,22 +111,13 @@ pub fn reach(x: &[f64], curves: &[&[f64]]) -> f64 {
     x[index.min(x.len()) - 1]
 }
 
-/// A legend below the axes. Its box would cover the lower parts of letters of the label above.
-pub fn legend_below(layout: Layout, entries: Vec<LegendEntry>) -> Layout {
-    layout
-        .with_legend_box(false)
-        .with_legend_entries(entries)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-}
-
-/// A legend entry for a line. Its dashes are half as long as those of the line, so that two of them are visible.
+/// A legend entry for a line.
 pub fn line(label: impl Into<String>, color: &str, dashes: Option<&str>) -> LegendEntry {
-    let halved = |length: &str| length.parse::<f64>().map_or(length.to_owned(), |l| (0.5 * l).to_string());
     LegendEntry {
         label: label.into(),
         color: color.into(),
         shape: LegendShape::Line,
-        dasharray: dashes.map(|dashes| dashes.split(' ').map(halved).collect::<Vec<_>>().join(" ")),
+        dasharray: dashes.map(str::to_owned),
     }
 }
 

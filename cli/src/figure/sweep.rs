@@ -13,7 +13,7 @@ use super::curve::{curve, errors, line};
 use super::field::{self, Field, bar, scale};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
 use super::sweep_label::label;
-use super::ticks;
+use super::{legend, ticks};
 
 /// Colours of words that are known, as in the picture of `[stability]`.
 const KNOWN: [(&str, &str); 5] =
@@ -31,7 +31,11 @@ const MARGINS: (f64, f64) = (12.0, 56.0);
 pub fn scenes(dataset: &Dataset, page: Page) -> Vec<(String, Scene)> {
     let drawn =
         dataset.variables.iter().filter(|variable| variable.name != "failure" && variable.name != "accuracy");
-    drawn.filter_map(|variable| Some((variable.name.clone(), scene((dataset, page), variable)?))).collect()
+    drawn
+        .filter_map(|variable| {
+            Some((variable.name.clone(), legend::fitted(page, |page| scene((dataset, page), variable))?))
+        })
+        .collect()
 }
 
 /// A variable over the dimensions that it has beside that of replicas.
@@ -256,7 +260,7 @@ fn kinds((dataset, page): (&Dataset, Page), axes: [&Axis; 2], words: &[String]) 
     let plots: Vec<Plot> = vec![field.plot((0.0, last), &colours, 1)];
     let layout = page.titled(layout([&x, &y]), &dataset.title);
     let exponents = [x.exponents, y.exponents];
-    Some(ticks::panel_of_exponents(plots, style::legend_below(layout, legend), exponents))
+    Some(legend::placed(ticks::panel_of_exponents(plots, layout, exponents), &legend, &[0]))
 }
 
 /// The colour of a word.

@@ -223,7 +223,8 @@ fn letters_have_the_size_that_is_asked_for() {
 #[test]
 fn grey_pictures_have_shades_of_grey_alone() {
     let pictures = super::draw(&mut outcome(), &Figure { grey: true, ..style() }).unwrap();
-    for name in ["force.svg", "evolution.svg", "distribution.svg"] {
+    // The evolution has letters and one curve.
+    for (name, least) in [("force.svg", 3), ("evolution.svg", 2), ("distribution.svg", 3)] {
         let text = raw(&pictures, name);
         let colours = text.split("\"#").skip(1).map(|part| &part[..6]);
         let grey = |colour: &str| colour[..2] == colour[2..4] && colour[..2] == colour[4..];
@@ -231,7 +232,7 @@ fn grey_pictures_have_shades_of_grey_alone() {
             colours.inspect(|colour| assert!(grey(colour), "{name}: {colour}")).collect();
         shades.sort_unstable();
         shades.dedup();
-        assert!(shades.len() >= 3, "{name}: {shades:?}");
+        assert!(shades.len() >= least, "{name}: {shades:?}");
     }
 }
 

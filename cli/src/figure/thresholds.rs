@@ -9,7 +9,7 @@ use kuva::render::render::Scene;
 use super::curve::{Point, errors, line};
 use super::smooth::smooth;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::ticks;
+use super::{legend, ticks};
 
 const DASHES: &str = "8 5";
 
@@ -42,7 +42,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Drive X", record.get("drive")?))
         .with_y_label(style::axis(outcome, "Probability density", record.get("free_density")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// From the first to the last value above `least`.

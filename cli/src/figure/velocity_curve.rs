@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 use super::curve::{Point, below, computed, errors, line};
 use super::smooth::along_logarithm;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
-use super::ticks;
+use super::{legend, ticks};
 
 /// Colours of the curves of several temperatures.
 const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
@@ -45,7 +45,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Kinetic friction F_k", record.get("kinetic_friction")?));
-    Some(ticks::panel(plots, style::legend_below(layout, legend)))
+    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
 /// The curve of one temperature, with its ensemble and closed forms; the names of those that are in the picture.

@@ -4,13 +4,13 @@
 use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState};
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
-use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line, thinned};
 use super::style::{self, BLACK, BLUE, GREEN, Page, Plots, RED};
-use super::{measured, ticks};
+use super::{legend, measured, ticks};
 
 /// Largest number of steps.
 const STEPS: usize = 4;
@@ -35,17 +35,16 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     layouts.push(lowest.with_x_label(label).with_force_margins_y(top, bottom + LABEL));
     let mut heights: Vec<f64> = layouts.iter().map(|layout| page.height(height(layout))).collect();
     *heights.last_mut()? += LABEL;
+    let forces: Vec<usize> = (0..layouts.len()).filter(|&panel| layouts[panel].title.is_some()).collect();
     let (title, size) = page.heading(&outcome.summary.title);
     let figure = Figure::new(layouts.len(), 1)
         .with_title(title)
         .with_title_size(size)
         .with_cell_size(page.width, page.height(HEIGHT))
-        .with_spacing(6.0)
-        .with_shared_legend_entries(legend(outcome))
-        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+        .with_spacing(6.0);
     let rows = heights.into_iter().enumerate();
     let figure = rows.fold(figure, |figure, (row, height)| figure.with_row_height(row, height));
-    Some(ticks::panels(figure, plots, layouts))
+    Some(legend::placed(ticks::panels(figure, plots, layouts), &entries(outcome), &forces))
 }
 
 /// The height of a panel: those of forces alone have a title.
@@ -53,7 +52,7 @@ fn height(layout: &Layout) -> f64 {
     if layout.title.is_some() { HEIGHT } else { measured::RESIDUALS }
 }
 
-fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
+fn entries(outcome: &Outcome) -> Vec<LegendEntry> {
     let mut entries = vec![
         style::line("master equation", BLUE, None),
         style::line("rate-and-state fit", RED, Some(DASHES)),
