@@ -174,7 +174,7 @@ class Areas(Description):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -315,7 +315,7 @@ class Block(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -525,7 +525,7 @@ class ClosedForm:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -553,7 +553,7 @@ class ClosedForm:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -613,7 +613,7 @@ class Contacts(Description):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -745,7 +745,7 @@ class Damped(Description):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -1240,7 +1240,7 @@ class Estimates:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -1269,7 +1269,7 @@ class Estimates:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -1325,7 +1325,7 @@ class Estimates:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -1353,7 +1353,7 @@ class Estimates:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -1522,7 +1522,7 @@ class ExactGaussian(ClosedForm):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -1545,7 +1545,7 @@ class ExactGaussian(ClosedForm):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -1609,7 +1609,7 @@ class ExactQuenched:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -1673,7 +1673,7 @@ class Exponential(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -1752,7 +1752,7 @@ class FrozenRank(Ageing):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -1788,7 +1788,7 @@ class Gamma(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -1815,7 +1815,7 @@ class Gaussian(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -1965,7 +1965,7 @@ class Inertial(Description):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -2275,7 +2275,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2318,7 +2318,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -2342,7 +2342,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -2365,7 +2365,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2385,7 +2385,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -2408,7 +2408,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If q is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2430,7 +2430,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2452,7 +2452,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2474,7 +2474,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2510,7 +2510,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -2532,7 +2532,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2576,7 +2576,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If q is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2608,7 +2608,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -2639,7 +2639,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If x is neither a number nor an array of numbers.
         """
 
     @overload
@@ -2660,7 +2660,7 @@ class Law(Description):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         """
 
     def std(self, /) -> float:
@@ -2701,7 +2701,7 @@ class Logarithmic(Ageing):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
 
     Examples
     --------
@@ -2734,7 +2734,7 @@ class Lognormal(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -2879,7 +2879,7 @@ class MeanField(Ageing):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -2913,7 +2913,7 @@ class Mixture(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -2986,7 +2986,7 @@ class Point(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -3128,7 +3128,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -3155,7 +3155,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3191,7 +3191,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -3218,7 +3218,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3240,7 +3240,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3260,7 +3260,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3281,7 +3281,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3302,7 +3302,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3396,7 +3396,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3418,7 +3418,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -3451,7 +3451,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3475,7 +3475,7 @@ class Pull(Record):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -3525,7 +3525,7 @@ class Record(Mapping[str, _Array]):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         """
 
     @overload
@@ -3615,7 +3615,7 @@ class Rectangular(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -3667,7 +3667,7 @@ class Relaxation:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            If position is neither a number nor an array of numbers.
         ValueError
             For invalid values.
         """
@@ -3736,7 +3736,7 @@ class Renormalised(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -3847,7 +3847,7 @@ class Series(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -4084,7 +4084,7 @@ class Smoluchowski(Ageing):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -4175,7 +4175,7 @@ class SteadyEstimates:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4313,7 +4313,7 @@ class SteadyState:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4339,7 +4339,7 @@ class SteadyState:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4391,7 +4391,7 @@ class SteadyState:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4414,7 +4414,7 @@ class SteadyState:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4602,7 +4602,7 @@ class Tabulated(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -4663,7 +4663,7 @@ class Temperature(Description):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
 
     Examples
     --------
@@ -4730,7 +4730,7 @@ class ThresholdResponse:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4844,7 +4844,7 @@ class Transport(Model):
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -4974,7 +4974,7 @@ class Weibull(Law):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -5082,7 +5082,7 @@ def critical_coupling(law: _AnyLaw) -> float:
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -5326,7 +5326,7 @@ def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> f
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -5352,7 +5352,7 @@ def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -5598,7 +5598,7 @@ def steady_variance(thresholds: _AnyLaw) -> float:
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 
@@ -5624,7 +5624,7 @@ def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
     ValueError
         For invalid values.
 

@@ -105,7 +105,7 @@ class Events(Sequence[Event]):
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
 
     Examples
     --------

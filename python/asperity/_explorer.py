@@ -52,7 +52,7 @@ class Explorer:
     Raises
     ------
     TypeError
-        For an argument of another type.
+        For an argument of another type, which the message names.
 
     Examples
     --------

@@ -176,7 +176,7 @@ class LaboratoryRecord:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -207,7 +207,7 @@ class LaboratoryRecord:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """
@@ -281,7 +281,7 @@ class LaboratoryRecord:
         Raises
         ------
         TypeError
-            For an argument of another type.
+            For an argument of another type, which the message names.
         ValueError
             For invalid values.
         """

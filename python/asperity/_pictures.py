@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from asperity._core import Record
 
-# Variances of a force below this, relative to the largest, are 0 up to rounding.
-CERTAIN = 1e-9
+# Variances of a force below this, relative to the largest: a scatter of less than a thousandth of it.
+CERTAIN = 1e-6
 
 Draw: TypeAlias = Callable[Concatenate["Record", "Axes", ...], None]
 
@@ -434,7 +434,7 @@ def covariance(record: "Record", ax: "Axes", **style: Any) -> None:
     """The correlation coefficient of the force at two positions."""
     values = record["covariance"]
     variance = np.diag(values)
-    # Where the force is certain but for rounding, there is no correlation and the map is blank.
+    # Where the force hardly scatters, the map is blank.
     std = np.sqrt(np.where(variance > CERTAIN * variance.max(), variance, np.nan))
     correlation = values / np.outer(std, std)
     at = record["covariance_position"]

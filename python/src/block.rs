@@ -34,7 +34,7 @@ use crate::{error, typed, values};
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -94,7 +94,7 @@ impl Inertial {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -521,7 +521,7 @@ impl Block {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(

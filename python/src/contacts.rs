@@ -30,7 +30,7 @@ use crate::typed::{argument_type, result_type};
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -138,7 +138,7 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///

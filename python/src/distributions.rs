@@ -101,7 +101,7 @@ macro_rules! parametric_classes {
                 $(#[doc = $doc])+
                 #[doc = "\nParameters\n----------"]
                 $(#[doc = concat!(stringify!($parameter), "\n   ", $($parameter_doc),+)])+
-                #[doc = "\nRaises\n------\nTypeError\n    For an argument of another type.\nValueError\n    For invalid values."]
+                #[doc = "\nRaises\n------\nTypeError\n    For an argument of another type, which the message names.\nValueError\n    For invalid values."]
                 #[doc = concat!("\nExamples\n--------\n>>> import asperity as asp\n", example!($name))]
                 $name($($parameter),+) { $($parameter: Real),+ } => scenario::Law::$name {
                     $($parameter: $parameter.get(stringify!($parameter))?),+
@@ -213,7 +213,7 @@ classes! {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     ///
@@ -277,7 +277,7 @@ classes! {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     ///
@@ -320,7 +320,7 @@ classes! {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     ///
@@ -358,7 +358,7 @@ classes! {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     ///

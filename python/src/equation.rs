@@ -270,7 +270,7 @@ impl SteadyState {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn force_std(&self, size: Real) -> PyResult<f64> {
@@ -298,7 +298,7 @@ impl SteadyState {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (displacement: "float; ArrayLike", size = None) -> "float; _Array")]
@@ -335,7 +335,7 @@ impl SteadyState {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (wave_number: "float; ArrayLike", size = None) -> "float; _Array")]
@@ -367,7 +367,7 @@ impl SteadyState {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (stretches: "ArrayLike | None" = None))]
@@ -486,7 +486,7 @@ impl Relaxation {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]

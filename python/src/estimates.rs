@@ -196,7 +196,7 @@ impl Estimates {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
@@ -286,7 +286,7 @@ impl Estimates {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
@@ -332,7 +332,7 @@ impl Estimates {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
@@ -365,7 +365,7 @@ impl Estimates {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (values: "ArrayLike"))]

@@ -53,7 +53,7 @@ impl ClosedForm {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -76,7 +76,7 @@ impl ClosedForm {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -151,7 +151,7 @@ impl Gaussian {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -173,7 +173,7 @@ impl Gaussian {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn relaxation_root<'py>(&self, py: Python<'py>, j: Whole) -> PyResult<Bound<'py, PyComplex>> {
@@ -394,7 +394,7 @@ impl Quenched {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -440,7 +440,7 @@ fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, S
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -480,7 +480,7 @@ pub fn kinetic_friction(thresholds: Argument<AnyLaw>, reforming: Option<Argument
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -509,7 +509,7 @@ pub fn kinetic_friction_per_threshold(thresholds: Argument<AnyLaw>) -> PyResult<
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -538,7 +538,7 @@ pub fn steady_variance(thresholds: Argument<AnyLaw>) -> PyResult<f64> {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///

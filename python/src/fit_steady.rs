@@ -305,7 +305,7 @@ impl SteadyEstimates {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]

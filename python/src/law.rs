@@ -103,7 +103,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn pdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
@@ -124,7 +124,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn cdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.cumulative(x))
@@ -145,7 +145,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn sf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.survival(x))
@@ -166,7 +166,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logsf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
@@ -187,7 +187,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logpdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| law::ln_density(self.built.as_ref(), x))
@@ -208,7 +208,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logcdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| {
@@ -233,7 +233,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn hazard<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.hazard(x))
@@ -254,7 +254,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If q is neither a number nor an array of numbers.
     #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn ppf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.quantile(q))
@@ -276,7 +276,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If q is neither a number nor an array of numbers.
     #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn isf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.upper_quantile(q))
@@ -305,7 +305,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, random_state: "_Seed | None" = None, *, seed: "_Seed | None" = None) -> "float; _Array")]
@@ -394,7 +394,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn interval(&self, confidence: Real) -> PyResult<(f64, f64)> {
@@ -421,7 +421,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     #[pyo3(signature = (moments = Argument::text("mv")) -> "float | tuple[float, ...]", text_signature = "($self, moments='mv')")]
     fn stats<'py>(&self, py: Python<'py>, moments: Argument<String>) -> PyResult<Bound<'py, PyAny>> {
         let moments = moments.get("moments")?;
@@ -480,7 +480,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = Argument::new(false)), text_signature = "($self, func=None, *, lb=None, ub=None, conditional=False)")]
@@ -530,7 +530,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[classmethod]
@@ -561,7 +561,7 @@ impl Law {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn moment(&self, order: Whole) -> PyResult<f64> {
@@ -659,7 +659,7 @@ pub fn plain<'a>(law: &'a Bound<'_, Law>) -> &'a scenario::Law {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///

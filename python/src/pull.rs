@@ -223,7 +223,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -252,7 +252,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -276,7 +276,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     If position is neither a number nor an array of numbers.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
@@ -303,7 +303,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (size, at: "float; ArrayLike | None" = None) -> "float; _Array")]
@@ -339,7 +339,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (at: "ArrayLike", size = None))]
@@ -379,7 +379,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (at: "ArrayLike", count, size = None, *, seed))]
@@ -492,7 +492,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn gradient(slf: &Bound<'_, Self>, parameter: Argument<String>) -> PyResult<Gradient> {
@@ -517,7 +517,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn gradients(slf: &Bound<'_, Self>, parameters: Argument<Vec<String>>) -> PyResult<Vec<Gradient>> {
@@ -544,7 +544,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn friction_gradient(&self, py: Python<'_>, parameter: Argument<String>) -> PyResult<FrictionGradient> {
@@ -568,7 +568,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     fn friction_gradients(
@@ -601,7 +601,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (thresholds: "ArrayLike"))]
@@ -634,7 +634,7 @@ impl Pull {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (at: "ArrayLike", stretches: "ArrayLike | None" = None))]
@@ -790,7 +790,7 @@ impl ThresholdResponse {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (position: "ArrayLike", weights: "ArrayLike"))]

@@ -216,7 +216,7 @@ impl Record {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     #[pyo3(signature = (key, default: "None; _Array | _T" = None, /) -> "_Array | None; _Array | _T")]
     fn get<'py>(
         &self,

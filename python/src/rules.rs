@@ -27,7 +27,7 @@ use crate::typed;
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 ///
 /// Examples
 /// --------
@@ -139,7 +139,7 @@ impl Ageing {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -188,7 +188,7 @@ impl Smoluchowski {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///
@@ -236,7 +236,7 @@ impl FrozenRank {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 ///
 /// Examples
 /// --------
@@ -285,7 +285,7 @@ impl Logarithmic {
 /// Raises
 /// ------
 /// TypeError
-///     For an argument of another type.
+///     For an argument of another type, which the message names.
 /// ValueError
 ///     For invalid values.
 ///

@@ -248,7 +248,7 @@ impl Transport {
     /// Raises
     /// ------
     /// TypeError
-    ///     For an argument of another type.
+    ///     For an argument of another type, which the message names.
     /// ValueError
     ///     For invalid values.
     #[pyo3(signature = (*, velocity))]

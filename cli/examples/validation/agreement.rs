@@ -11,7 +11,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, small};
+use crate::page::{Page, legend_below, small};
 use crate::style::{self, BLACK, BLUE, GREY};
 use crate::{equal, gaussian, point, rectangular, start};
 
@@ -165,7 +165,7 @@ fn quantiles(z: &[f64]) -> Scene {
         style::marker(format!("{} ensembles of {SIZE} contacts", z.len()), BLUE, MarkerShape::Circle),
         style::line("expected", GREY, None),
     ];
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }
 
 /// How the noise falls with the number of contacts.
@@ -205,5 +205,5 @@ former has a standard error of {:.0} %.
         .with_x_label("Number of contacts N")
         .with_y_label("Standard deviation of F(5)");
     let caption = "Standard deviation of the force against the number of contacts: ensembles, and the master equation, whose cost does not depend on N.";
-    page.picture("noise", caption, &render_multiple(plots, style::legend_below(layout, legend)));
+    page.picture("noise", caption, &render_multiple(plots, legend_below(layout, legend)));
 }

@@ -9,7 +9,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, below, decades, small};
+use crate::page::{Page, below, decades, legend_below, small};
 use crate::style::{self, BLACK, BLUE, GREEN, ORANGE, RED};
 use crate::{gaussian, grid, master};
 
@@ -193,7 +193,7 @@ fn picture(results: &[Vec<(f64, Measured)>]) -> Scene {
         .with_tick_format(decades())
         .with_x_label("CPU time (s)")
         .with_y_label("Largest error of F, X ≤ 20");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }
 
 /// The literal reading: where it leaves, and a picture.
@@ -243,7 +243,7 @@ fn readings(exact: &[f64]) -> Scene {
     ];
     let layout =
         style::layout((0.0, END), (0.0, TOP)).with_x_label("Position X").with_y_label("Friction force F");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }
 
 fn truncation(page: &mut Page, exact: &[f64]) {

@@ -11,7 +11,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::Page;
+use crate::page::{Page, legend_below};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
 use crate::{equal, point, rectangular, start};
 
@@ -250,5 +250,5 @@ fn picture(curves: &[(&Case, Sizes)]) -> Scene {
         .with_tick_format(style::powers((0.8, 2e7)))
         .with_x_label("Breaks in an avalanche s")
         .with_y_label("Share of avalanches per unit of size");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }

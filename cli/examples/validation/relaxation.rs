@@ -11,7 +11,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, below};
+use crate::page::{Page, below, legend_below};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, RED};
 use crate::{gaussian, master, point, rectangular};
 
@@ -146,5 +146,5 @@ fn picture() -> Scene {
         .with_tick_format(TickFormat::Custom(Arc::new(style::digits)))
         .with_x_label("Coefficient of variation σ/x̄ of the thresholds")
         .with_y_label("Relaxation length X*/x̄");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }

@@ -14,7 +14,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::Page;
+use crate::page::{Page, legend_below};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
 use crate::{equal, gaussian, master, point, start, together};
 
@@ -227,5 +227,5 @@ fn picture(std: f64, near: f64) -> Scene {
     let layout = style::layout((low, high), (0.0, 21.0))
         .with_x_label("Drive X")
         .with_y_label("Density of contacts that break first");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }

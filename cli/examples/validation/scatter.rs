@@ -8,7 +8,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, small};
+use crate::page::{Page, legend_below, small};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
 use crate::{equal, gaussian, master, point, start};
 
@@ -201,5 +201,5 @@ fn picture(all: &[Vec<Slips>], scatter: f64, bias: f64) -> Scene {
         .with_tick_format(style::powers((1e-5, 0.1)))
         .with_x_label("Number of contacts N")
         .with_y_label("Scatter of X₁, excess of the drive");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }

@@ -10,7 +10,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::Page;
+use crate::page::{Page, legend_below};
 use crate::style::{self, BLACK, Plots, RED};
 use crate::{gaussian, master, point};
 
@@ -168,5 +168,5 @@ fn picture() -> Scene {
         .with_tick_format(TickFormat::Custom(Arc::new(style::digits)))
         .with_x_label("Coefficient of variation σ/x̄ of the thresholds")
         .with_y_label("Stiffness of the slider K/N⟨k⟩");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }

@@ -9,7 +9,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, small};
+use crate::page::{Page, legend_below, small};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, RED};
 use crate::ways::{self, Followed, Kind, ageing, contacts, thermal};
 use crate::{gaussian, point};
@@ -198,7 +198,7 @@ fn picture(drawn: Vec<(f64, f64)>, quick: bool) -> Scene {
         .with_x_tick_format(style::powers((1e-10, 10.0)))
         .with_x_label("Velocity v")
         .with_y_label("Kinetic friction");
-    render_multiple(plots, style::legend_below(layout, legend))
+    render_multiple(plots, legend_below(layout, legend))
 }
 
 fn varying(page: &mut Page, quick: bool) {

@@ -22,8 +22,10 @@ const SIDE: f64 = 415.0;
 /// Room for labels left and right of the map, and above and below it.
 const SIDES: (f64, f64) = (60.0, 13.0);
 const MARGINS: (f64, f64) = (10.0, 49.0);
-/// Variances below this, relative to the largest, are 0 up to rounding: the force is certain there.
-const CERTAIN: f64 = 1e-9;
+/// Variances below this, relative to the largest: a scatter of less than a thousandth of it.
+const CERTAIN: f64 = style::INVISIBLE * style::INVISIBLE;
+/// Colour where the force hardly scatters: white is a coefficient of 0.
+const NONE: &str = "#C8C8C8";
 /// Correlation coefficients.
 const ENDS: (f64, f64) = (-1.0, 1.0);
 
@@ -38,7 +40,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_y_label(style::axis(outcome, &name('₂'), position))
         .with_force_margins(SIDES.0, SIDES.1)
         .with_force_margins_y(MARGINS.0, MARGINS.1);
-    let (scale, axes) = bar(ENDS, &colours(), "Correlation coefficient of the force");
+    let words = match values.iter().any(|value| value.is_nan()) {
+        true => "Correlation coefficient of the force (grey: no scatter)",
+        false => "Correlation coefficient of the force",
+    };
+    let (scale, axes) = bar(ENDS, &colours(), words);
     // Cells are square, and the colour scale is as tall as the map.
     let axes = axes.with_force_margins_y(MARGINS.0, MARGINS.1);
     let side = page.height(SIDE);
@@ -54,26 +60,32 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     Some(ticks::panels(figure, vec![plots, scale], vec![layout, axes]))
 }
 
-/// Blue for −1, white for 0, red for 1.
+/// Blue for −1, white for 0, red for 1, grey for none.
 fn colours() -> ColorMap {
-    ColorMap::Custom(Arc::new(|part| ColorMap::RedBlue.map(1.0 - part)))
+    ColorMap::Custom(Arc::new(|part: f64| match part.is_finite() {
+        true => ColorMap::RedBlue.map(1.0 - part),
+        false => NONE.to_owned(),
+    }))
 }
 
 fn panel(range: (f64, f64)) -> Layout {
     field::axes(range, range).with_tick_size(11).with_label_size(13)
 }
 
-/// The positions at which the force is not certain, and the correlation coefficients of the force there, row by row.
-/// `None` for fewer than two of them.
+/// The positions, and the correlation coefficients of the force at them, row by row: none where the force hardly scatters.
+/// `None` for fewer than two positions at which it does.
 fn correlation(record: &Record) -> Option<(Vec<f64>, Vec<f64>)> {
     let (positions, covariance) = (record.values("covariance_position")?, record.values("covariance")?);
     let count = positions.len();
     let variance = |i: usize| covariance[i * (count + 1)];
     let largest = (0..count).map(variance).fold(0.0, f64::max);
-    let kept: Vec<usize> = (0..count).filter(|&i| variance(i) > CERTAIN * largest).collect();
-    let value = |i: usize, j: usize| covariance[i * count + j] / (variance(i) * variance(j)).sqrt();
-    let values = kept.iter().flat_map(|&i| kept.iter().map(move |&j| value(i, j)));
-    (kept.len() > 1).then(|| (kept.iter().map(|&i| positions[i]).collect(), values.collect()))
+    let std: Vec<f64> = (0..count)
+        .map(|i| if variance(i) > CERTAIN * largest { variance(i).sqrt() } else { f64::NAN })
+        .collect();
+    let value = |i: usize, j: usize| covariance[i * count + j] / (std[i] * std[j]);
+    let values = (0..count).flat_map(|i| (0..count).map(move |j| (i, j))).map(|(i, j)| value(i, j));
+    let known = std.iter().filter(|std| std.is_finite()).count();
+    (known > 1).then(|| (positions.to_vec(), values.collect()))
 }
 
 /// The side of an even grid, the values on it, and the range that it covers. Where positions are not even, they are the

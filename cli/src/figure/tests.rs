@@ -293,7 +293,11 @@ fn covariances_are_drawn_as_correlation_coefficients() {
             assert!(map.contains(words), "{words}");
         }
         assert!(!map.contains("NaN"));
+        // At 0 the force has no scatter.
+        assert!(map.contains("(grey: no scatter)"));
     }
+    let pictures = draw_at(vec![1.0, 2.0]);
+    assert!(!svg(&pictures, "covariance.svg").contains("grey"));
     let pictures = draw_at(vec![0.0, 1.0]);
     assert!(pictures.iter().all(|picture| picture.name != "covariance.svg"));
 }
