@@ -72,9 +72,9 @@ fn intervals_with_the_noise_of_contacts_hold_the_truth_and_white_ones_do_not() {
     // free number.
     println!("covered {covered:?}, mean count {count}, mean χ² {chi_squared}");
     assert!((count / 2000.0 - 1.0).abs() < 0.03, "{count}");
-    // N makes χ² the number of readings with noise. Up to X = 0.44, 22 readings, fewer than one in a hundred curves has a broken contact:
-    // residuals are 0, and the smallest error of a reading that is tried, 0.02 of the roughness of the residuals, is above the
-    // noise. In the next readings the error takes a part of the noise, in each curve of one reading or two.
+    // N makes χ² the number of readings with noise. Up to X = 0.44, 22 readings, fewer than one in a hundred curves has a broken
+    // contact: residuals are 0, and the smallest error of a reading that is tried, 0.02 of the roughness of the residuals, is
+    // above the noise. In the next readings the error takes a part of the noise, in each curve of one reading or two.
     let noisy = 300.0 - 22.0;
     assert!((chi_squared - noisy).abs() < 4.0, "{chi_squared}");
     let white = ErrorModel { contacts: false, ..ErrorModel::default() };

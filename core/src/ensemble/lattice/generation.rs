@@ -56,7 +56,7 @@ impl Lattice {
         self.released.clear();
     }
 
-    /// Contacts of a part of the front break and re-form; returns `all` with the force they release.
+    /// Contacts of a part of the front break and re-form; returns the sum `all` plus the force that they release.
     fn break_contacts(&mut self, part: Range<usize>, mut all: f64) -> f64 {
         let limit = self.limit();
         let Self { grid, births, born, ends, front, following, released, broken, scar, drive, .. } = self;
@@ -81,7 +81,7 @@ impl Lattice {
     }
 
     /// Distributes the force released by a part of the front to the neighbours, which may reach their thresholds; returns
-    /// `outward` with what open edges absorb.
+    /// the sum `outward` plus what open edges absorb.
     fn distribute(&mut self, part: Range<usize>, mut outward: f64) -> f64 {
         let limit = self.limit();
         let Self { grid, ends, front, following, released, alpha, .. } = self;
