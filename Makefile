@@ -15,8 +15,9 @@ engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
 page := target/explorer/asperity-explorer.html
 wasm_library := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown/lib/libstd-*.rlib)
 
-# Everything that must hold.
-test: setup built rust results explorer python notebook lint dependencies docs release-check
+# Everything that must hold. Tests in Rust and Python keep two cores busy; what follows them does not, and runs two at a time.
+test: setup built rust python
+	$(MAKE) --jobs 2 --output-sync=target results explorer notebook lint dependencies docs release-check
 
 # All that the parts of `make test` compile and install, two at a time: linking and installing keep one core busy only.
 built:
