@@ -121,7 +121,7 @@ fn check(scenario: &arguments::Scenario) -> Result<(), Failure> {
         Some(_) => format!(", a sweep of {} cases", asperity_runner::sweep::Plan::new(&input)?.count()),
         None => String::new(),
     };
-    run::warn(&input.scenario);
+    run::warn(&input);
     print(&format!("{}: valid{cases}\n", scenario.path.display()))
 }
 

@@ -7,8 +7,9 @@ use asperity::scenario::{Figure, Scenario};
 use asperity::task::summary::Summary;
 use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::Checkpoints;
+use asperity_runner::input::{self, Input};
 use asperity_runner::output::{Attachment, Outcome, Renamed, Written};
-use asperity_runner::{StoredColumns, input, memory, output, run_with};
+use asperity_runner::{StoredColumns, memory, output, run_with};
 
 use super::arguments::Run;
 use super::interrupt::{Interrupts, Reason};
@@ -32,7 +33,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let directory = arguments.directory();
     interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
     if !arguments.quiet {
-        warn(&input.scenario);
+        warn(&input);
     }
     let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
@@ -117,8 +118,8 @@ pub fn checked(style: &Figure) -> Result<(), Failure> {
 }
 
 /// Prints the warnings.
-pub fn warn(scenario: &Scenario) {
-    for warning in scenario.warnings() {
+pub fn warn(input: &Input) {
+    for warning in &input.warnings {
         say(&format!("warning: {warning}"));
     }
 }
@@ -169,7 +170,7 @@ fn checkpoints(
 
 /// Computes the scenario on the requested number of threads.
 fn compute(
-    input: &input::Input,
+    input: &Input,
     (mut checkpoints, stored): (Option<&mut Checkpoints>, &mut StoredColumns),
     (arguments, memory): (&Run, Option<u64>),
     interrupts: &Interrupts,

@@ -28,7 +28,7 @@ pub fn sweep(arguments: &Sweep) -> Result<(), Failure> {
     }
     interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
     if !arguments.quiet {
-        run::warn(&input.scenario);
+        run::warn(&input);
     }
     let part = arguments.part.unwrap_or(Part::ALL);
     let memory = run::allowed(arguments.memory)?;

@@ -70,7 +70,7 @@ fn a_scenario_accepts_them_and_tells_their_share() {
         // Both are solved to 1e-10.
         assert!((a - b).abs() < 2e-10, "{a} {b}");
     }
-    let reported = broad.warnings();
+    let reported = broad.build().unwrap().warnings;
     assert_eq!(reported.len(), 2);
     assert!(
         reported[0].starts_with("contacts.reforming: a share of 2.000e-1 is left out"),
@@ -80,7 +80,7 @@ fn a_scenario_accepts_them_and_tells_their_share() {
     assert!(reported[1].starts_with("initial: a share of 2.000e-1 is left out"), "{}", reported[1]);
     // Contacts that may break at once are all kept.
     let mut relaxed = pulled(Law::Rectangular { min: 0.0, max: 1.25 }, TaskStart::Relaxed);
-    assert_eq!(relaxed.warnings().len(), 1);
+    assert_eq!(relaxed.build().unwrap().warnings.len(), 1);
     // The stretches of steady sliding reach as far as contacts re-form: there they are not resolved.
     let mut steady = pulled(Law::Exponential { mean: 0.4 }, TaskStart::Steady);
     steady.initial = Law::Point { at: 0.0 };

@@ -12,7 +12,7 @@ use asperity::elastic::{CellSlip, Curves, Interface};
 use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
-use asperity::law::SharedLaw;
+use asperity::law::{Series, SharedLaw, Tabulated, kernel_density_with, maximum_likelihood_with};
 use asperity::master::{DynamicStiffness, Limits, MasterEquation, Slider, StepResponse, Transport};
 use asperity::monitor::Monitor;
 use asperity::rate_state::MeasuredHealing;
@@ -313,4 +313,24 @@ fn what_is_asked_to_stop_at_once_does() {
     stopped(Limits::of(&contacts, &mut Impatient(1)).map(drop));
     stopped(Transport::new_with(contacts.clone(), &start, 1e-4, &mut Impatient(1)).map(drop));
     stopped(Transport::steady_with(&contacts, 1.0, 1e-4, &mut Impatient(1)).map(drop));
+}
+
+#[test]
+fn distributions_of_many_numbers_ask_often_and_stop_at_once() {
+    let spread = 5_000_011;
+    // In no order, with equal ones.
+    let samples: Vec<f64> = (0..4_000_000_u64).map(|i| 1.0 + (i * 7_368_787 % spread) as f64 / 1e7).collect();
+    let rows: Vec<_> = (0..4_000_000).map(|i| (1e-6 * f64::from(i), 1.0)).collect();
+    let boundaries: Vec<f64> = (0..=100_000).map(|i| 1e-5 * f64::from(i)).collect();
+    // A step at each boundary.
+    let steps: Vec<_> = (0..100_000).map(|i| vec![1.0 + f64::from(i % 7)]).collect();
+    alone(|| {
+        patient("samples", |monitor| Tabulated::from_samples_with(&samples, monitor).map(drop));
+        patient("rows", |monitor| Tabulated::from_density_with(&rows, monitor).map(drop));
+        patient("kernels", |monitor| kernel_density_with(&samples, None, monitor).map(drop));
+        patient("series", |monitor| Series::new_with(&boundaries, &steps, 0.0, monitor).map(drop));
+        for family in ["gaussian", "lognormal", "gamma", "weibull"] {
+            patient(family, |monitor| maximum_likelihood_with(family, &samples, monitor).map(drop));
+        }
+    });
 }

@@ -1,6 +1,7 @@
 //! Contacts, and the distributions of areas from which they follow.
 
 use asperity::contacts::FreeFriction;
+use asperity::monitor::Monitor;
 use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat};
@@ -8,10 +9,10 @@ use pyo3::types::{PyDict, PyFloat};
 use crate::argument::{Argument, Optional as _, Real};
 use crate::convert;
 use crate::description::{Description, Plain};
-use crate::error;
 use crate::law::{AnyLaw, Law, given};
 use crate::rules::{Ageing, Temperature};
 use crate::typed::{argument_type, result_type};
+use crate::watch::watched;
 
 /// Contacts described by their areas A: a contact has the stiffness k = modulus √A and breaks at the force
 /// strength × A.
@@ -52,7 +53,8 @@ impl Areas {
         let modulus = modulus.get("modulus")?;
         let strength = strength.get("strength")?;
         let areas = scenario::Areas { law: law.0, modulus, strength };
-        areas.build().map_err(|e| error::core(e.under("areas")))?;
+        let build = |monitor: &mut dyn Monitor| areas.build_with(monitor).map_err(|e| e.under("areas"));
+        Python::attach(|py| watched(None, py, build))?;
         Ok(Description::new(Plain::Areas(areas)).add_subclass(Self))
     }
 
@@ -214,7 +216,8 @@ impl Contacts {
             delay: delay.map(|delay| delay.0).filter(|delay| *delay != scenario::Delay::Time(0.0)),
             free_friction: Some(friction).filter(|friction| !friction.is_none()),
         };
-        contacts.build().map_err(|e| error::core(e.under("contacts")))?;
+        let build = |monitor: &mut dyn Monitor| contacts.build_with(monitor).map_err(|e| e.under("contacts"));
+        Python::attach(|py| watched(None, py, build))?;
         Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))
     }
 

@@ -12,6 +12,7 @@ use crate::convert;
 use crate::description::Plain;
 use crate::error;
 use crate::law::{AnyLaw, Law, describe, given, plain};
+use crate::watch::watched;
 
 /// Classes of distributions, each created from its own arguments, with its attributes.
 macro_rules! classes {
@@ -122,10 +123,11 @@ macro_rules! parametric_classes {
         }
 
         /// The member of the class under which samples are most likely; `None` for classes without parameters.
-        pub fn most_likely(class: &Bound<'_, PyType>, samples: &[f64]) -> Option<asperity::Result<scenario::Law>> {
+        pub fn most_likely(class: &Bound<'_, PyType>, samples: &[f64]) -> Option<PyResult<scenario::Law>> {
             let py = class.py();
             $(if class.is(&py.get_type::<$name>()) {
-                return Some(law::maximum_likelihood($key, samples).map(|values| {
+                let values = watched(None, py, |monitor| law::maximum_likelihood_with($key, samples, monitor));
+                return Some(values.map(|values| {
                     let mut values = values.into_iter();
                     $(let $parameter = values.next().expect("a value for each parameter");)+
                     scenario::Law::$name { $($parameter),+ }

@@ -66,6 +66,7 @@ impl Ensemble {
         text_signature = "(contacts, initial=None, *, size=100000, seed=1, disorder='annealed', start='conditional')"
     )]
     fn new(
+        py: Python<'_>,
         contacts: Argument<Bound<'_, Contacts>>,
         initial: Option<Argument<AnyLaw>>,
         size: Whole,
@@ -80,11 +81,11 @@ impl Ensemble {
         let interface = steady_interface(contacts, initial, &start)?;
         let (size, disorder) = (size.get("size")?, convert::word("disorder", &disorder)?);
         let own = scenario::Ensemble { size: Some(size), seed: seed.0, disorder };
-        let build = || {
-            let (contacts, initial) = built(&interface)?;
+        let build = |monitor: &mut dyn Monitor| {
+            let (contacts, initial) = built(&interface, monitor)?;
             own.build(contacts, initial)
         };
-        let ensemble = build().map_err(error::core)?;
+        let ensemble = watched(None, py, build)?;
         let plain = Plain::Ensemble(interface, own);
         Ok(Model::new(plain).add_subclass(Self { ensemble }))
     }

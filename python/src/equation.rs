@@ -180,7 +180,7 @@ impl MasterEquation {
         velocity: Option<f64>,
         monitor: &mut dyn Monitor,
     ) -> asperity::Result<Self> {
-        let (contacts, initial) = built(interface)?;
+        let (contacts, initial) = built(interface, monitor)?;
         let equation = match velocity {
             Some(velocity) => master::MasterEquation::at_with(contacts, &initial, velocity, monitor)?,
             None => master::MasterEquation::new_with(contacts, &initial, monitor)?,

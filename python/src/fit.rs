@@ -153,7 +153,7 @@ pub fn fit(
     let background = interface.contacts.background().map_err(error::core)?;
     let machine = Machine { compliance: known, background, offset, trend, origin };
     let measured =
-        measured::curves(position, force, (machine, &compliance), (average, together(&interface)?))?;
+        measured::curves(position, force, (machine, &compliance), (average, together(py, &interface)?))?;
     let mut names = free;
     if matches!(compliance, Compliance::Free) && !names.iter().any(|name| name == "compliance") {
         names.push("compliance".to_owned());
@@ -258,8 +258,8 @@ fn of_family(
 }
 
 /// N⟨k⟩ of the first contacts.
-fn together(interface: &Interface) -> PyResult<f64> {
-    let (contacts, _) = built(interface).map_err(error::core)?;
+fn together(py: Python<'_>, interface: &Interface) -> PyResult<f64> {
+    let (contacts, _) = watched(None, py, |monitor| built(interface, monitor))?;
     Ok(contacts.count * contacts.stiffness.of(contacts.thresholds.mean()))
 }
 

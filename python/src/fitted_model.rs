@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use crate::description::{Interface, Solved};
 use crate::distributions::set_parameter;
 use crate::equation::MasterEquation;
-use crate::error;
 use crate::model::built;
+use crate::watch::watched;
 
 /// The equation of the estimated numbers, with the description of its contacts.
 pub fn fitted_model<'py>(
@@ -19,7 +19,7 @@ pub fn fitted_model<'py>(
     free: &[String],
 ) -> PyResult<Bound<'py, MasterEquation>> {
     let (interface, velocity) = fitted(first, equation, &equation.parameters(), free);
-    let (_, initial) = built(&interface).map_err(error::core)?;
+    let (_, initial) = watched(None, py, |monitor| built(&interface, monitor))?;
     let model = MasterEquation { equation: equation.clone(), initial };
     let solved = Solved { own: scenario::MasterEquation::default(), velocity };
     Bound::new(py, model.described(interface, solved))

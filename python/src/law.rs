@@ -16,7 +16,7 @@ use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::convert::{self, Domain, Import, Seed, Size, evaluate};
 use crate::description::{Description, Plain};
 use crate::typed::argument_type;
-use crate::watch::{beside, report, watched};
+use crate::watch::{report, watched};
 use crate::{distributions, error, typed, values};
 
 /// Random numbers drawn between two checks for signals.
@@ -54,30 +54,8 @@ pub struct Law {
 
 /// Creates the base object for `law`, checked and built.
 pub fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
-    let (law, built) = if is_long(&law) {
-        Python::attach(|py| beside(py, move |_| (law.build(), law)).map(|(built, law)| (law, built)))?
-    } else {
-        let built = law.build();
-        (law, built)
-    };
-    let built = built.map_err(error::core)?;
+    let built = Python::attach(|py| watched(None, py, |monitor| law.build_with(monitor)))?;
     Ok(Description::new(Plain::Law(law)).add_subclass(Law { built }))
-}
-
-/// Whether it takes some milliseconds to build a distribution, since it is given by many numbers.
-fn is_long(law: &scenario::Law) -> bool {
-    const MANY: usize = 1 << 12;
-    match law {
-        scenario::Law::Tabulated(table) => {
-            [&table.samples, &table.stretch].into_iter().flatten().any(|numbers| numbers.len() > MANY)
-        }
-        scenario::Law::Series { boundaries, .. } => boundaries.len() > MANY,
-        scenario::Law::Mixture(components) => {
-            components.len() > MANY || components.iter().any(|component| is_long(&component.law))
-        }
-        scenario::Law::Renormalised { law, .. } => is_long(law),
-        _ => false,
-    }
 }
 
 #[pymethods]
@@ -544,7 +522,7 @@ impl Law {
                 "fit: expected a class with parameters, such as Gaussian, got {name}"
             ))
         })?;
-        Plain::Law(found.map_err(error::core)?).object(py)
+        Plain::Law(found?).object(py)
     }
 
     /// The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ.
@@ -630,7 +608,7 @@ impl<'py> FromPyObject<'_, 'py> for AnyLaw {
 
 /// The distribution itself.
 pub fn built(law: AnyLaw) -> PyResult<SharedLaw> {
-    law.0.build().map_err(error::core)
+    Python::attach(|py| watched(None, py, |monitor| law.0.build_with(monitor)))
 }
 
 /// The plain values of a distribution.

@@ -6,7 +6,7 @@ use asperity::block::{self, Loading, Slip};
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
 use asperity::rate_dependent::RateDependentContacts;
-use asperity::scenario::TaskStart;
+use asperity::scenario::{BuiltContacts, TaskStart};
 use asperity::task;
 use asperity::{Error, Result, ensemble, master, scenario};
 use pyo3::exceptions::PyUserWarning;
@@ -55,9 +55,11 @@ fn starting(contacts: &Bound<'_, Contacts>, initial: Option<AnyLaw>, start: Task
 /// Those of [`scenario::build_contacts`]; steady sliding of time-dependent contacts, which stretches do not determine.
 pub fn built(
     Interface { contacts, initial, start }: &Interface,
+    monitor: &mut dyn Monitor,
 ) -> Result<(asperity::contacts::Contacts, asperity::contacts::Initial)> {
-    warn_of_left_out(contacts, initial, *start);
-    let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
+    let BuiltContacts { contacts, initial, left_out } =
+        scenario::build_contacts(contacts, initial, *start, monitor)?;
+    warn(left_out);
     if *start == TaskStart::Steady && contacts.rules.are_time_dependent() {
         let expected = "conditional or relaxed for time-dependent contacts (a Transport starts in steady sliding at a velocity)";
         return Err(Error::invalid("start", expected, "steady"));
@@ -65,9 +67,9 @@ pub fn built(
     Ok((contacts, initial))
 }
 
-/// Warns of stretches beyond the thresholds, which models leave out.
-pub fn warn_of_left_out(contacts: &scenario::Contacts, initial: &scenario::Law, start: TaskStart) {
-    for warning in scenario::left_out(contacts, initial, start) {
+/// Shows warnings, of stretches beyond the thresholds, which models leave out.
+pub fn warn(warnings: Vec<String>) {
+    for warning in warnings {
         Python::attach(|py| {
             let category = py.get_type::<PyUserWarning>();
             let text = CString::new(warning).unwrap_or_default();
@@ -179,7 +181,7 @@ impl Model {
                 return Err(error::invalid("block.model", expected, "an Ensemble"));
             }
         };
-        let (contacts, initial) = built(interface).map_err(error::core)?;
+        let (contacts, initial) = watched(None, model.py(), |monitor| built(interface, monitor))?;
         let described = scenario::Model {
             background: Self::background(model),
             block: Some(block),

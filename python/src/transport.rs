@@ -3,7 +3,7 @@
 use asperity::history::History;
 use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
-use asperity::scenario::{self, TaskStart, Units};
+use asperity::scenario::{self, BuiltContacts, TaskStart, Units};
 use asperity::{Error, ensemble, master};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,7 +14,7 @@ use crate::description::{Description, Interface, Plain, Solved};
 use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::Model;
-use crate::model::{interface_arguments, steady_interface, warn_of_left_out};
+use crate::model::{interface_arguments, steady_interface, warn};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::watch::watched;
@@ -321,8 +321,9 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> asperity::Result<Self> {
         let refused = |expected, found: &str| Err(Error::invalid("velocity", expected, found));
-        warn_of_left_out(contacts, initial, *start);
-        let (contacts, initial) = scenario::build_contacts(contacts, initial, *start)?;
+        let BuiltContacts { contacts, initial, left_out } =
+            scenario::build_contacts(contacts, initial, *start, monitor)?;
+        warn(left_out);
         let tolerance = own.tolerance_in_time(&contacts.rules);
         let transport = match (start, velocity) {
             (TaskStart::Steady, Some(velocity)) => {

@@ -1,8 +1,10 @@
 //! Kernel density estimates: a smooth distribution from a sample of any size.
 
 use super::{Point, Series, SharedLaw, not_negative, positive, shared};
+use crate::monitor::{Monitor, Part, report};
 use crate::numerics::legendre::{Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
+use crate::numerics::sorting::sorted;
 use crate::{Error, Result};
 
 /// The kernels vanish at this many bandwidths: 3e-18 of their maximum.
@@ -25,6 +27,9 @@ const TERMS: usize = 16;
 /// less nearer to it.
 const HALF_GROUP: f64 = 0.125;
 
+/// Kernels after which the monitor is asked, in some milliseconds.
+const PIECE: usize = 1 << 16;
+
 /// The exponential underflows beyond this many bandwidths.
 const UNDERFLOW: f64 = 38.6;
 
@@ -46,13 +51,24 @@ const UNDERFLOW: f64 = 38.6;
 /// No value, one that is below 0 or not finite; a bandwidth that is not above 0 and finite; values that differ by less
 /// than 1e-9 of the highest, or are so far apart in bandwidths that the series has more than twenty thousand cells.
 pub fn kernel_density(samples: &[f64], bandwidth: Option<f64>) -> Result<SharedLaw> {
+    kernel_density_with(samples, bandwidth, &mut ())
+}
+
+/// The same with a monitor.
+///
+/// # Errors
+/// Those of [`kernel_density`]; stopped by the monitor.
+pub fn kernel_density_with(
+    samples: &[f64],
+    bandwidth: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<SharedLaw> {
     if samples.is_empty() {
         return Err(Error::invalid("samples", "at least one sample", 0));
     }
     samples.iter().try_for_each(|&x| not_negative("samples", x).map(drop))?;
     let bandwidth = bandwidth.map(|b| positive("bandwidth", b)).transpose()?;
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(samples, &mut Part::new(monitor, 0.0, 0.5))?;
     let sample = SampleMoments::of(&sorted);
     if sorted[0] == sorted[sorted.len() - 1] {
         return shared(Point::new(sorted[0]));
@@ -64,11 +80,10 @@ pub fn kernel_density(samples: &[f64], bandwidth: Option<f64>) -> Result<SharedL
             format!("values up to 1e150 that differ by more than {NARROWEST:e} of them, or equal ones");
         return Err(Error::invalid("samples", expected, format!("{} to {highest}", sorted[0])));
     }
-    let estimate = Kernels::new(&sorted, &sample, bandwidth);
+    let estimate = Kernels::new(&sorted, &sample, bandwidth, &mut Part::new(monitor, 0.5, 0.4))?;
     let boundaries = estimate.boundaries()?;
-    let cell = |ends: &[f64]| estimate.series(ends[0], ends[1]);
-    let coefficients = boundaries.windows(2).map(cell).collect();
-    shared(Series::scaled(Piecewise { boundaries, coefficients }, 0.0))
+    let coefficients = estimate.cells(&boundaries, &mut Part::new(monitor, 0.9, 0.05))?;
+    shared(Series::scaled(Piecewise { boundaries, coefficients }, 0.0, &mut Part::new(monitor, 0.95, 0.05)))
 }
 
 /// Mean and standard deviation.
@@ -118,12 +133,24 @@ struct Group {
 }
 
 impl Kernels {
-    fn new(sorted: &[f64], sample: &SampleMoments, bandwidth: f64) -> Self {
+    /// Groups of the kernels.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn new(
+        sorted: &[f64],
+        sample: &SampleMoments,
+        bandwidth: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let shrink = 1.0 / (bandwidth / sample.std).hypot(1.0);
         let width = shrink * bandwidth;
         let centres: Vec<f64> = sorted.iter().map(|x| sample.mean + shrink * (x - sample.mean)).collect();
         let mut groups: Vec<Group> = Vec::new();
-        for &centre in &centres {
+        for (i, &centre) in centres.iter().enumerate() {
+            if i.is_multiple_of(PIECE) {
+                report(monitor, i as f64 / centres.len() as f64)?;
+            }
             if groups.last().is_none_or(|group| centre - group.middle > HALF_GROUP * width) {
                 groups.push(Group { middle: centre + HALF_GROUP * width, terms: [0.0; TERMS] });
             }
@@ -131,7 +158,7 @@ impl Kernels {
             group.add((centre - group.middle) / width);
         }
         let factor = 1.0 / (std::f64::consts::TAU.sqrt() * width * sorted.len() as f64);
-        Self { bandwidth, width, centres, groups, factor }
+        Ok(Self { bandwidth, width, centres, groups, factor })
     }
 
     /// The estimate at x ≥ 0.
@@ -149,6 +176,18 @@ impl Kernels {
     fn series(&self, low: f64, high: f64) -> Nodal {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         RULE.coefficients(&RULE.nodes.map(|t| self.density(middle + half * t)))
+    }
+
+    /// The series of the estimate on all cells.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn cells(&self, boundaries: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<Nodal>> {
+        let of = |(i, ends): (usize, &[f64])| {
+            report(monitor, i as f64 / boundaries.len() as f64)?;
+            Ok(self.series(ends[0], ends[1]))
+        };
+        boundaries.windows(2).enumerate().map(of).collect()
     }
 
     /// Boundaries of cells that resolve every kernel, and of the gaps between kernels that are far apart.

@@ -2,8 +2,12 @@
 
 use super::incomplete_gamma::ln_minus_digamma;
 use super::{Gaussian, Law as _, not_negative, positive};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::roots::brent_root;
 use crate::{Error, Result};
+
+/// Values after which the monitor is asked, in some milliseconds.
+const PIECE: usize = 1 << 16;
 
 /// Relative tolerance of shapes.
 const TOLERANCE: f64 = 1e-14;
@@ -20,6 +24,14 @@ const TOLERANCE: f64 = 1e-14;
 /// No value, one that is below 0 or not finite (or 0, for a density that vanishes or diverges there); values that are all
 /// equal, except for a point mass, which needs them; a family without parameters.
 pub fn maximum_likelihood(family: &str, samples: &[f64]) -> Result<Vec<f64>> {
+    maximum_likelihood_with(family, samples, &mut ())
+}
+
+/// The same with a monitor.
+///
+/// # Errors
+/// Those of [`maximum_likelihood`]; stopped by the monitor.
+pub fn maximum_likelihood_with(family: &str, samples: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
     if samples.is_empty() {
         return Err(Error::invalid("samples", "at least one sample", 0));
     }
@@ -27,7 +39,8 @@ pub fn maximum_likelihood(family: &str, samples: &[f64]) -> Result<Vec<f64>> {
     let check = if from_zero { not_negative } else { positive };
     samples.iter().try_for_each(|&x| check("samples", x).map(drop))?;
     let (lowest, highest) = samples.iter().fold((f64::INFINITY, 0.0), |(a, b), &x| (x.min(a), x.max(b)));
-    let sample = Sample { values: samples, mean: mean(samples, |x| x), highest };
+    let watch = &Watch::new(monitor);
+    let sample = Sample { values: samples, mean: mean(samples, |x| x, watch)?, highest, watch };
     let equal = lowest == highest;
     match family {
         "point" if equal => return Ok(vec![lowest]),
@@ -43,64 +56,75 @@ pub fn maximum_likelihood(family: &str, samples: &[f64]) -> Result<Vec<f64>> {
         _ => {}
     }
     match family {
-        "gaussian" => Ok(sample.gaussian()),
+        "gaussian" => sample.gaussian(),
         "rectangular" => Ok(vec![lowest, highest]),
-        "lognormal" => Ok(sample.lognormal()),
+        "lognormal" => sample.lognormal(),
         "gamma" => sample.gamma(),
         "weibull" => sample.weibull(),
         _ => Err(Error::invalid("family", "a distribution with parameters", family)),
     }
 }
 
-fn mean(values: &[f64], f: impl Fn(f64) -> f64) -> f64 {
-    values.iter().map(|&x| f(x)).sum::<f64>() / values.len() as f64
+fn mean(values: &[f64], f: impl Fn(f64) -> f64, watch: &Watch<'_>) -> Result<f64> {
+    let mut sum = 0.0;
+    for piece in values.chunks(PIECE) {
+        sum = piece.iter().fold(sum, |sum, &x| sum + f(x));
+        watch.check()?;
+    }
+    Ok(sum / values.len() as f64)
 }
 
 fn unbounded(what: &str) -> Error {
     Error::invalid("samples", "values that differ by more than rounding", format!("ones without {what}"))
 }
 
-struct Sample<'a> {
+struct Sample<'a, 'm> {
     values: &'a [f64],
     mean: f64,
     highest: f64,
+    watch: &'a Watch<'m>,
 }
 
-impl Sample<'_> {
-    fn std(&self) -> f64 {
-        mean(self.values, |x| (x - self.mean).powi(2)).sqrt()
+impl Sample<'_, '_> {
+    fn average(&self, f: impl Fn(f64) -> f64) -> Result<f64> {
+        mean(self.values, f, self.watch)
+    }
+
+    fn std(&self) -> Result<f64> {
+        self.average(|x| (x - self.mean).powi(2)).map(f64::sqrt)
     }
 
     /// Mean and standard deviation before truncation, from the coefficient of variation after it, which falls from √(π/2 −
     /// 1) for a mean of 0.
-    fn gaussian(&self) -> Vec<f64> {
-        let width = self.std() / self.mean;
+    fn gaussian(&self) -> Result<Vec<f64>> {
+        let std = self.std()?;
+        let width = std / self.mean;
         let excess = |alpha: f64| {
             let law = Gaussian::new(alpha, 1.0).expect("a mean of 0 or above");
             law.std() / law.mean() - width
         };
         let half_normal = excess(0.0) <= 0.0;
         if half_normal {
-            return vec![0.0, mean(self.values, |x| x * x).sqrt()];
+            return Ok(vec![0.0, self.average(|x| x * x)?.sqrt()]);
         }
         // Truncation narrows the distribution and raises its mean.
         let Some(alpha) = brent_root(excess, 0.0, 1.0 / width, TOLERANCE / width) else {
-            return vec![self.mean, self.std()];
+            return Ok(vec![self.mean, std]);
         };
         let std = self.mean / Gaussian::new(alpha, 1.0).expect("a mean of 0 or above").mean();
-        vec![alpha * std, std]
+        Ok(vec![alpha * std, std])
     }
 
-    fn lognormal(&self) -> Vec<f64> {
-        let place = mean(self.values, f64::ln);
-        let variance = mean(self.values, |x| (x.ln() - place).powi(2));
+    fn lognormal(&self) -> Result<Vec<f64>> {
+        let place = self.average(f64::ln)?;
+        let variance = self.average(|x| (x.ln() - place).powi(2))?;
         let mean = (place + 0.5 * variance).exp();
-        vec![mean, mean * variance.exp_m1().sqrt()]
+        Ok(vec![mean, mean * variance.exp_m1().sqrt()])
     }
 
     fn gamma(&self) -> Result<Vec<f64>> {
         // ln x̄ − ⟨ln x⟩ without the cancellation of narrow distributions.
-        let level = -mean(self.values, |x| ((x - self.mean) / self.mean).ln_1p());
+        let level = -self.average(|x| ((x - self.mean) / self.mean).ln_1p())?;
         // 1/2k < ln k − ψ(k) < 1/k.
         let (low, high) = ((0.5 / level).ln() - 1.0, (1.0 / level).ln() + 1.0);
         let excess = |ln_shape: f64| (ln_minus_digamma(ln_shape.exp()) / level).ln();
@@ -110,19 +134,22 @@ impl Sample<'_> {
 
     fn weibull(&self) -> Result<Vec<f64>> {
         let logs: Vec<f64> = self.values.iter().map(|x| (x / self.highest).ln()).collect();
-        let place = mean(&logs, |l| l);
+        let average = |f: &dyn Fn(f64) -> f64| mean(&logs, f, self.watch);
+        let place = average(&|l| l)?;
         // Rises from −∞ to that of the highest value, −place.
-        let excess = |ln_shape: f64| {
+        let excess = |ln_shape: f64| -> Result<f64> {
             let shape = ln_shape.exp();
             let powers = |l: f64| (shape * l).exp();
-            mean(&logs, |l| l * powers(l)) / mean(&logs, powers) - 1.0 / shape - place
+            Ok(average(&|l| l * powers(l))? / average(&powers)? - 1.0 / shape - place)
         };
         // The shape of a distribution of logarithms with this standard deviation is π/(√6 std).
-        let guess = -mean(&logs, |l| (l - place).powi(2)).sqrt().ln();
-        let ln_shape = brent_root(excess, guess - 5.0, guess + 5.0, TOLERANCE)
-            .ok_or_else(|| unbounded("a finite shape"))?;
-        let shape = ln_shape.exp();
-        let scale = self.highest * (mean(&logs, |l| (shape * l).exp()).ln() / shape).exp();
+        let guess = -average(&|l| (l - place).powi(2))?.sqrt().ln();
+        // Where the monitor stops the work, the search ends at a value of 0.
+        let stopped_or = |ln_shape: f64| excess(ln_shape).unwrap_or(0.0);
+        let found = brent_root(stopped_or, guess - 5.0, guess + 5.0, TOLERANCE);
+        self.watch.check()?;
+        let shape = found.ok_or_else(|| unbounded("a finite shape"))?.exp();
+        let scale = self.highest * (average(&|l| (shape * l).exp())?.ln() / shape).exp();
         Ok(vec![shape, scale])
     }
 }

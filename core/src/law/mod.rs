@@ -45,10 +45,10 @@ pub use expectation::{entropy, expectation, ln_density};
 pub use exponential::Exponential;
 pub use gamma::Gamma;
 pub use gaussian::Gaussian;
-pub use kernel_density::kernel_density;
+pub use kernel_density::{kernel_density, kernel_density_with};
 pub use log_kernels::LogKernels;
 pub use lognormal::Lognormal;
-pub use maximum_likelihood::maximum_likelihood;
+pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use mixture::Mixture;
 #[doc(hidden)]
 pub use parametric::parametric_distributions;

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 
 use super::refine::{Refined, refine};
 use super::{ALL, Breakpoint, Law, Parameter, SharedLaw, Zone, unknown};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::legendre::{NODES, Nodal, RULE, end_derivative, series};
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::random::Stream;
@@ -55,6 +56,19 @@ impl Series {
     /// each cell, an empty list or one longer than 16, a density below 0, no mass at all, or a cut outside
     /// [0, 1e-9].
     pub fn new(boundaries: &[f64], coefficients: &[Vec<f64>], cut: f64) -> Result<Self> {
+        Self::new_with(boundaries, coefficients, cut, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]; stopped by the monitor.
+    pub fn new_with(
+        boundaries: &[f64],
+        coefficients: &[Vec<f64>],
+        cut: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         check_boundaries(boundaries)?;
         let cells = boundaries.len() - 1;
         if coefficients.len() != cells {
@@ -65,7 +79,7 @@ impl Series {
             return Err(Error::invalid("cut", format!("a share from 0 to {MOST_CUT:e}"), cut));
         }
         let padded: Result<Vec<Nodal>> = coefficients.iter().enumerate().map(pad).collect();
-        Self::scaled(Piecewise { boundaries: boundaries.to_vec(), coefficients: padded? }, cut)
+        Self::scaled(Piecewise { boundaries: boundaries.to_vec(), coefficients: padded? }, cut, monitor)
     }
 
     /// The distribution of a density given by a function, of any total mass, and the fraction of the mass
@@ -97,7 +111,7 @@ impl Series {
             return Err(Error::invalid("tolerance", "a number from 1e-15 to 1e-3", tolerance));
         }
         let Refined { series, truncation, cut } = refine(density, finite, endless, tolerance)?;
-        let law = Self::scaled(series, cut)?;
+        let law = Self::scaled(series, cut, &mut ())?;
         // Rounding of the function may add up, cell by cell, to more than the tolerance.
         let wanted = tolerance.max(1e-11);
         if truncation > wanted {
@@ -118,8 +132,8 @@ impl Series {
     /// # Errors
     /// A density below 0, or no mass at all.
     pub(crate) fn solved(density: Piecewise, breakpoints: Vec<Breakpoint>) -> Result<Self> {
-        let mut law = Self { breakpoints, ..Self::scaled(density, 0.0)? };
-        law.zones = law.find_zones();
+        let mut law = Self { breakpoints, ..Self::scaled(density, 0.0, &mut ())? };
+        law.zones = law.find_zones(&Watch::new(&mut ()))?;
         Ok(law)
     }
 
@@ -141,9 +155,10 @@ impl Series {
     /// The distribution of a density of any total mass, after a check of its sign.
     ///
     /// # Errors
-    /// A density below 0, or no mass at all.
-    pub(super) fn scaled(mut density: Piecewise, cut: f64) -> Result<Self> {
-        check_sign(&density)?;
+    /// A density below 0, or no mass at all; stopped by the monitor.
+    pub(super) fn scaled(mut density: Piecewise, cut: f64, monitor: &mut dyn Monitor) -> Result<Self> {
+        let watch = &Watch::new(monitor);
+        check_sign(&density, watch)?;
         let total = density.integral();
         if !(total.is_finite() && total > 0.0) {
             return Err(Error::invalid("coefficients", "a finite mass above 0", total));
@@ -152,34 +167,48 @@ impl Series {
         if (total - 1.0).abs() > 1e-14 {
             density.coefficients.iter_mut().flatten().for_each(|c| *c /= total);
         }
-        let (mean_below, mean_above) = (means(&density, -1.0), means(&density, 1.0));
+        let (mean_below, mean_above) = (means(&density, -1.0, watch)?, means(&density, 1.0, watch)?);
         let cells = density.coefficients.len();
         let (above, below) = (vec![[0.0; 4]; cells + 1], vec![0.0; cells + 1]);
         let (breakpoints, zones) = (Vec::new(), Vec::new());
         let mut law =
             Self { density, mean_below, mean_above, above, below, std: 0.0, cut, breakpoints, zones };
-        law.sum();
-        law.breakpoints = law.find_breaks();
-        law.zones = law.find_zones();
+        law.sum(watch)?;
+        law.breakpoints = law.find_breaks(watch)?;
+        law.zones = law.find_zones(watch)?;
         Ok(law)
     }
 
     /// Sums masses and moments above and below each boundary.
-    fn sum(&mut self) {
+    fn sum(&mut self, watch: &Watch<'_>) -> Result<()> {
         let cells = self.density.coefficients.len();
+        // Position and density at the Gauss points of each cell.
+        let mut points = vec![[(0.0, 0.0); NODES]; cells];
+        let integral = |(low, high): (f64, f64), points: &[(f64, f64); NODES], g: &dyn Fn(f64) -> f64| {
+            let sum: f64 = (0..NODES).map(|i| RULE.weights[i] * (g(points[i].0) * points[i].1)).sum();
+            0.5 * (high - low) * sum
+        };
         for cell in (0..cells).rev() {
-            let low = self.density.boundaries[cell];
+            watch.check_at(cell)?;
+            let ends @ (low, high) = (self.density.boundaries[cell], self.density.boundaries[cell + 1]);
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            points[cell] = RULE.nodes.map(|t| (middle + half * t, self.value(cell, middle + half * t)));
             // Sums from both ends: a tail is the sum of its own cells only, and keeps its relative
             // accuracy.
-            self.above[cell] =
-                std::array::from_fn(|n| self.above[cell + 1][n] + self.upper_part(cell, low, n as u32));
+            let part = |n: i32| match n {
+                0 => self.upper(cell, low),
+                n => integral(ends, &points[cell], &|x| x.powi(n)),
+            };
+            self.above[cell] = std::array::from_fn(|n| self.above[cell + 1][n] + part(n as i32));
         }
         for cell in 0..cells {
             self.below[cell + 1] = self.below[cell] + self.lower(cell, self.density.boundaries[cell + 1]);
         }
         let mean = self.mean();
-        let square = |cell: usize| self.integrate(cell, |x| (x - mean).powi(2));
-        self.std = (0..cells).map(square).sum::<f64>().sqrt();
+        let ends = self.density.boundaries.windows(2).map(|ends| (ends[0], ends[1]));
+        let squares = ends.zip(&points).map(|(ends, points)| integral(ends, points, &|x| (x - mean).powi(2)));
+        self.std = squares.sum::<f64>().sqrt();
+        Ok(())
     }
 
     fn value(&self, cell: usize, x: f64) -> f64 {
@@ -285,35 +314,44 @@ impl Series {
         steep.then(|| if side < 0.0 { set_out } else { set_out.mirrored() })
     }
 
-    fn find_breaks(&self) -> Vec<Breakpoint> {
+    fn find_breaks(&self, watch: &Watch<'_>) -> Result<Vec<Breakpoint>> {
         let last = self.density.coefficients.len();
         let end = |side: f64, boundary: usize| {
             self.power_at_end(side)
                 .map_or_else(|| self.breaks_at_end(boundary), |power_at_end| vec![power_at_end])
         };
-        let inner = (1..last).flat_map(|i| (0..2).filter_map(move |order| self.jump(i, order)));
-        end(-1.0, 0).into_iter().chain(inner).chain(end(1.0, last)).collect()
+        let mut found = end(-1.0, 0);
+        for boundary in 1..last {
+            watch.check_at(boundary)?;
+            found.extend((0..2).filter_map(|order| self.jump(boundary, order)));
+        }
+        found.extend(end(1.0, last));
+        Ok(found)
     }
 
     /// Zones that begin and end at cell boundaries.
-    fn find_zones(&self) -> Vec<Zone> {
+    fn find_zones(&self, watch: &Watch<'_>) -> Result<Vec<Zone>> {
         let bulk = Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std);
         // Zones describe the density, not how it was found: cells that one polynomial replaces are
         // joined before.
-        let joined = self.density.clone().joined(1e-14);
+        let joined = self.density.clone().joined_with(1e-14, |cell| watch.check_at(cell))?;
         let cells = || joined.boundaries.windows(2).map(|w| (w[0], w[1], (w[1] - w[0]) / Zone::CELL));
         let inside = || cells().filter(|(low, high, _)| *low < bulk.high && *high > bulk.low);
         let low = inside().map(|cell| cell.0).fold(f64::INFINITY, f64::min);
         let high = inside().map(|cell| cell.1).fold(0.0, f64::max);
         let resolution = inside().map(|cell| cell.2).fold(self.std, f64::max);
         // Cells that narrow towards a breakpoint are bisected further because of rounding, near a pole to a
-        // twentieth of their distance.
+        // twentieth of their distance. The nearest breakpoints are those beside the cell.
+        let mut places: Vec<f64> = self.breakpoints.iter().map(|b| b.position).collect();
+        places.sort_by(f64::total_cmp);
         let apart = |(low, high, _): &(f64, f64, f64)| {
-            let far = |b: &Breakpoint| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
-            self.breakpoints.iter().all(far)
+            let middle = 0.5 * (low + high);
+            let above = places.partition_point(|place| *place < middle);
+            let mut beside = places[above.saturating_sub(1)..].iter().take(2);
+            beside.all(|place| high - low < 0.02 * (middle - place).abs())
         };
         let fine = cells().filter(apart).map(|(low, high, resolution)| Zone { low, high, resolution });
-        std::iter::once(Zone { low, high, resolution }).chain(fine).collect()
+        Ok(std::iter::once(Zone { low, high, resolution }).chain(fine).collect())
     }
 
     /// The breakpoints at an end of the support: jump and kink, or else the lowest derivative that is not 0.
@@ -329,13 +367,14 @@ impl Series {
 
 /// Means of the density between x and the end of its cell at t = `side`: the integral divided by x − end.
 /// This is a series of the same degree and keeps its relative accuracy where the integral vanishes.
-fn means(density: &Piecewise, side: f64) -> Piecewise {
+fn means(density: &Piecewise, side: f64, watch: &Watch<'_>) -> Result<Piecewise> {
     let mean = |c: &Nodal, t: f64| RULE.integrate(t, side, |t| series(c, t)) / (side - t);
-    let cell = |c: &Nodal| RULE.coefficients(&RULE.nodes.map(|t| mean(c, t)));
-    Piecewise {
-        boundaries: density.boundaries.clone(),
-        coefficients: density.coefficients.iter().map(cell).collect(),
-    }
+    let cell = |(cell, c): (usize, &Nodal)| {
+        watch.check_at(cell)?;
+        Ok(RULE.coefficients(&RULE.nodes.map(|t| mean(c, t))))
+    };
+    let coefficients = density.coefficients.iter().enumerate().map(cell).collect::<Result<_>>()?;
+    Ok(Piecewise { boundaries: density.boundaries.clone(), coefficients })
 }
 
 fn check_boundaries(boundaries: &[f64]) -> Result<()> {
@@ -364,12 +403,13 @@ fn pad((cell, given): (usize, &Vec<f64>)) -> Result<Nodal> {
     Ok(padded)
 }
 
-fn check_sign(density: &Piecewise) -> Result<()> {
-    let values = (0..density.coefficients.len()).flat_map(|cell| {
+fn check_sign(density: &Piecewise, watch: &Watch<'_>) -> Result<()> {
+    let mut values = Vec::with_capacity(NODES * density.coefficients.len());
+    for cell in 0..density.coefficients.len() {
+        watch.check_at(cell)?;
         let (middle, half) = density.cell(cell);
-        RULE.nodes.map(|t| (middle + half * t, density.value_in(cell, middle + half * t)))
-    });
-    let values: Vec<_> = values.collect();
+        values.extend(RULE.nodes.map(|t| (middle + half * t, density.value_in(cell, middle + half * t))));
+    }
     let largest = values.iter().fold(0.0_f64, |largest, (_, p)| largest.max(*p));
     match values.iter().find(|(_, p)| *p < -NEGATIVE * largest) {
         Some((x, p)) => Err(Error::invalid("coefficients", "a density of 0 or above", format!("{p} at {x}"))),

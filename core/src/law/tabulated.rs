@@ -3,7 +3,9 @@
 use num_complex::Complex64;
 
 use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
+use crate::monitor::{Monitor, Part, report};
 use crate::numerics::legendre::RULE;
+use crate::numerics::sorting::sorted;
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -11,7 +13,7 @@ use crate::{Error, Result};
 ///
 /// From rows (stretch, density): linear between rows, 0 outside, normalised. From n samples: the distribution
 /// whose quantile function is linear between the sorted samples (NumPy's default), with the same mass in each
-/// of the n − 1 gaps; m equal samples make a point mass of m − 1 gaps. Moments are exact to order 29.
+/// of the n − 1 gaps; m equal samples make a point mass of m − 1 gaps. Moments are exact to order 30.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tabulated {
     nodes: Vec<TableNode>,
@@ -33,6 +35,9 @@ struct TableNode {
     above: [f64; 4],
 }
 
+/// Nodes after which the monitor is asked, in some milliseconds.
+const PIECE: usize = 1 << 16;
+
 impl Tabulated {
     /// The distribution of a density given by rows of stretch and density, linear between rows, of any total
     /// mass.
@@ -40,6 +45,14 @@ impl Tabulated {
     /// # Errors
     /// Fewer than two rows, stretches not rising from 0 or above, a density below 0, or no mass at all.
     pub fn from_density(rows: &[(f64, f64)]) -> Result<Self> {
+        Self::from_density_with(rows, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// Those of [`Self::from_density`]; stopped by the monitor.
+    pub fn from_density_with(rows: &[(f64, f64)], monitor: &mut dyn Monitor) -> Result<Self> {
         if rows.len() < 2 {
             return Err(Error::invalid("density", "at least two rows", rows.len()));
         }
@@ -57,7 +70,7 @@ impl Tabulated {
             end: rows.get(i + 1).map_or(0.0, |row| row.1),
             ..TableNode::default()
         };
-        Self::new((0..rows.len()).map(node).collect(), "density")
+        Self::new((0..rows.len()).map(node).collect(), "density", monitor)
     }
 
     /// The distribution of samples, in any order.
@@ -65,12 +78,19 @@ impl Tabulated {
     /// # Errors
     /// No sample, or one that is below 0 or not finite.
     pub fn from_samples(samples: &[f64]) -> Result<Self> {
+        Self::from_samples_with(samples, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// Those of [`Self::from_samples`]; stopped by the monitor.
+    pub fn from_samples_with(samples: &[f64], monitor: &mut dyn Monitor) -> Result<Self> {
         if samples.is_empty() {
             return Err(Error::invalid("samples", "at least one sample", 0));
         }
         samples.iter().try_for_each(|&x| not_negative("samples", x).map(drop))?;
-        let mut sorted = samples.to_vec();
-        sorted.sort_by(f64::total_cmp);
+        let sorted = sorted(samples, &mut Part::new(monitor, 0.0, 0.5))?;
         // One sample is a point mass, as two equal ones are.
         let gap = 1.0 / (samples.len() - 1).max(1) as f64;
         let mut nodes: Vec<TableNode> = Vec::new();
@@ -83,12 +103,18 @@ impl Tabulated {
             let atom = if samples.len() == 1 { gap } else { gap * (run.len() - 1) as f64 };
             nodes.push(TableNode { position, atom, ..TableNode::default() });
         }
-        Self::new(nodes, "samples")
+        Self::new(nodes, "samples", &mut Part::new(monitor, 0.5, 0.5))
     }
 
     /// Sums the masses and normalises them.
-    fn new(mut nodes: Vec<TableNode>, key: &str) -> Result<Self> {
-        for i in (1..nodes.len()).rev() {
+    fn new(mut nodes: Vec<TableNode>, key: &str, monitor: &mut dyn Monitor) -> Result<Self> {
+        let (count, last) = (nodes.len() as f64, nodes.len() - 1);
+        let mut ask = |pass: f64, node: usize| match node % PIECE {
+            0 => report(monitor, (pass + node as f64 / count) / 3.0),
+            _ => Ok(()),
+        };
+        for i in (1..=last).rev() {
+            ask(0.0, last - i)?;
             let (cell, next) = (nodes[i - 1], nodes[i]);
             nodes[i - 1].above = std::array::from_fn(|n| {
                 let power = next.position.powi(n as i32);
@@ -100,23 +126,23 @@ impl Tabulated {
             return Err(Error::invalid(key, "a finite mass above 0", total));
         }
         let mut below = 0.0;
-        for i in 0..nodes.len() {
+        for i in 0..=last {
+            ask(1.0, i)?;
             below += nodes[i].atom / total;
             nodes[i].scale(1.0 / total, below);
             let next = nodes.get(i + 1).map_or(nodes[i].position, |next| next.position);
             below += nodes[i].mass(next - nodes[i].position);
         }
-        let mut law = Self { nodes, std: 0.0 };
-        law.std = law.variance().sqrt();
-        Ok(law)
-    }
-
-    fn variance(&self) -> f64 {
-        let mean = self.mean();
-        let square = |x: f64| (x - mean).powi(2);
-        let cells =
-            self.cells().map(|(c, to)| RULE.integrate(c.position, to, |x| square(x) * c.density(x, to)));
-        cells.sum::<f64>() + self.nodes.iter().map(|node| node.atom * square(node.position)).sum::<f64>()
+        let mean = nodes[0].above[1] + nodes[0].atom * nodes[0].position;
+        let mut variance = 0.0;
+        for i in 0..=last {
+            ask(2.0, i)?;
+            variance += nodes[i].atom * (nodes[i].position - mean).powi(2);
+            if let Some(next) = nodes.get(i + 1) {
+                variance += nodes[i].integral(nodes[i].position, next.position, |x| (x - mean).powi(2));
+            }
+        }
+        Ok(Self { nodes, std: variance.sqrt() })
     }
 
     /// Cells, each with its upper end.
@@ -152,10 +178,20 @@ impl TableNode {
 
     /// ∫_x^to ξⁿ p dξ in the cell that ends at `to`.
     fn moment(&self, order: u32, x: f64, to: f64) -> f64 {
-        if order == 0 {
-            return 0.5 * (to - x) * (self.density(x, to) + self.end);
+        let power = |x: f64| x.powi(order as i32);
+        match order {
+            0 => 0.5 * (to - x) * (self.density(x, to) + self.end),
+            1..=4 => self.integral(x, to, power),
+            _ => RULE.integrate(x, to, |x| power(x) * self.density(x, to)),
         }
-        RULE.integrate(x, to, |x| x.powi(order as i32) * self.density(x, to))
+    }
+
+    /// ∫_x^to f p dξ in the cell that ends at `to`, by the Gauss rule of three points: exact for polynomials f of degree 4.
+    fn integral(&self, x: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let (middle, half) = (0.5 * (x + to), 0.5 * (to - x));
+        let at = |x: f64| f(x) * self.density(x, to);
+        let off = half * 0.6_f64.sqrt();
+        half * (5.0 * (at(middle - off) + at(middle + off)) + 8.0 * at(middle)) / 9.0
     }
 }
 

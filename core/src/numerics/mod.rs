@@ -7,7 +7,7 @@
 //!   `nelder_mead` (minima in several variables).
 //! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
 //! * Statistics and sums: `least_squares`, `student` (quantiles), `powerlaw`, `cutoff`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
-//!   `accumulation` (the point at which an integral reaches a value), `dawson`, `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
+//!   `accumulation` (the point at which an integral reaches a value), `sorting`, `dawson`, `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
 //!
 //! Only the fits of [`powerlaw`] and [`cutoff`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
 //! tests and benches outside the crate hold them against other methods, or compute expected values with them.
@@ -39,6 +39,7 @@ pub(crate) mod product;
 mod rearrange;
 #[doc(hidden)]
 pub mod roots;
+pub(crate) mod sorting;
 pub(crate) mod springs;
 pub(crate) mod stencil;
 pub(crate) mod student;

@@ -2,6 +2,7 @@
 
 use super::legendre::{NODES, Nodal, RULE};
 use super::piecewise::Piecewise;
+use crate::Result;
 
 impl Piecewise {
     /// Lower end of the first cell.
@@ -115,11 +116,20 @@ impl Piecewise {
     /// The function on fewer cells: neighbours are joined as long as that changes no integral by more than
     /// `tolerance`.
     #[must_use]
-    pub fn joined(mut self, tolerance: f64) -> Self {
+    pub fn joined(self, tolerance: f64) -> Self {
+        self.joined_with(tolerance, |_| Ok(())).expect("an error comes from the function that is called only")
+    }
+
+    /// The same with a function that is called at every cell and may end the work.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub fn joined_with(mut self, tolerance: f64, ask: impl Fn(usize) -> Result<()>) -> Result<Self> {
         loop {
             let mut out = Self { boundaries: vec![self.start()], coefficients: Vec::new() };
             let mut cell = 0;
             while cell < self.coefficients.len() {
+                ask(cell)?;
                 let pair = self.pair(cell, tolerance);
                 let taken = if pair.is_some() { 2 } else { 1 };
                 out.coefficients.push(pair.unwrap_or(self.coefficients[cell]));
@@ -128,7 +138,7 @@ impl Piecewise {
             }
             // Pairs are joined in rounds, each of which at best halves the number of cells, until none fits.
             if out.coefficients.len() == self.coefficients.len() {
-                return out;
+                return Ok(out);
             }
             self = out;
         }

@@ -9,6 +9,7 @@ use super::{Ageing, Delay, Law, Temperature, positive};
 use crate::contacts::{FreeFriction, Stiffness, StiffnessTable};
 use crate::error::not_negative;
 use crate::law::{Root, SharedLaw};
+use crate::monitor::Monitor;
 use crate::{Error, Result, contacts};
 
 /// The contacts of the interface: either `thresholds`, or `areas` from which thresholds and stiffnesses follow.
@@ -176,17 +177,25 @@ impl Contacts {
     /// # Errors
     /// An invalid value; thresholds described twice, or not at all.
     pub fn build(&self) -> Result<contacts::Contacts> {
+        self.build_with(&mut ())
+    }
+
+    /// The same with a monitor, which is asked while distributions are made of many numbers.
+    ///
+    /// # Errors
+    /// As [`Self::build`]; stopped by the monitor.
+    pub fn build_with(&self, monitor: &mut dyn Monitor) -> Result<contacts::Contacts> {
         let count = positive("count", self.count)?;
         self.normal_load.map(|load| positive("normal_load", load)).transpose()?;
         self.background()?;
-        let reforming = self.reforming.build().map_err(|e| e.under("reforming"))?;
+        let reforming = self.reforming.build_with(monitor).map_err(|e| e.under("reforming"))?;
         let (stiffness, thresholds) = match (&self.thresholds, &self.areas) {
             (Some(thresholds), None) => {
-                (self.stiffness()?, thresholds.build().map_err(|e| e.under("thresholds"))?)
+                (self.stiffness()?, thresholds.build_with(monitor).map_err(|e| e.under("thresholds"))?)
             }
             (None, Some(areas)) => {
                 self.refuse_stiffness()?;
-                areas.build().map_err(|e| e.under("areas"))?
+                areas.build_with(monitor).map_err(|e| e.under("areas"))?
             }
             (Some(_), Some(_)) => {
                 return Err(Error::invalid("areas", "either thresholds or areas", "both"));
@@ -197,7 +206,7 @@ impl Contacts {
                 return Err(Error::invalid("thresholds", expected, "none"));
             }
         };
-        Ok(contacts::Contacts { count, stiffness, thresholds, reforming, rules: self.rules()? })
+        Ok(contacts::Contacts { count, stiffness, thresholds, reforming, rules: self.rules(monitor)? })
     }
 
     /// The background force B: the one given, or the coefficient times the normal load; 0 by default.
@@ -227,9 +236,9 @@ impl Contacts {
         self.temperature.is_some() || self.ageing.is_some() || self.delay.is_some()
     }
 
-    fn rules(&self) -> Result<contacts::Rules> {
-        let ageing = self.ageing.as_ref().map(|ageing| ageing.build().map_err(|e| e.under("ageing")));
-        let delay = self.delay.as_ref().map(|delay| delay.build().map_err(|e| e.under("delay")));
+    fn rules(&self, monitor: &mut dyn Monitor) -> Result<contacts::Rules> {
+        let ageing = self.ageing.as_ref().map(|ageing| ageing.build(monitor).map_err(|e| e.under("ageing")));
+        let delay = self.delay.as_ref().map(|delay| delay.build(monitor).map_err(|e| e.under("delay")));
         Ok(contacts::Rules {
             temperature: self.temperature,
             ageing: ageing.transpose()?,
@@ -280,9 +289,17 @@ impl Areas {
     /// # Errors
     /// An invalid value.
     pub fn build(&self) -> Result<(Stiffness, SharedLaw)> {
+        self.build_with(&mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::build`]; stopped by the monitor.
+    pub fn build_with(&self, monitor: &mut dyn Monitor) -> Result<(Stiffness, SharedLaw)> {
         let modulus = positive("modulus", self.modulus)?;
         let strength = positive("strength", self.strength)?;
-        let areas = self.law.build().map_err(|e| e.under("law"))?;
+        let areas = self.law.build_with(monitor).map_err(|e| e.under("law"))?;
         let stiffness = in_range("modulus", modulus * modulus / strength, "modulus²/strength")?;
         let factor = in_range("strength", strength / modulus, "strength/modulus")?;
         Ok((Stiffness::PerThreshold(stiffness), Arc::new(Root::new(factor, areas)?)))

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{exactly_one, positive};
 use crate::law::{self, SharedLaw, parametric_distributions};
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// A parametric family of distributions.
@@ -114,14 +115,22 @@ macro_rules! define_law {
             /// # Errors
             /// A parameter that the distribution cannot have.
             pub fn build(&self) -> Result<SharedLaw> {
+                self.build_with(&mut ())
+            }
+
+            /// The same with a monitor.
+            ///
+            /// # Errors
+            /// As [`Self::build`]; stopped by the monitor.
+            pub fn build_with(&self, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
                 let built = match self {
                     $(&Self::$name { $($parameter),+ } => shared(law::$name::new($($parameter),+)),)+
-                    Self::Tabulated(table) => table.build(),
+                    Self::Tabulated(table) => table.build(monitor),
                     Self::Series { boundaries, coefficients, cut } => {
-                        shared(law::Series::new(boundaries, coefficients, *cut))
+                        shared(law::Series::new_with(boundaries, coefficients, *cut, monitor))
                     }
-                    Self::Mixture(components) => mixture(components),
-                    Self::Renormalised { law, coupling } => renormalised(law, *coupling),
+                    Self::Mixture(components) => mixture(components, monitor),
+                    Self::Renormalised { law, coupling } => renormalised(law, *coupling, monitor),
                 };
                 built.map_err(|error| error.under(self.name()))
             }
@@ -192,7 +201,7 @@ impl Law {
 }
 
 impl Tabulated {
-    fn build(&self) -> Result<SharedLaw> {
+    fn build(&self, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
         let given = [
             ("file", self.file.is_some()),
             ("samples", self.samples.is_some()),
@@ -201,11 +210,11 @@ impl Tabulated {
         exactly_one("", "one of file, samples, or stretch and density", &given)?;
         self.check_smoothing()?;
         match (&self.samples, &self.stretch, &self.density) {
-            (Some(samples), ..) if self.exact => shared(law::Tabulated::from_samples(samples)),
-            (Some(samples), ..) => law::kernel_density(samples, self.bandwidth),
+            (Some(samples), ..) if self.exact => shared(law::Tabulated::from_samples_with(samples, monitor)),
+            (Some(samples), ..) => law::kernel_density_with(samples, self.bandwidth, monitor),
             (None, Some(stretch), Some(density)) if stretch.len() == density.len() => {
                 let rows: Vec<_> = stretch.iter().copied().zip(density.iter().copied()).collect();
-                shared(law::Tabulated::from_density(&rows))
+                shared(law::Tabulated::from_density_with(&rows, monitor))
             }
             (None, None, None) => Err(Error::invalid("file", "a table read from it", "an unread file")),
             (None, stretch, density) => {
@@ -227,20 +236,20 @@ impl Tabulated {
     }
 }
 
-fn mixture(components: &[Component]) -> Result<SharedLaw> {
+fn mixture(components: &[Component], monitor: &mut dyn Monitor) -> Result<SharedLaw> {
     if components.is_empty() {
         return Err(Error::invalid("", "at least one law", "an empty list"));
     }
     let built = components.iter().enumerate().map(|(i, component)| {
         let weight = positive(&format!("{i}.weight"), component.weight)?;
-        let law = component.law.build().map_err(|e| e.under(&format!("{i}.law")))?;
+        let law = component.law.build_with(monitor).map_err(|e| e.under(&format!("{i}.law")))?;
         Ok((weight, law))
     });
     shared(law::Mixture::new(built.collect::<Result<_>>()?))
 }
 
-fn renormalised(law: &Law, coupling: f64) -> Result<SharedLaw> {
-    let thresholds = law.build().map_err(|e| e.under("law"))?;
+fn renormalised(law: &Law, coupling: f64, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
+    let thresholds = law.build_with(monitor).map_err(|e| e.under("law"))?;
     shared(law::Renormalised::new(thresholds, coupling))
 }
 

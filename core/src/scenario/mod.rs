@@ -231,8 +231,10 @@ impl Scenario {
         self.check_sweep()?;
         let task = self.task()?;
         self.figure.check().map_err(|e| e.under("figure"))?;
-        let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
+        let BuiltContacts { contacts, initial, left_out } =
+            build_contacts(&self.contacts, &self.initial, task.start(), monitor)?;
         let model = Model {
+            warnings: [left_out, self.warnings(&contacts)].concat(),
             steady: task.steady_velocity(&contacts),
             contacts,
             initial,
@@ -283,38 +285,47 @@ impl Scenario {
     }
 }
 
+/// Contacts and their initial state, as a scenario describes them.
+#[derive(Debug, Clone)]
+pub struct BuiltContacts {
+    /// The contacts.
+    pub contacts: crate::contacts::Contacts,
+    /// Their stretches at X = 0.
+    pub initial: crate::contacts::Initial,
+    /// A sentence for each distribution of which a part is left out, with its key.
+    pub left_out: Vec<String>,
+}
+
 /// The contacts that `contacts` describes, and their initial state; stretches beyond the thresholds are left out
 /// ([`crate::contacts::Contacts::truncated`]).
 ///
 /// # Errors
-/// The first invalid value, with its full path.
+/// The first invalid value, with its full path; stopped by the monitor.
 pub fn build_contacts(
     contacts: &Contacts,
     initial: &Law,
     start: TaskStart,
-) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
-    let contacts = contacts.build().map_err(|e| e.under("contacts"))?;
-    let initial = start.build(&contacts, initial).map_err(|e| e.under("initial"))?;
-    let (contacts, initial) = contacts.truncated(&initial);
-    contacts.check(&initial).map_err(Error::of_scenario)?;
-    Ok((contacts, initial))
-}
-
-/// What [`build_contacts`] leaves out: a sentence for each distribution, with its key.
-pub fn left_out(contacts: &Contacts, initial: &Law, start: TaskStart) -> Vec<String> {
-    let Ok(contacts) = contacts.build() else { return Vec::new() };
+    monitor: &mut dyn Monitor,
+) -> Result<BuiltContacts> {
+    let contacts = contacts.build_with(monitor).map_err(|e| e.under("contacts"))?;
+    let initial = start.build(&contacts, initial, monitor).map_err(|e| e.under("initial"))?;
     // In steady sliding, and where contacts may break at once, nothing is left out of the initial ones.
-    let initial = match start {
-        TaskStart::Conditional => start.build(&contacts, initial).unwrap_or_default(),
+    let held = match start {
+        TaskStart::Conditional => initial.clone(),
         TaskStart::Relaxed | TaskStart::Steady => crate::contacts::Initial::default(),
     };
-    let reported = |(argument, share, highest): (&str, f64, f64)| {
-        let key = keys::key_of(argument).unwrap_or_else(|| argument.into());
-        format!(
-            "{key}: a share of {share:.3e} is left out, stretches from {highest:.6} on, where fewer than one contact in 1e9 holds"
-        )
-    };
-    contacts.left_out(&initial).into_iter().map(reported).collect()
+    let left_out = contacts.left_out(&held).into_iter().map(sentence).collect();
+    let (contacts, initial) = contacts.truncated(&initial);
+    contacts.check(&initial).map_err(Error::of_scenario)?;
+    Ok(BuiltContacts { contacts, initial, left_out })
+}
+
+/// What is left out: the argument that gives the distribution, the share, and the stretch from which on.
+fn sentence((argument, share, highest): (&str, f64, f64)) -> String {
+    let key = keys::key_of(argument).unwrap_or_else(|| argument.into());
+    format!(
+        "{key}: a share of {share:.3e} is left out, stretches from {highest:.6} on, where fewer than one contact in 1e9 holds"
+    )
 }
 
 /// `value` if it is finite and above 0.

@@ -34,6 +34,8 @@ pub struct Model {
     /// The keys of the scenario whose numbers may be parameters of the force, with the names of these parameters; none where
     /// there is no scenario.
     pub keys: Vec<(String, String)>,
+    /// Warnings about valid values with unexpected consequences.
+    pub warnings: Vec<String>,
 }
 
 impl Model {
@@ -51,6 +53,7 @@ impl Model {
             ensemble: None,
             compare: None,
             keys: Vec::new(),
+            warnings: Vec::new(),
         }
     }
 

@@ -9,6 +9,7 @@ use serde::de::{DeserializeSeed, EnumAccess, IntoDeserializer, VariantAccess, Vi
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Law, Tabulated, not_negative};
+use crate::monitor::Monitor;
 use crate::{Result, contacts};
 
 /// How thresholds change with the age of a contact.
@@ -26,10 +27,10 @@ pub enum Delay {
 }
 
 impl Delay {
-    pub(super) fn build(&self) -> Result<contacts::FreeTime> {
+    pub(super) fn build(&self, monitor: &mut dyn Monitor) -> Result<contacts::FreeTime> {
         match self {
             Self::Time(time) => not_negative("time", *time).map(contacts::FreeTime::Fixed),
-            Self::Law(law) => law.build().map(contacts::FreeTime::from),
+            Self::Law(law) => law.build_with(monitor).map(contacts::FreeTime::from),
         }
     }
 
@@ -123,8 +124,8 @@ impl JsonSchema for Delay {
 }
 
 impl Ageing {
-    pub(super) fn build(&self) -> Result<contacts::Ageing> {
-        self.try_map(|law| law.build().map_err(|e| e.under("mature").under(self.name())))
+    pub(super) fn build(&self, monitor: &mut dyn Monitor) -> Result<contacts::Ageing> {
+        self.try_map(|law| law.build_with(monitor).map_err(|e| e.under("mature").under(self.name())))
     }
 
     pub(super) fn tables<'a>(&'a mut self, key: &str, tables: &mut Vec<(String, &'a mut Tabulated)>) {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Law;
 use crate::contacts::{Contacts, Initial, Start};
 use crate::master::MasterEquation;
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// The contacts at the start of a task.
@@ -36,15 +37,15 @@ impl TaskStart {
     /// ones is not determined by their stretches, and [`crate::master::Transport::steady`] computes it.
     ///
     /// # Errors
-    /// An initial distribution beside steady sliding; those of [`MasterEquation::new`] and
+    /// An initial distribution beside steady sliding; stopped by the monitor; those of [`MasterEquation::new`] and
     /// [`crate::master::SteadyState::stretch_law`].
-    pub fn build(self, contacts: &Contacts, initial: &Law) -> Result<Initial> {
+    pub fn build(self, contacts: &Contacts, initial: &Law, monitor: &mut dyn Monitor) -> Result<Initial> {
         let start = match self {
             Self::Conditional => Start::Conditional,
             Self::Relaxed => Start::Relaxed,
             Self::Steady => return steady(contacts, initial),
         };
-        Ok(Initial { law: initial.build()?, start })
+        Ok(Initial { law: initial.build_with(monitor)?, start })
     }
 }
 

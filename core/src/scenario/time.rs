@@ -1,6 +1,6 @@
 //! Checks of tasks with time-dependent contacts.
 
-use super::{Model, Scenario, Task, VelocityCurve, left_out};
+use super::{Model, Scenario, Task, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
@@ -80,9 +80,8 @@ impl Scenario {
         Err(Error::invalid(key, "a scenario of [drive] or [[protocol]] with [interface]", found))
     }
 
-    /// Warnings about valid values with unexpected consequences.
-    pub fn warnings(&self) -> Vec<String> {
-        let Ok(contacts) = self.contacts.build() else { return Vec::new() };
+    /// Warnings about valid values with unexpected consequences; `contacts` are those of this scenario.
+    pub(super) fn warnings(&self, contacts: &Contacts) -> Vec<String> {
         let rules = &contacts.rules;
         let mature = rules.ageing.as_ref().and_then(Ageing::mature).map(|law| law.mean());
         let newborn = contacts.thresholds.mean();
@@ -107,9 +106,7 @@ impl Scenario {
                 warnings.push("velocity_curve: nothing in [contacts] depends on time: friction is the same at all velocities".into());
             }
         }
-        let start = self.task().map(|task| task.start()).unwrap_or_default();
-        warnings.extend(left_out(&self.contacts, &self.initial, start));
-        warnings.extend(self.without_effect(&contacts));
+        warnings.extend(self.without_effect(contacts));
         warnings
     }
 }

@@ -130,7 +130,7 @@ pub fn run_with(
 ) -> Result<(Summary, Record)> {
     let model = &scenario.build_with(&mut Aside { fraction: 0.0, monitor })?;
     let output = compute(scenario, model, storage, &mut Rising::new(monitor)).map_err(Error::of_scenario)?;
-    Ok(summarised(scenario, output))
+    Ok(summarised(scenario, model, output))
 }
 
 /// Computes the `[fit]` of `scenario` as [`run`] does, and returns the estimates too: front ends draw `fit.posterior` from them.
@@ -143,12 +143,12 @@ pub fn run_fit(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summar
         return Err(Error::invalid("fit", "a table [fit]", "another task"));
     };
     let (output, found) = fit::found(model, task, &mut Rising::new(monitor)).map_err(Error::of_scenario)?;
-    let (summary, record) = summarised(scenario, output.erased());
+    let (summary, record) = summarised(scenario, model, output.erased());
     Ok((summary, record, found))
 }
 
 /// The summary and the arrays of an output.
-fn summarised(scenario: &Scenario, output: Output<Numbers>) -> (Summary, Record) {
+fn summarised(scenario: &Scenario, model: &Model, output: Output<Numbers>) -> (Summary, Record) {
     let Output { numbers, accuracy, warnings, sample, seed, record } = output;
     let contacts = &scenario.contacts;
     let summary = Summary {
@@ -162,7 +162,7 @@ fn summarised(scenario: &Scenario, output: Output<Numbers>) -> (Summary, Record)
         seed,
         disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),
         numbers,
-        warnings: [scenario.warnings(), warnings].concat(),
+        warnings: [model.warnings.clone(), warnings].concat(),
     };
     (summary, record)
 }

@@ -34,6 +34,8 @@ use fault::Fault;
 pub struct Input {
     /// The scenario, with its tables inlined.
     pub scenario: Scenario,
+    /// Warnings about valid values with unexpected consequences.
+    pub warnings: Vec<String>,
     document: Document,
     /// The folder to which the paths of files are relative; without one, no file is read.
     directory: Option<PathBuf>,
@@ -103,15 +105,17 @@ fn checked(
     directory: Option<&Path>,
     monitor: &mut dyn Monitor,
 ) -> Result<Input, Box<Diagnostic>> {
-    let input = read_document(document, directory)?;
-    input.scenario.build_with(monitor).map_err(|error| input.diagnose(&error))?;
+    let mut input = read_document(document, directory)?;
+    let model = input.scenario.build_with(monitor).map_err(|error| input.diagnose(&error))?;
+    input.warnings = model.warnings;
     Ok(input)
 }
 
 /// The scenario that a document describes, with its tables inlined.
 fn read_document(document: Document, directory: Option<&Path>) -> Result<Input, Box<Diagnostic>> {
     let scenario = Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(fault))?;
-    let mut input = Input { scenario, document, directory: directory.map(Path::to_owned) };
+    let mut input =
+        Input { scenario, warnings: Vec::new(), document, directory: directory.map(Path::to_owned) };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
     Ok(input)
 }
