@@ -4,7 +4,7 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::{factor, inverse};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Mat, Par, get_global_parallelism};
+use faer::{Mat, MatMut, Par, get_global_parallelism};
 
 /// Rows below which threads would wait for each other longer than they work.
 const SMALL: usize = 1000;
@@ -25,19 +25,23 @@ impl Cholesky {
         factored.is_ok().then_some(Self(matrix))
     }
 
+    pub fn nrows(&self) -> usize {
+        self.0.nrows()
+    }
+
     /// ln |LLᵀ|.
     pub fn log_determinant(&self) -> f64 {
         2.0 * (0..self.0.nrows()).map(|i| self.0[(i, i)].ln()).sum::<f64>()
     }
 
     /// Replaces M, of few columns, by L⁻¹M. On one thread: others would sum in another order.
-    pub fn whiten(&self, matrix: &mut Mat<f64>) {
-        solve_lower_triangular_in_place(self.0.as_ref(), matrix.as_mut(), Par::Seq);
+    pub fn whiten(&self, matrix: MatMut<'_, f64>) {
+        solve_lower_triangular_in_place(self.0.as_ref(), matrix, Par::Seq);
     }
 
     /// Replaces M, of few columns, by L⁻ᵀM.
-    pub fn whiten_transposed(&self, matrix: &mut Mat<f64>) {
-        solve_upper_triangular_in_place(self.0.transpose(), matrix.as_mut(), Par::Seq);
+    pub fn whiten_transposed(&self, matrix: MatMut<'_, f64>) {
+        solve_upper_triangular_in_place(self.0.transpose(), matrix, Par::Seq);
     }
 
     /// tr A⁻¹ and tr A⁻² of the factored matrix A.

@@ -3,7 +3,11 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
-use super::cholesky::Cholesky;
+use super::hierarchical::{Factor, Hierarchical};
+
+/// Errors of the elements of a covariance that count as none, in multiples of the variance of the independent error of a reading:
+/// of 2000 readings, the log-likelihood changes by some 1e-7.
+pub(super) const NEGLIGIBLE: f64 = 1e-7;
 
 /// The sizes of errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,27 +44,29 @@ pub(super) struct DenseCovariance {
     sizes: ErrorSizes,
     /// A² exp(−|y − y'|/ℓ), if there is a drift.
     drift: Option<Mat<f64>>,
-    factor: Cholesky,
+    factor: Factor,
 }
 
 impl ErrorCovariance {
     /// The covariance of errors of these sizes; `None` if it is not positive definite.
-    pub fn new(positions: &[f64], noise: Option<&Mat<f64>>, sizes: ErrorSizes) -> Option<Self> {
+    pub fn new(positions: &[f64], noise: Option<&Hierarchical>, sizes: ErrorSizes) -> Option<Self> {
         let [amplitude, length] = sizes.drift;
-        if noise.is_none() && amplitude == 0.0 {
-            return Some(Self::White(sizes.reading));
-        }
-        let n = positions.len();
-        let correlation = |i: usize, j: usize| (-(positions[i] - positions[j]).abs() / length).exp();
-        let drift =
-            (amplitude > 0.0).then(|| Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j)));
-        let mut lower = Mat::zeros(n, n);
-        add_lower(&mut lower, noise, sizes.noise);
-        add_lower(&mut lower, drift.as_ref(), 1.0);
-        for i in 0..n {
-            lower[(i, i)] += sizes.reading * sizes.reading;
-        }
-        let factor = Cholesky::new(lower)?;
+        let variance = sizes.reading * sizes.reading;
+        let tolerance = NEGLIGIBLE * variance;
+        let (covariance, drift) = if amplitude > 0.0 {
+            let n = positions.len();
+            let correlation = |i: usize, j: usize| (-(positions[i] - positions[j]).abs() / length).exp();
+            let drift = Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j));
+            let mut both = drift.clone();
+            if let Some(noise) = noise {
+                noise.add_to(both.as_mut(), sizes.noise);
+            }
+            (Hierarchical::new(both.as_ref(), tolerance).scaled(1.0, variance), Some(drift))
+        } else {
+            let Some(noise) = noise else { return Some(Self::White(sizes.reading)) };
+            (noise.scaled(sizes.noise, variance), None)
+        };
+        let factor = covariance.factor(tolerance)?;
         Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor })))
     }
 
@@ -76,7 +82,7 @@ impl ErrorCovariance {
     pub fn whiten(&self, matrix: &mut Mat<f64>) {
         match self {
             Self::White(reading) => *matrix *= faer::Scale(1.0 / reading),
-            Self::Dense(dense) => dense.factor.whiten(matrix),
+            Self::Dense(dense) => dense.factor.whiten(matrix.as_mut()),
         }
     }
 
@@ -131,8 +137,7 @@ impl DenseCovariance {
         residuals: &Mat<f64>,
     ) -> CovarianceDerivatives {
         let mut z = residuals.clone();
-        self.factor.whiten(&mut z);
-        self.factor.whiten_transposed(&mut z);
+        self.factor.solve(z.as_mut());
         let variance = self.sizes.reading * self.sizes.reading;
         let white = variance * z.squared_norm_l2();
         let slow = self.drift.as_ref().map_or(0.0, |drift| quadratic(drift.as_ref(), &z));
@@ -215,17 +220,6 @@ impl DenseCovariance {
         let length = self.sizes.drift[1];
         let Some(drift) = &self.drift else { return Mat::zeros(n, n) };
         Mat::from_fn(n, n, |i, j| drift[(i, j)] * (positions[i] - positions[j]).abs() / length)
-    }
-}
-
-/// Adds `factor` times a matrix, if there is one, up to the diagonal.
-fn add_lower(lower: &mut Mat<f64>, matrix: Option<&Mat<f64>>, factor: f64) {
-    let Some(matrix) = matrix else { return };
-    let n = matrix.nrows();
-    for j in 0..n {
-        let column = lower.col_mut(j).subrows_mut(j, n - j);
-        let entries = column.iter_mut().zip(matrix.col(j).subrows(j, n - j).iter());
-        entries.for_each(|(entry, added)| *entry += factor * added);
     }
 }
 

@@ -270,11 +270,11 @@ impl Ended {
         let trial = &self.optimum.trial.curves[curve];
         let sizes = trial.sizes;
         let noise = match &self.likelihood.errors {
-            Errors::Modelled(Some(noise)) => Some(&noise.covariances[curve]),
+            Errors::Modelled(Some(noise)) => Some(noise.covariances[curve].diagonal()),
             _ => None,
         };
         let white = sizes.reading * sizes.reading * self.bias() + sizes.drift[0] * sizes.drift[0];
-        let std = |i: usize| (noise.map_or(0.0, |noise| sizes.noise * noise[(i, i)]) + white).sqrt();
+        let std = |i: usize| (noise.as_ref().map_or(0.0, |noise| sizes.noise * noise[i]) + white).sqrt();
         let n = trial.whitened.nrows();
         Readings {
             positions: trial.readings.driven.positions.clone(),

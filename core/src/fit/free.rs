@@ -30,6 +30,12 @@ pub struct Prior {
     pub error: f64,
 }
 
+/// Smallest errors that are estimated, in multiples of the largest force.
+const SMALLEST: f64 = 1e-5;
+/// Smallest error of a reading, in multiples of the largest force: below it are errors of the solution and of its derivatives, which
+/// are not normal.
+pub(super) const UNREAD: f64 = 1e-8;
+
 /// Smallest compliance, in multiples of its first value.
 const STIFFEST: f64 = 1e-6;
 
@@ -235,11 +241,14 @@ impl Fit {
         }))
     }
 
+    /// The smallest standard deviation of the independent error of a reading that is tried.
+    pub(super) fn smallest_reading(&self) -> f64 {
+        self.errors.reading.map_or(SMALLEST * self.scale(), |reading| reading.max(UNREAD * self.scale()))
+    }
+
     /// The free numbers of the errors, with first values for independent errors of the size `reading` and a drift of the size
     /// `drift`.
     pub(super) fn free_errors(&self, reading: f64, drift: f64) -> Vec<FreeParameter> {
-        /// Smallest errors, in multiples of the largest force.
-        const SMALLEST: f64 = 1e-5;
         let smallest = SMALLEST * self.scale();
         let of_force = |name: &str, role, start: f64| FreeParameter {
             bounds: [smallest.ln(), f64::INFINITY],

@@ -5,14 +5,11 @@ use faer::Mat;
 use super::Fit;
 use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes};
 use super::expected::{self, ExpectedReadings};
-use super::free::{FreeParameter, Role};
+use super::free::{FreeParameter, Role, UNREAD};
+use super::hierarchical::Hierarchical;
 use super::smoothness::Smoothness;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
-
-/// Smallest error of a reading, in multiples of the largest force: below it are errors of the solution and of its derivatives,
-/// which are not normal.
-const UNREAD: f64 = 1e-8;
 
 /// The likelihood of the measured curves as a function of the coordinates of the free numbers.
 #[derive(Debug)]
@@ -37,7 +34,7 @@ pub(super) enum Errors {
 /// N⟨k⟩².
 #[derive(Debug)]
 pub(super) struct ContactNoise {
-    pub covariances: Vec<Mat<f64>>,
+    pub covariances: Vec<Hierarchical>,
     pub coordinates: Vec<f64>,
 }
 

@@ -6,10 +6,11 @@
 //! Marquardt; numbers above 0 are varied by their logarithms, but for a compliance. If the lengths of the thresholds are
 //! several times too large or too small, it begins with those multiplied by one factor that are most like the curve. The
 //! covariance of the contacts is computed at the estimates of a fit with independent errors, scaled by N⟨k⟩² in the search, and
-//! renewed up to three times; the search with correlated errors begins with every s-th reading. Errors of the estimates are the
-//! inverse of the expected information; those of the sizes of errors are larger where the whitened residuals have more than the
-//! kurtosis of normal ones. Several curves share their numbers but for those that are free for one of them; their
-//! errors are independent.
+//! renewed up to three times; the search with correlated errors begins with every s-th reading. Blocks of that covariance beside
+//! its diagonal have low ranks, where thresholds have no jumps, so that its factor is that of a hierarchical matrix. Errors of the
+//! estimates are the inverse of the expected information; those of the sizes of errors are larger where the whitened residuals
+//! have more than the kurtosis of normal ones. Several curves share their numbers but for those that are free for one of them;
+//! their errors are independent.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -43,8 +44,10 @@ mod fixed;
 mod free;
 mod free_form;
 mod friction;
+mod hierarchical;
 mod interval;
 mod likelihood;
+mod low_rank;
 mod matrix;
 mod measurement;
 mod misfit;

@@ -1,10 +1,10 @@
 //! The search with modelled errors: the noise of contacts, whose covariance is renewed at the estimates, and drift.
 
-use faer::Mat;
-
+use super::error_covariance::NEGLIGIBLE;
 use super::estimates::{Ended, Estimates};
 use super::expected::ExpectedReadings;
 use super::free::FreeParameter;
+use super::hierarchical::Hierarchical;
 use super::likelihood::{ContactNoise, CurvePoint, Errors, Likelihood, LikelihoodPoint};
 use super::search::{COARSE, Optimum, SHORT, search_from};
 use super::{Fit, Measurement};
@@ -15,7 +15,8 @@ use crate::{Error, Result};
 const RENEWALS: usize = 3;
 /// It is not, where no estimate on which its shape depends has moved by this many of its errors.
 const SETTLED: f64 = 0.1;
-/// Readings of a curve that are enough for a first search: it costs the cube of their number.
+/// Readings of a curve that are enough for a first search: where their covariance has no blocks of low rank, it costs the cube of
+/// their number.
 const ENOUGH: usize = 200;
 
 impl Fit {
@@ -86,8 +87,10 @@ impl Fit {
             return Ok(None);
         }
         let share = 1.0 / readings.len() as f64;
+        let tolerance = NEGLIGIBLE * self.smallest_reading().powi(2);
         let of_curve = |(c, readings): (usize, &ExpectedReadings)| {
-            readings.noise(&mut Part::new(monitor, c as f64 * share, share))
+            let covariance = readings.noise(&mut Part::new(monitor, c as f64 * share, share))?;
+            Ok(Hierarchical::new(covariance.as_ref(), tolerance))
         };
         let covariances = readings.iter().enumerate().map(of_curve).collect::<Result<_>>()?;
         Ok(Some(ContactNoise { covariances, coordinates: coordinates.to_vec() }))
@@ -154,7 +157,7 @@ impl Likelihood {
         let Errors::Modelled(Some(noise)) = &self.errors else { return false };
         let place = |name: &str| self.free.iter().position(|parameter| parameter.name == name);
         let (Some(count), Some(stiffness)) = (place("count"), place("stiffness")) else { return false };
-        let trace = |covariance: &Mat<f64>| (0..covariance.nrows()).map(|i| covariance[(i, i)]).sum::<f64>();
+        let trace = |covariance: &Hierarchical| covariance.diagonal().iter().sum::<f64>();
         let expected: f64 = noise.covariances.iter().map(trace).sum();
         let squares = |(readings, measured): (&ExpectedReadings, &Measurement)| {
             let residuals = measured.forces.iter().zip(&readings.forces);
