@@ -148,6 +148,16 @@ impl ExpectedReadings {
         Some(Self { contacts, machine, driven, forces })
     }
 
+    /// Those of the same contacts and machines at the positions of other `curves`; `None` where a pull ends before.
+    pub fn again(known: &[Self], curves: &[Measurement]) -> Option<Vec<Self>> {
+        let of_curve = |(known, measured): (&Self, &Measurement)| {
+            let last = measured.positions[measured.positions.len() - 1] - known.machine.origin;
+            let reached = last <= known.contacts.pull.distance();
+            reached.then(|| Self::new(known.contacts.clone(), known.machine, measured)).flatten()
+        };
+        known.iter().zip(curves).map(of_curve).collect()
+    }
+
     /// The readings of curve `curve` alone, at other positions; `None` where the machine slips.
     ///
     /// # Errors

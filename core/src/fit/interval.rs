@@ -1,5 +1,7 @@
 //! Intervals of estimates: from the information, and by the profile of the likelihood.
 
+use faer::Mat;
+
 use super::likelihood::Score;
 use super::matrix;
 use super::search::{Objective, Optimum, SHORT, search_from};
@@ -15,6 +17,10 @@ const ONE_SIDED: f64 = 2.705_543_454_095_416;
 const INTERVAL: f64 = TWO_SIDED * TWO_SIDED;
 /// Accuracy of the end of an interval, in 1.96 standard errors.
 const ACCURACY: f64 = 0.01;
+/// The other numbers are taken for what they are at the minimum where their change would lower the deviance by this much less than
+/// matters, if the size of an error has changed by this much in its logarithm: over it their information changes by a factor 3.
+const CERTAIN: f64 = 10.0;
+const NEAR: f64 = 0.5;
 /// Accuracy of a limit, in its logarithm.
 const LIMIT: f64 = 0.005;
 
@@ -42,9 +48,27 @@ fn profile_to<O: Objective>(
     let mut start = optimum.coordinates.clone();
     start[number] = u;
     let Some(trial) = likelihood.trial(&start, monitor)? else { return Ok(f64::INFINITY) };
+    let step = u - optimum.coordinates[number];
+    if likelihood.free()[number].is_of_errors() && step.abs() <= NEAR {
+        let fall = fall_of_others(optimum, number, step).filter(|fall| CERTAIN * fall < short);
+        if let Some(fall) = fall {
+            return Ok(O::deviance(&trial) - fall);
+        }
+    }
     let found = search_from(likelihood, (&start, trial), (&held, short), monitor)?;
     let fall = if found.converged { found.fall } else { 0.0 };
     Ok(O::deviance(&found.trial) - fall)
+}
+
+/// By how much the deviance falls by the change of all other numbers, where it is quadratic and one number has moved from its minimum
+/// by `step`: with the information I of the others and c of them with this one, step² cᵀI⁻¹c.
+fn fall_of_others<P>(optimum: &Optimum<P>, number: usize, step: f64) -> Option<f64> {
+    let information = &optimum.score.information;
+    let moving: Vec<usize> =
+        (0..optimum.at_bound.len()).filter(|&k| k != number && !optimum.at_bound[k]).collect();
+    let covariance = matrix::covariance(information, &moving)?;
+    let slope = Mat::from_fn(information.nrows(), 1, |k, _| step * information[(k, number)]);
+    Some(matrix::inner(&slope, &(covariance * &slope)))
 }
 
 /// The value below which a number is with 95 %.

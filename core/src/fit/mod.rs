@@ -77,7 +77,7 @@ use crate::{Error, Result};
 use estimates::Ended;
 use free::{FreeParameter, Role};
 use likelihood::{Errors, Likelihood};
-use search::{COARSE, Optimum, SHORT, search};
+use search::{ONE_ERROR, Optimum, SHORT, search};
 
 /// Most readings with the covariance of the contacts, or with a drift.
 const MOST: usize = 4000;
@@ -214,7 +214,7 @@ impl Fit {
         }
         let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite, smoothness: None };
         let (coordinates, solutions) = self.first_values(&white, &mut Part::new(monitor, 0.0, 0.05))?;
-        let short = if self.is_profiled() { SHORT } else { COARSE };
+        let short = if self.is_profiled() { SHORT } else { ONE_ERROR };
         let mut first = search(&white, &coordinates, short, &mut Part::new(monitor, 0.05, 0.25))?;
         first.solutions += solutions;
         if self.is_profiled() {

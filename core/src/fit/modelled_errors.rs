@@ -41,21 +41,23 @@ impl Fit {
             errors: Errors::Modelled(None),
             smoothness: None,
         };
+        let mut known: Vec<_> = trial.curves.into_iter().map(|curve| curve.readings).collect();
         let mut divided = false;
         let thinned = self.thinned();
         let share = 0.3 / thinned.len().max(1) as f64;
         for (k, fewer) in thinned.into_iter().enumerate() {
             let part = &mut Part::new(monitor, share * k as f64, share);
             let coarse = Renewed { divided, short: COARSE, renewals: 0 };
-            let found = likelihood(fewer).renewed(coordinates.clone(), coarse, part)?.optimum;
+            let found = likelihood(fewer).renewed((coordinates.clone(), &known), coarse, part)?.optimum;
             solutions += found.solutions;
             if found.converged {
+                known = found.trial.curves.into_iter().map(|curve| curve.readings).collect();
                 (coordinates, divided) = (found.coordinates, true);
             }
         }
         let part = &mut Part::new(monitor, 0.3, 0.5);
         let last = Renewed { divided, short: SHORT, renewals: RENEWALS };
-        let mut ended = likelihood(self.clone()).renewed(coordinates, last, part)?;
+        let mut ended = likelihood(self.clone()).renewed((coordinates, &known), last, part)?;
         ended.optimum.solutions += solutions;
         ended.estimates(&mut Part::new(monitor, 0.8, 0.2))
     }
@@ -114,20 +116,24 @@ struct Renewed {
 }
 
 impl Likelihood {
-    /// The search from `start`, with the noise of the contacts at its end.
+    /// The search from `start`, where the contacts are those of the readings `known`, with the noise of the contacts at its end.
     ///
     /// # Errors
     /// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
     fn renewed(
         mut self,
-        start: Vec<f64>,
+        (start, known): (Vec<f64>, &[ExpectedReadings]),
         Renewed { divided, short, renewals }: Renewed,
         monitor: &mut dyn Monitor,
     ) -> Result<Ended> {
         let mut coordinates = start;
-        let mut readings =
-            self.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.1))?.ok_or_else(none)?;
-        let mut solutions = 1;
+        let mut solutions = 0;
+        let mut readings = if let Some(readings) = ExpectedReadings::again(known, &self.fit.curves) {
+            readings
+        } else {
+            solutions += 1;
+            self.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.1))?.ok_or_else(none)?
+        };
         for renewal in 0..=renewals {
             let monitor = &mut Part::new(monitor, 0.1 + 0.2 * renewal as f64, 0.2);
             let part = &mut Part::new(monitor, 0.0, 0.2);

@@ -14,6 +14,8 @@ const STEPS: usize = 60;
 pub(super) const SHORT: f64 = 1e-6;
 /// A search whose end is only the start of another one: a tenth of an error.
 pub(super) const COARSE: f64 = 1e-2;
+/// One whose end is the start of another one with errors that are several times as large: an error.
+pub(super) const ONE_ERROR: f64 = 1.0;
 /// Or, where no step lowers the deviance by reason of rounding, this short.
 const ROUNDED: f64 = 1e-3;
 /// Smallest damping, relative to the information, where a step without any has failed; factors by which it changes, and its
