@@ -6,7 +6,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use super::hierarchical::{Factor, Hierarchical};
 
 /// Errors of the elements of a covariance that count as none, in multiples of the variance of the independent error of a reading:
-/// of 2000 readings, the log-likelihood changes by some 1e-7.
+/// of 2000 readings, −2 ln L changes by some 1e-9.
 pub(super) const NEGLIGIBLE: f64 = 1e-7;
 
 /// The sizes of errors.
