@@ -45,7 +45,8 @@ def test_the_schema_of_the_command_refuses_most_wrong_scenarios(validator: Any) 
     """The others are wrong by the content of a file, by order or sums of numbers, or by a limit of memory."""
     wrong = scenarios(ROOT / "scenarios" / "invalid")
     refused = [name for name, scenario in wrong.items() if not validator.is_valid(scenario)]
-    assert len(refused) >= 115, sorted(set(wrong) - set(refused))
+    # As the page for editors says.
+    assert len(refused) >= max(115, 0.6 * len(wrong)), sorted(set(wrong) - set(refused))
 
 
 def test_a_mistake_has_one_message_in_the_schema_of_the_command(validator: Any) -> None:

@@ -9,6 +9,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, errors, line, spread};
+use super::simplify::bends;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots};
 use super::{legend, measured, ticks};
 
@@ -23,7 +24,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     band(outcome, position, force, &mut plots, &mut legend);
     let compared = measured::measured(outcome);
-    plots.push(line(curve(position, force), BLUE, 2.0, None));
+    plots.push(line(straight(position, force, force), BLUE, 2.0, None));
     legend.insert(0, style::line("master equation", BLUE, None));
     if let Some(measured) = &compared {
         plots.push(measured::points(measured.clone()));
@@ -77,12 +78,19 @@ fn band(outcome: &Outcome, x: &[f64], force: &[f64], plots: &mut Plots, legend: 
         return;
     };
     let edge = |side: f64| -> Vec<f64> { force.iter().zip(std).map(|(f, s)| f + side * s).collect() };
-    let (lower, upper) = (curve(x, &edge(-2.0)), curve(x, &edge(2.0)));
+    let (lower, upper) = (straight(x, &edge(-2.0), force), straight(x, &edge(2.0), force));
     // The two edges may be thinned at different positions: the outline follows one edge and returns along the other.
     let x: Vec<f64> = merged(&lower, &upper);
     let (lower, upper) = (along(&x, &lower), along(&x, &upper));
     plots.push(Plot::Band(BandPlot::new(x, lower, upper).with_color(BLUE).with_opacity(0.22)));
     legend.push(style::area(format!("±2 std of {} contacts", style::digits(sample)), "#C7DFEE"));
+}
+
+/// A curve whose axes go at least as far as the whole force, without points on straight lines between others.
+fn straight(x: &[f64], y: &[f64], force: &[f64]) -> Vec<Point> {
+    let (low, high) = style::range(std::iter::once(force));
+    let width = x.last().zip(x.first()).map_or(0.0, |(end, start)| end - start);
+    bends(&curve(x, y), (width, high - low))
 }
 
 fn merged(a: &[Point], b: &[Point]) -> Vec<f64> {
