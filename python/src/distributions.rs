@@ -2,6 +2,7 @@
 
 use asperity::Error;
 use asperity::law::{self, parametric_distributions};
+use asperity::monitor::Monitor;
 use asperity::scenario::{self, Component, Tabulated as Table};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -12,7 +13,7 @@ use crate::convert;
 use crate::description::Plain;
 use crate::error;
 use crate::law::{AnyLaw, Law, describe, given, plain};
-use crate::watch::watched;
+use crate::watch::beside;
 
 /// Classes of distributions, each created from its own arguments, with its attributes.
 macro_rules! classes {
@@ -123,10 +124,12 @@ macro_rules! parametric_classes {
         }
 
         /// The member of the class under which samples are most likely; `None` for classes without parameters.
-        pub fn most_likely(class: &Bound<'_, PyType>, samples: &[f64]) -> Option<PyResult<scenario::Law>> {
+        pub fn most_likely(class: &Bound<'_, PyType>, samples: Vec<f64>) -> Option<PyResult<scenario::Law>> {
             let py = class.py();
             $(if class.is(&py.get_type::<$name>()) {
-                let values = watched(None, py, |monitor| law::maximum_likelihood_with($key, samples, monitor));
+                let estimate =
+                    move |monitor: &mut dyn Monitor| law::maximum_likelihood_with($key, &samples, monitor);
+                let values = beside(py, estimate).and_then(|values| values.map_err(error::core));
                 return Some(values.map(|values| {
                     let mut values = values.into_iter();
                     $(let $parameter = values.next().expect("a value for each parameter");)+

@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 
 use asperity::law::{self, SharedLaw};
+use asperity::monitor::Monitor;
 use asperity::random::{Purpose, Stream};
 use asperity::scenario;
 use numpy::IntoPyArray as _;
@@ -16,7 +17,7 @@ use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::convert::{self, Domain, Import, Seed, Size, evaluate};
 use crate::description::{Description, Plain};
 use crate::typed::argument_type;
-use crate::watch::{report, watched};
+use crate::watch::{beside, report, watched};
 use crate::{distributions, error, typed, values};
 
 /// Random numbers drawn between two checks for signals.
@@ -54,8 +55,31 @@ pub struct Law {
 
 /// Creates the base object for `law`, checked and built.
 pub fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
-    let built = Python::attach(|py| watched(None, py, |monitor| law.build_with(monitor)))?;
+    let (law, built) = if is_long(&law) {
+        let build = move |monitor: &mut dyn Monitor| (law.build_with(monitor), law);
+        Python::attach(|py| beside(py, build)).map(|(built, law)| (law, built))?
+    } else {
+        let built = law.build();
+        (law, built)
+    };
+    let built = built.map_err(error::core)?;
     Ok(Description::new(Plain::Law(law)).add_subclass(Law { built }))
+}
+
+/// Whether it takes some milliseconds to build a distribution, since it is given by many numbers.
+fn is_long(law: &scenario::Law) -> bool {
+    const MANY: usize = 1 << 12;
+    match law {
+        scenario::Law::Tabulated(table) => {
+            [&table.samples, &table.stretch].into_iter().flatten().any(|numbers| numbers.len() > MANY)
+        }
+        scenario::Law::Series { boundaries, .. } => boundaries.len() > MANY,
+        scenario::Law::Mixture(components) => {
+            components.len() > MANY || components.iter().any(|component| is_long(&component.law))
+        }
+        scenario::Law::Renormalised { law, .. } => is_long(law),
+        _ => false,
+    }
 }
 
 #[pymethods]
@@ -516,7 +540,7 @@ impl Law {
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = cls.py();
         let samples = convert::list("samples", samples)?;
-        let found = distributions::most_likely(cls, &samples).ok_or_else(|| {
+        let found = distributions::most_likely(cls, samples).ok_or_else(|| {
             let name = cls.name().map_or_else(|_| String::new(), |name| name.to_string());
             PyTypeError::new_err(format!(
                 "fit: expected a class with parameters, such as Gaussian, got {name}"

@@ -26,7 +26,7 @@ LATTICE = asp.Lattice(ROUGH, [256, 256], asp.Rectangular(0.0, 0.5), neighbours=0
 LAW = asp.Gamma(1.0, 0.5)
 PULL = asp.MasterEquation(GAUSSIAN).pull(2.0)
 MANY = np.linspace(0.0, 2.0, 2 * 10**7)
-STEPS = 1.0 + np.arange(200_000.0).reshape(-1, 1) % 7.0
+STEPS = list(1.0 + np.arange(200_000.0).reshape(-1, 1) % 7.0)
 POSITION = np.linspace(0.02, 2.0, 100)
 FIT = asp.fit(ROUGH, POSITION, np.sin(POSITION), free=["count", "thresholds.mean"], noise="white")
 SOON = 0.2
