@@ -117,7 +117,7 @@ impl Piecewise {
     /// `tolerance`.
     #[must_use]
     pub fn joined(self, tolerance: f64) -> Self {
-        self.joined_with(tolerance, |_| Ok(())).expect("an error comes from the function that is called only")
+        self.joined_with(tolerance, |_| Ok(())).expect("the function that is called returns no error")
     }
 
     /// The same with a function that is called at every cell and may end the work.

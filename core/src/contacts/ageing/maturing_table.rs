@@ -12,7 +12,8 @@ use crate::numerics::piecewise::tail;
 
 /// Tolerance of the distribution at each age.
 const LEFT_OUT: f64 = 1e-13;
-/// The same in units of the mass that a distribution has within the rounding of its mean: of narrow ones rounding moves more.
+/// The same for narrow thresholds, in units of ε⟨x_s⟩/s: positions are rounded to ε⟨x_s⟩, and about this mass of a distribution of
+/// standard deviation s lies within such a distance. Steps in age cannot meet a tolerance below it.
 const ROUNDED: f64 = 16.0;
 
 /// First panel of ages, in units of the time in which fresh thresholds change; if their density has jumps, these change at
