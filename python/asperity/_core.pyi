@@ -176,7 +176,7 @@ class Areas(Description):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a modulus or a strength that is not above 0.
 
     Examples
     --------
@@ -229,7 +229,8 @@ class Block(Description):
     Raises
     ------
     ValueError
-        For invalid values, including a damping with which a slip would never end.
+        For a stiffness that is not above 0, a slip that is none of these words, a slip_fraction that is not above 0
+        and up to 1, and, with Inertial, a damping above 1000 √(MK), with which a slip would take too long to follow.
 
     Examples
     --------
@@ -289,7 +290,9 @@ class Block(Description):
         Raises
         ------
         ValueError
-            For invalid values.
+            For a distance, a velocity or an imposed force that is not above 0, more than one of distance,
+            turning_points and force_to, turning points that do not turn, fewer than 2 points, an imposed force with a
+            finite stiffness, no velocity for a Transport, and a velocity for a MasterEquation.
         MemoryError
             For results that do not fit or too many point masses.
         RuntimeError
@@ -317,7 +320,7 @@ class Block(Description):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a distance that is not above 0, fewer than 2 points, and a Transport.
         """
 
     def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
@@ -527,7 +530,7 @@ class ClosedForm:
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0, or beyond 1e5 mean thresholds of Gaussian and Gamma or 300 of Rectangular.
         """
 
     @overload
@@ -555,7 +558,7 @@ class ClosedForm:
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0, or beyond 1e5 mean thresholds of Gaussian and Gamma or 300 of Rectangular.
         """
 
     @overload
@@ -615,7 +618,10 @@ class Contacts(Description):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For both or neither of thresholds and areas; more than one of stiffness, stiffness_per_threshold and
+        stiffness_of_threshold, or one beside areas; both of background_force and background_coefficient, or the latter
+        without normal_load; a count, a stiffness or a normal_load that is not above 0; and a background_force, a
+        background_coefficient or a delay below 0. Rules that do not go together are refused by the models.
 
     Examples
     --------
@@ -747,7 +753,7 @@ class Damped(Description):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a damping that is not above 0.
 
     Examples
     --------
@@ -841,7 +847,10 @@ class Deformable(Description):
         Raises
         ------
         ValueError
-            For invalid values, or for more results than fit in memory.
+            For a distance or a velocity that is not above 0, no velocity for time-dependent contacts or cells with a
+            mass, fewer than 2 points, a tolerance that is not from 1e-12 to 1e-2, maps that do not rise or lie beyond
+            the distance, a catalogue_from below 0, fewer than 2 slip_rates, or some for cells that do not move in
+            time, a number of threads out of its range, and more results than fit in memory.
         """
 
     @property
@@ -930,7 +939,8 @@ class Deformable(Description):
         Raises
         ------
         ValueError
-            For invalid values.
+            For a velocity that is not above 0, none for time-dependent contacts or cells with a mass, and a tolerance
+            that is not from 1e-12 to 1e-2.
         """
 
     @property
@@ -1087,7 +1097,9 @@ class Ensemble(Model):
         Raises
         ------
         ValueError
-            For invalid values.
+            For a distance or a velocity that is not above 0, no velocity for time-dependent contacts, fewer than 2
+            points, snapshots that do not rise or lie beyond the distance, edges below 0 or that do not rise, and a
+            number of threads out of its range.
         MemoryError
             For results that do not fit.
         """
@@ -1242,7 +1254,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a name that is none of `params`.
         """
 
     @property
@@ -1271,7 +1283,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For another number of values than of `params`.
         """
 
     @property
@@ -1327,7 +1339,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a position that is not finite or before which the machine slips, and a curve that does not exist.
         """
 
     def profile(
@@ -1355,7 +1367,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a name that is none of `params`, and values that are nan.
         """
 
     @property
@@ -1524,7 +1536,7 @@ class ExactGaussian(ClosedForm):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a j below 1.
         """
 
     @overload
@@ -1547,7 +1559,7 @@ class ExactGaussian(ClosedForm):
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0 or beyond 1e5 mean thresholds.
         """
 
     @overload
@@ -1611,7 +1623,7 @@ class ExactQuenched:
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0 or beyond 1e4 mean thresholds.
         """
 
     @overload
@@ -1675,7 +1687,7 @@ class Exponential(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a mean that is not above 0. Lengths are from 1e-150 to 1e150.
 
     Examples
     --------
@@ -1754,7 +1766,9 @@ class FrozenRank(Ageing):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a time that is not above 0, and samples or a distribution of scipy.stats with values below 0, given as
+        mature. A mature distribution with point masses or gaps, or that leaves out thresholds of fresh contacts, is
+        refused by the models.
 
     Examples
     --------
@@ -1790,7 +1804,7 @@ class Gamma(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a mean or a std that is not above 0. Lengths are from 1e-150 to 1e150, a std from 1e-14 to 1e6 means.
 
     Examples
     --------
@@ -1817,7 +1831,8 @@ class Gaussian(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a mean below 0, and a std that is not above 0. Lengths are from 1e-150 to 1e150, a std below the mean
+        at least 1e-14 of it.
 
     Examples
     --------
@@ -1967,7 +1982,7 @@ class Inertial(Description):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a mass that is not above 0, and a damping below 0.
 
     Examples
     --------
@@ -2043,7 +2058,12 @@ class Interface(Deformable):
     Raises
     ------
     ValueError
-        For invalid values.
+        For both or neither of neighbours and half_space, poisson_ratio or sliding beside neighbours; a connection,
+        neighbours, half_space, viscosity, mass or drive_tolerance that is not above 0, and a poisson_ratio that is not
+        from -0.9 to 0.48; a disorder below 0, or another number of scale factors than of cells; a slip beside a mass,
+        and none of viscosity, with slip="overdamped", and mass for time-dependent contacts; slip="reset" with a size,
+        a size of 0, and quenched without a size; another word as edges, loading, slip, sliding or start; and cells
+        that are not one or two numbers of 1 or more.
 
     Examples
     --------
@@ -2158,7 +2178,9 @@ class Interface(Deformable):
         Raises
         ------
         ValueError
-            For a cell that does not exist, and for invalid values.
+            For a cell that does not exist, neither or both of stretches and edges, fewer than two edges or edges that
+            do not rise, edges for contacts that follow the master equation without time dependence, a drive at below
+            0, and a velocity that is not above 0, or none where time passes.
         """
 
     @property
@@ -2197,7 +2219,9 @@ class Lattice(Deformable):
     Raises
     ------
     ValueError
-        For invalid values.
+        For cells that are not one or two numbers of 1 or more, neighbours or a connection below 0, a connection of 0
+        where neighbours is 0, another word as edges, disorder or start, a seed that is not below 2^63, and
+        time-dependent contacts.
 
     Examples
     --------
@@ -2320,7 +2344,7 @@ class Law(Description):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For an ub below lb, and a limit that is nan.
         """
 
     @classmethod
@@ -2344,7 +2368,8 @@ class Law(Description):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For no samples, samples below 0, samples of 0 for Gamma, Lognormal and Weibull, and samples that are all
+            equal, but for Point, whose samples have to be, and Exponential.
         """
 
     @overload
@@ -2387,7 +2412,7 @@ class Law(Description):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a confidence that is not from 0 to 1.
         """
 
     @overload
@@ -2512,7 +2537,7 @@ class Law(Description):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For an order above 29.
         """
 
     @overload
@@ -2610,7 +2635,7 @@ class Law(Description):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a size below 0, and a seed that is not below 2^63.
         """
 
     @overload
@@ -2694,14 +2719,16 @@ class Logarithmic(Ageing):
     Parameters
     ----------
     growth
-        Β, 0 or above.
+        The growth β, 0 or above.
     time
-        Τ_0, above 0.
+        The time τ_0, above 0.
 
     Raises
     ------
     TypeError
         For an argument of another type, which the message names.
+    ValueError
+        For a growth below 0, and a time that is not above 0.
 
     Examples
     --------
@@ -2736,7 +2763,7 @@ class Lognormal(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a mean or a std that is not above 0. Lengths are from 1e-150 to 1e150, a std from 1e-14 to 1e6 means.
 
     Examples
     --------
@@ -2821,7 +2848,7 @@ class MasterEquation(Model):
         Raises
         ------
         ValueError
-            For invalid values.
+            For a distance that is not above 0, fewer than 2 points, and more than fit in the memory of any machine.
         MemoryError
             For too many point masses or samples.
         RuntimeError
@@ -2881,7 +2908,9 @@ class MeanField(Ageing):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a diffusion that is not above 0, and samples or a distribution of scipy.stats with values below 0, given as
+        mature. A mature distribution with point masses or gaps, or that leaves out thresholds of fresh contacts, is
+        refused by the models.
 
     Examples
     --------
@@ -2915,7 +2944,7 @@ class Mixture(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For no components, a weight that is not above 0, and weights that do not sum to 1.
 
     Examples
     --------
@@ -2988,7 +3017,7 @@ class Point(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For an at below 0. Lengths are from 1e-150 to 1e150.
 
     Examples
     --------
@@ -3130,7 +3159,7 @@ class Pull(Record):
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0 or beyond the distance.
         """
 
     @overload
@@ -3157,7 +3186,8 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For positions in at below 0 or beyond the distance, a size that is not above 0, and contacts that are
+            refused.
         """
 
     @property
@@ -3193,7 +3223,7 @@ class Pull(Record):
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0 or beyond the distance.
         """
 
     @overload
@@ -3220,7 +3250,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a size that is not above 0, and positions in at below 0 or beyond the distance.
         """
 
     @overload
@@ -3242,7 +3272,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a parameter that is none of `parameters()`, and one by which friction has no derivative.
         """
 
     def friction_gradients(self, /, parameters: Sequence[str]) -> list[FrictionGradient]:
@@ -3262,7 +3292,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a name that is none of `parameters()`, and one by which friction has no derivative.
         """
 
     def gradient(self, /, parameter: str) -> Gradient:
@@ -3283,7 +3313,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a parameter that is none of `parameters()`, and one by which the force has no derivative.
         """
 
     def gradients(self, /, parameters: Sequence[str]) -> list[Gradient]:
@@ -3304,7 +3334,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a name that is none of `parameters()`, and one by which the force has no derivative.
         """
 
     @property
@@ -3398,7 +3428,8 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For positions in at below 0 or beyond the distance, a count below 0, a size that is not above 0, a seed
+            that is not below 2^63, and contacts with a delay, or whose stiffness depends on the threshold.
         """
 
     @overload
@@ -3420,7 +3451,7 @@ class Pull(Record):
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below 0 or beyond the distance.
         """
 
     @overload
@@ -3453,7 +3484,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For positions in at below 0 or beyond the distance, and stretches below 0.
         """
 
     def threshold_response(self, /, thresholds: ArrayLike) -> ThresholdResponse:
@@ -3477,7 +3508,7 @@ class Pull(Record):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For thresholds below 0, and contacts that are refused.
         """
 
 @disjoint_base
@@ -3617,7 +3648,7 @@ class Rectangular(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a min below 0, and a max that is not above min. Lengths are from 1e-150 to 1e150.
 
     Examples
     --------
@@ -3669,7 +3700,7 @@ class Relaxation:
         TypeError
             If position is neither a number nor an array of numbers.
         ValueError
-            For invalid values.
+            For a position below `valid_from`, and contacts for which the expansion holds nowhere.
         """
 
     @overload
@@ -3738,7 +3769,8 @@ class Renormalised(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For thresholds of law that are all 0 or have point masses above 0, and a coupling below 0, or not below
+        critical_coupling(law).
 
     Examples
     --------
@@ -3849,7 +3881,9 @@ class Series(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For fewer than two boundaries, boundaries below 0 or that do not rise, another number of lists of
+        coefficients than of cells, none or more than 16 in a cell, a density that is below 0 somewhere or 0
+        everywhere, and a cut below 0 or above 1e-9.
 
     Examples
     --------
@@ -4049,7 +4083,8 @@ class Simulation:
         IndexError
             If there is no such cell.
         ValueError
-            For invalid values.
+            For stretches and edges together, fewer than two edges or edges that do not rise, and edges for contacts
+            that follow the master equation without time dependence.
         """
 
     @property
@@ -4086,7 +4121,9 @@ class Smoluchowski(Ageing):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a diffusion that is not above 0, and samples or a distribution of scipy.stats with values below 0, given as
+        mature. A mature distribution with point masses or gaps, or that leaves out thresholds of fresh contacts, is
+        refused by the models.
 
     Examples
     --------
@@ -4177,7 +4214,7 @@ class SteadyEstimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a name that is none of `params`.
         """
 
     @property
@@ -4315,7 +4352,7 @@ class SteadyState:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a displacement below 0, a size that is not above 0, and contacts that are refused.
         """
 
     @overload
@@ -4341,7 +4378,7 @@ class SteadyState:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a size that is not above 0.
         """
 
     @property
@@ -4393,7 +4430,7 @@ class SteadyState:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a wave_number below 0, a size that is not above 0, and contacts that are refused.
         """
 
     @overload
@@ -4416,7 +4453,7 @@ class SteadyState:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For stretches below 0.
         """
 
 @final
@@ -4443,7 +4480,10 @@ class Step(Description):
     Raises
     ------
     ValueError
-        For invalid values or combinations.
+        For none or more than one of hold, distance and duration; a velocity beside hold, or none without; a distance,
+        a duration or a hold that is not above 0; a velocity or a velocity_to below 0, or a velocity of 0 over a
+        distance; velocity_to without a duration; pieces without velocity_to, or not from 1 to 65536; and fewer than 2
+        points.
 
     Examples
     --------
@@ -4604,7 +4644,9 @@ class Tabulated(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For neither or both of stretch with density and samples, lists of different lengths, fewer than two rows,
+        no samples, numbers below 0, stretches that do not rise, a density that is 0 everywhere, a bandwidth that
+        is not above 0 or beside exact, and bandwidth or exact without samples.
 
     Examples
     --------
@@ -4648,8 +4690,6 @@ class Tabulated(Law):
 class Temperature(Description):
     """Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
 
-    Values are checked when contacts are made with it.
-
     Parameters
     ----------
     energy
@@ -4664,6 +4704,8 @@ class Temperature(Description):
     ------
     TypeError
         For an argument of another type, which the message names.
+    ValueError
+        For an energy or an attempt_rate that is not above 0, and another word as barrier.
 
     Examples
     --------
@@ -4732,7 +4774,7 @@ class ThresholdResponse:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a position below 0 or beyond the distance, and another number of weights than of positions.
         """
 
     def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
@@ -4779,8 +4821,9 @@ class Transport(Model):
     Raises
     ------
     ValueError
-        For invalid values, and for ageing by MeanField of thresholds with point masses, or with stiffnesses that
-        depend on them.
+        For another word as start, no velocity, one that is not above 0 or initial stretches with start="steady", a
+        velocity without, a tolerance that is not from 1e-12 to 1e-2, and ageing by MeanField of thresholds with point
+        masses, or with stiffnesses that depend on them.
 
     Examples
     --------
@@ -4846,7 +4889,7 @@ class Transport(Model):
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a velocity that is not above 0.
         """
 
     @property
@@ -4976,7 +5019,7 @@ class Weibull(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For a shape or a scale that is not above 0. Lengths are from 1e-150 to 1e150.
 
     Examples
     --------
@@ -5084,7 +5127,7 @@ def critical_coupling(law: _AnyLaw) -> float:
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For samples or a distribution of scipy.stats with values below 0, given as law.
 
     Examples
     --------
@@ -5171,8 +5214,12 @@ def fit(
     Raises
     ------
     ValueError
-        For invalid values, and for numbers that the curve does not determine. A search that does not converge is no
-        error: see Estimates.converged.
+        For an unknown or repeated name in free, none in it, a prior of a number that is not free or whose error is not
+        above 0, an unknown name in laws, a first value that is not above 0 where it has to be, lists of different
+        lengths or with numbers that are not finite, positions that do not rise, fewer readings than free numbers and
+        two, an average of 0, a reading or a drift that is not above 0, a drift of a quarter of the range of positions
+        or more, another word as noise, and numbers that the curve does not determine. A search that does not converge
+        is no error: see Estimates.converged.
 
     Examples
     --------
@@ -5239,8 +5286,10 @@ def fit_steady(
     Raises
     ------
     ValueError
-        For invalid values, for contacts whose spectrum has lines, and for numbers that the record does not determine.
-        A search that does not converge is no error: see SteadyEstimates.converged.
+        For a spacing that is not above 0, an unknown or repeated name in free, none in it, a prior of a number that is
+        not free or whose error is not above 0, fewer than 16 forces for each free number, forces that are not finite
+        or do not scatter, a reading below 0, contacts with a background force or whose spectrum has lines, and numbers
+        that the record does not determine. A search that does not converge is no error: see SteadyEstimates.converged.
 
     Examples
     --------
@@ -5296,7 +5345,9 @@ def fit_velocity_step(
     Raises
     ------
     ValueError
-        For invalid values, displacements that do not rise, and fewer than 8 points after the step.
+        For a ratio or a stiffness that is not above 0, a ratio of 1, another word as law, states other than 1 or 2,
+        lists of different lengths or with numbers that are not finite, displacements that do not rise, fewer than 8
+        points after the step, and a force that is constant or that rate-and-state friction does not describe.
 
     Examples
     --------
@@ -5328,7 +5379,8 @@ def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> f
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For reforming stretches that are not below all thresholds, and samples or a distribution of scipy.stats with
+        values below 0.
 
     Examples
     --------
@@ -5354,7 +5406,7 @@ def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For samples or a distribution of scipy.stats with values below 0, given as thresholds.
 
     Examples
     --------
@@ -5414,7 +5466,8 @@ def read_healing(hold: ArrayLike, force: ArrayLike) -> Healing:
     Raises
     ------
     ValueError
-        For invalid values, and for forces that grow in proportion to the hold time.
+        For fewer than 4 different holds, holds that are not above 0, another number of forces than of holds, forces
+        that are not finite, and forces that grow in proportion to the hold time.
 
     Examples
     --------
@@ -5475,7 +5528,9 @@ def read_velocity_step(
     Raises
     ------
     ValueError
-        For invalid values, positions that do not rise, and too few points.
+        For a ratio that is not above 0 or is 1, lists of different lengths or with numbers that are not finite,
+        positions that do not rise, fewer than 4 points before the step without before, or 8 from the peak on, a peak
+        below 0, another word as noise, an average of 0, and forces from which the parameters do not follow.
 
     Examples
     --------
@@ -5600,7 +5655,7 @@ def steady_variance(thresholds: _AnyLaw) -> float:
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For samples or a distribution of scipy.stats with values below 0, given as thresholds.
 
     Examples
     --------
@@ -5626,7 +5681,7 @@ def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For invalid values.
+        For samples or a distribution of scipy.stats with values below 0, given as thresholds.
 
     Examples
     --------

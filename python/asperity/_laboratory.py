@@ -178,7 +178,8 @@ class LaboratoryRecord:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For an apart that is not from 0 to 1, a least below 3, a record of fewer than twice as many
+            readings, and times that do not rise.
         """
         apart, least = _number("apart", apart), _whole("least", least)
         pieces = _measured_pieces(self.time, self.displacement, apart, least)
@@ -188,7 +189,10 @@ class LaboratoryRecord:
         for start, stop, begin, velocity, error in pieces:
             kind: Literal["forward", "hold", "backward"]
             kind = "hold" if abs(velocity) <= limit else "forward" if velocity > 0.0 else "backward"
-            found.append(Motion(kind, velocity, error, begin, start, stop))
+            motion = Motion(kind, velocity, error, begin, start, stop)
+            if kind == "hold" and found and found[-1].kind == "hold":
+                motion = _one_hold(found.pop(), motion)
+            found.append(motion)
         return found
 
     def cycles(self, **options: Any) -> list["LaboratoryRecord"]:
@@ -209,7 +213,7 @@ class LaboratoryRecord:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            As for motions().
         """
         motions = self.motions(**options)
         moving = [motion for motion in motions if motion.kind != "hold"]
@@ -283,7 +287,8 @@ class LaboratoryRecord:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For invalid values.
+            For a number of no step, and for what read_velocity_step refuses, such as fewer than 8 readings
+            after the step.
         """
         if motions is not None and not isinstance(motions, Iterable):
             raise wrong("motions", "a list of Motion", motions)
@@ -421,6 +426,15 @@ def read_laboratory(
     order = ("time", "displacement", "force", "normal")
     ordered: dict[str, str] = {role: roles[role] for role in order if role in roles}
     return LaboratoryRecord(columns, given, ordered)
+
+
+def _one_hold(first: Motion, second: Motion) -> Motion:
+    """Two holds that follow each other: slow drifts, or roundings, of different velocities."""
+    readings = np.array([first.stop - first.start, second.stop - second.start])
+    shares = readings / readings.sum()
+    velocity = float(shares @ [first.velocity, second.velocity])
+    error = float(np.hypot(*(shares * [first.error, second.error])))
+    return Motion("hold", velocity, error, first.begin, first.start, second.stop)
 
 
 def split(lines: list[str]) -> list[list[str]]:

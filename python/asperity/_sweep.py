@@ -87,7 +87,7 @@ def sweep(
     Raises
     ------
     ValueError
-        For an invalid value of the scenario at a corner of the axes, before anything is computed.
+        For a scenario that is not valid at a corner of the axes, before anything is computed.
     FileExistsError
         For a folder that asperity did not make, or in which another sweep runs.
     MemoryError

@@ -462,7 +462,8 @@ def velocity_curve(
     Raises
     ------
     ValueError
-        For a velocity that is not above 0 or below the one before, and for invalid values.
+        For velocities or temperatures that are not above 0, velocities or a span that do not rise, fewer
+        than 2 points, an ensemble without contacts, and a tolerance that is not from 1e-12 to 1e-2.
     TypeError
         For velocities and a span, or neither; for one velocity with temperatures or an ensemble.
 
@@ -547,7 +548,8 @@ def stability(
     Raises
     ------
     ValueError
-        For invalid values.
+        For a span that does not rise from above 0, fewer than 2 points, a block whose slips are neither
+        Damped nor Inertial over time-dependent contacts, and a tolerance that is not from 1e-12 to 1e-2.
 
     Examples
     --------
@@ -615,7 +617,8 @@ def hold_curve(
     Raises
     ------
     ValueError
-        For invalid values.
+        For a span that does not rise from above 0, a velocity that is not above 0, fewer than 2 points, an
+        ensemble without contacts, and a tolerance that is not from 1e-12 to 1e-2.
 
     Examples
     --------
@@ -693,7 +696,8 @@ def creep(
     Raises
     ------
     ValueError
-        For invalid values.
+        For no forces, a force, a duration or a loading_rate that is not above 0, fewer than 2 points, and a
+        tolerance that is not from 1e-12 to 1e-2.
 
     Examples
     --------
@@ -758,7 +762,7 @@ def healing(
     Raises
     ------
     ValueError
-        For invalid values.
+        As for hold_curve.
 
     Examples
     --------
@@ -796,7 +800,8 @@ def renormalisation(
     Raises
     ------
     ValueError
-        For identical thresholds, stretched contacts, cells without disorder, and invalid values.
+        For fewer than 2 runs, points below 1, identical thresholds, stretched contacts, and cells
+        without disorder.
 
     Examples
     --------
@@ -868,7 +873,8 @@ def compare(
     Raises
     ------
     ValueError
-        For numbers of different length, and for invalid values.
+        For no points, lists of different lengths or with numbers that are not finite, a distance that is not
+        above 0, and fewer than 2 points.
 
     Examples
     --------

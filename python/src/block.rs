@@ -36,7 +36,7 @@ use crate::{error, typed, values};
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For a mass that is not above 0, and a damping below 0.
 ///
 /// Examples
 /// --------
@@ -96,7 +96,7 @@ impl Inertial {
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For a damping that is not above 0.
 ///
 /// Examples
 /// --------
@@ -204,7 +204,8 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, including a damping with which a slip would never end.
+///     For a stiffness that is not above 0, a slip that is none of these words, a slip_fraction that is not above 0
+///     and up to 1, and, with Inertial, a damping above 1000 √(MK), with which a slip would take too long to follow.
 ///
 /// Examples
 /// --------
@@ -426,7 +427,9 @@ impl Block {
     /// Raises
     /// ------
     /// ValueError
-    ///     For invalid values.
+    ///     For a distance, a velocity or an imposed force that is not above 0, more than one of distance,
+    ///     turning_points and force_to, turning points that do not turn, fewer than 2 points, an imposed force with a
+    ///     finite stiffness, no velocity for a Transport, and a velocity for a MasterEquation.
     /// MemoryError
     ///     For results that do not fit or too many point masses.
     /// RuntimeError
@@ -523,7 +526,7 @@ impl Block {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a distance that is not above 0, fewer than 2 points, and a Transport.
     #[pyo3(
         signature = (distance = None, points = Whole::new(2001)),
         text_signature = "($self, distance=None, points=2001)"

@@ -33,7 +33,7 @@ use crate::watch::watched;
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For a modulus or a strength that is not above 0.
 ///
 /// Examples
 /// --------
@@ -142,7 +142,10 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For both or neither of thresholds and areas; more than one of stiffness, stiffness_per_threshold and
+///     stiffness_of_threshold, or one beside areas; both of background_force and background_coefficient, or the latter
+///     without normal_load; a count, a stiffness or a normal_load that is not above 0; and a background_force, a
+///     background_coefficient or a delay below 0. Rules that do not go together are refused by the models.
 ///
 /// Examples
 /// --------

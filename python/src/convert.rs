@@ -66,7 +66,11 @@ impl Domain {
 
     fn refuse(&self, key: &str, value: f64) -> PyErr {
         let Self { low, high, what } = self;
-        let range = if low.is_finite() { format!(" from {low} to {high}") } else { String::new() };
+        let range = match (low.is_finite(), *high < f64::MAX) {
+            (true, true) => format!(" from {low} to {high}"),
+            (true, false) => format!(" of {low} or above"),
+            (false, _) => String::new(),
+        };
         invalid(key, format!("{what}{range}"), value)
     }
 }

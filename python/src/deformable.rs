@@ -95,7 +95,10 @@ impl Deformable {
     /// Raises
     /// ------
     /// ValueError
-    ///     For invalid values, or for more results than fit in memory.
+    ///     For a distance or a velocity that is not above 0, no velocity for time-dependent contacts or cells with a
+    ///     mass, fewer than 2 points, a tolerance that is not from 1e-12 to 1e-2, maps that do not rise or lie beyond
+    ///     the distance, a catalogue_from below 0, fewer than 2 slip_rates, or some for cells that do not move in
+    ///     time, a number of threads out of its range, and more results than fit in memory.
     #[pyo3(
         signature = (
             distance = Real::new(20.0), points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
@@ -207,7 +210,8 @@ impl Deformable {
     /// Raises
     /// ------
     /// ValueError
-    ///     For invalid values.
+    ///     For a velocity that is not above 0, none for time-dependent contacts or cells with a mass, and a tolerance
+    ///     that is not from 1e-12 to 1e-2.
     #[pyo3(signature = (*, velocity = None, tolerance = None))]
     fn simulation(
         slf: &Bound<'_, Self>,

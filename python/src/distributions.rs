@@ -90,6 +90,29 @@ macro_rules! example {
     };
 }
 
+/// The values that a parametric distribution refuses.
+macro_rules! refused {
+    (Gaussian) => {
+        "For a mean below 0, and a std that is not above 0. Lengths are from 1e-150 to 1e150, a std below the mean\n    at least 1e-14 of it."
+    };
+    (Rectangular) => {
+        "For a min below 0, and a max that is not above min. Lengths are from 1e-150 to 1e150."
+    };
+    (Point) => {
+        "For an at below 0. Lengths are from 1e-150 to 1e150."
+    };
+    (Exponential) => {
+        "For a mean that is not above 0. Lengths are from 1e-150 to 1e150."
+    };
+    (Weibull) => {
+        "For a shape or a scale that is not above 0. Lengths are from 1e-150 to 1e150."
+    };
+    // Gamma and Lognormal.
+    ($name:ident) => {
+        "For a mean or a std that is not above 0. Lengths are from 1e-150 to 1e150, a std from 1e-14 to 1e6 means."
+    };
+}
+
 /// The classes of parametric distributions, from their declarations.
 macro_rules! parametric_classes {
     ($(
@@ -103,7 +126,10 @@ macro_rules! parametric_classes {
                 $(#[doc = $doc])+
                 #[doc = "\nParameters\n----------"]
                 $(#[doc = concat!(stringify!($parameter), "\n   ", $($parameter_doc),+)])+
-                #[doc = "\nRaises\n------\nTypeError\n    For an argument of another type, which the message names.\nValueError\n    For invalid values."]
+                #[doc = concat!(
+                    "\nRaises\n------\nTypeError\n    For an argument of another type, which the message names.\nValueError\n    ",
+                    refused!($name)
+                )]
                 #[doc = concat!("\nExamples\n--------\n>>> import asperity as asp\n", example!($name))]
                 $name($($parameter),+) { $($parameter: Real),+ } => scenario::Law::$name {
                     $($parameter: $parameter.get(stringify!($parameter))?),+
@@ -220,7 +246,9 @@ classes! {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For neither or both of stretch with density and samples, lists of different lengths, fewer than two rows,
+    ///     no samples, numbers below 0, stretches that do not rise, a density that is 0 everywhere, a bandwidth that
+    ///     is not above 0 or beside exact, and bandwidth or exact without samples.
     ///
     /// Examples
     /// --------
@@ -284,7 +312,9 @@ classes! {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For fewer than two boundaries, boundaries below 0 or that do not rise, another number of lists of
+    ///     coefficients than of cells, none or more than 16 in a cell, a density that is below 0 somewhere or 0
+    ///     everywhere, and a cut below 0 or above 1e-9.
     ///
     /// Examples
     /// --------
@@ -327,7 +357,7 @@ classes! {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For no components, a weight that is not above 0, and weights that do not sum to 1.
     ///
     /// Examples
     /// --------
@@ -365,7 +395,8 @@ classes! {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For thresholds of law that are all 0 or have point masses above 0, and a coupling below 0, or not below
+    ///     critical_coupling(law).
     ///
     /// Examples
     /// --------

@@ -154,7 +154,9 @@ impl Ensemble {
     /// Raises
     /// ------
     /// ValueError
-    ///     For invalid values.
+    ///     For a distance or a velocity that is not above 0, no velocity for time-dependent contacts, fewer than 2
+    ///     points, snapshots that do not rise or lie beyond the distance, edges below 0 or that do not rise, and a
+    ///     number of threads out of its range.
     /// MemoryError
     ///     For results that do not fit.
     #[pyo3(

@@ -133,7 +133,7 @@ impl MasterEquation {
     /// Raises
     /// ------
     /// ValueError
-    ///     For invalid values.
+    ///     For a distance that is not above 0, fewer than 2 points, and more than fit in the memory of any machine.
     /// MemoryError
     ///     For too many point masses or samples.
     /// RuntimeError
@@ -272,7 +272,7 @@ impl SteadyState {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a size that is not above 0.
     fn force_std(&self, size: Real) -> PyResult<f64> {
         let size = size.get("size")?;
         Ok(self.steady.force_std(convert::contacts("size", size)?))
@@ -300,7 +300,7 @@ impl SteadyState {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a displacement below 0, a size that is not above 0, and contacts that are refused.
     #[pyo3(signature = (displacement: "float; ArrayLike", size = None) -> "float; _Array")]
     fn autocovariance<'py>(
         &self,
@@ -337,7 +337,7 @@ impl SteadyState {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a wave_number below 0, a size that is not above 0, and contacts that are refused.
     #[pyo3(signature = (wave_number: "float; ArrayLike", size = None) -> "float; _Array")]
     fn spectrum<'py>(
         &self,
@@ -369,7 +369,7 @@ impl SteadyState {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For stretches below 0.
     #[pyo3(signature = (stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
@@ -488,7 +488,7 @@ impl Relaxation {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below `valid_from`, and contacts for which the expansion holds nowhere.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let valid = self.relaxation.valid_from();

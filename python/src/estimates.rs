@@ -198,7 +198,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position that is not finite or before which the machine slips, and a curve that does not exist.
     #[pyo3(signature = (position: "ArrayLike", curve = Whole::new(0)), text_signature = "(self, position, curve=0)")]
     fn predict<'py>(
         &self,
@@ -288,7 +288,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a name that is none of `params`, and values that are nan.
     #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
     fn profile<'py>(
         &self,
@@ -334,7 +334,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a name that is none of `params`.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -367,7 +367,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For another number of values than of `params`.
     #[pyo3(signature = (values: "ArrayLike"))]
     fn log_likelihood<'py>(
         &self,

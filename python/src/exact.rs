@@ -55,7 +55,7 @@ impl ClosedForm {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0, or beyond 1e5 mean thresholds of Gaussian and Gamma or 300 of Rectangular.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.force(x))
@@ -78,7 +78,7 @@ impl ClosedForm {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0, or beyond 1e5 mean thresholds of Gaussian and Gamma or 300 of Rectangular.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.slope(x))
@@ -153,7 +153,7 @@ impl Gaussian {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0 or beyond 1e5 mean thresholds.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
@@ -175,7 +175,7 @@ impl Gaussian {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a j below 1.
     fn relaxation_root<'py>(&self, py: Python<'py>, j: Whole) -> PyResult<Bound<'py, PyComplex>> {
         let j = j.get("j")?;
         if j == 0 {
@@ -396,7 +396,7 @@ impl Quenched {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0 or beyond 1e4 mean thresholds.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))
@@ -442,7 +442,8 @@ fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, S
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For reforming stretches that are not below all thresholds, and samples or a distribution of scipy.stats with
+///     values below 0.
 ///
 /// Examples
 /// --------
@@ -482,7 +483,7 @@ pub fn kinetic_friction(thresholds: Argument<AnyLaw>, reforming: Option<Argument
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For samples or a distribution of scipy.stats with values below 0, given as thresholds.
 ///
 /// Examples
 /// --------
@@ -511,7 +512,7 @@ pub fn kinetic_friction_per_threshold(thresholds: Argument<AnyLaw>) -> PyResult<
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For samples or a distribution of scipy.stats with values below 0, given as thresholds.
 ///
 /// Examples
 /// --------
@@ -540,7 +541,7 @@ pub fn steady_variance(thresholds: Argument<AnyLaw>) -> PyResult<f64> {
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For samples or a distribution of scipy.stats with values below 0, given as thresholds.
 ///
 /// Examples
 /// --------

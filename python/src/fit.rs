@@ -77,8 +77,12 @@ use crate::watch::watched;
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, and for numbers that the curve does not determine. A search that does not converge is no
-///     error: see Estimates.converged.
+///     For an unknown or repeated name in free, none in it, a prior of a number that is not free or whose error is not
+///     above 0, an unknown name in laws, a first value that is not above 0 where it has to be, lists of different
+///     lengths or with numbers that are not finite, positions that do not rise, fewer readings than free numbers and
+///     two, an average of 0, a reading or a drift that is not above 0, a drift of a quarter of the range of positions
+///     or more, another word as noise, and numbers that the curve does not determine. A search that does not converge
+///     is no error: see Estimates.converged.
 ///
 /// Examples
 /// --------

@@ -60,8 +60,10 @@ use crate::{error, typed, values};
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, for contacts whose spectrum has lines, and for numbers that the record does not determine.
-///     A search that does not converge is no error: see SteadyEstimates.converged.
+///     For a spacing that is not above 0, an unknown or repeated name in free, none in it, a prior of a number that is
+///     not free or whose error is not above 0, fewer than 16 forces for each free number, forces that are not finite
+///     or do not scatter, a reading below 0, contacts with a background force or whose spectrum has lines, and numbers
+///     that the record does not determine. A search that does not converge is no error: see SteadyEstimates.converged.
 ///
 /// Examples
 /// --------
@@ -307,7 +309,7 @@ impl SteadyEstimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a name that is none of `params`.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,

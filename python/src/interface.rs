@@ -72,7 +72,12 @@ use crate::{error, simulated, typed, values};
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values.
+///     For both or neither of neighbours and half_space, poisson_ratio or sliding beside neighbours; a connection,
+///     neighbours, half_space, viscosity, mass or drive_tolerance that is not above 0, and a poisson_ratio that is not
+///     from -0.9 to 0.48; a disorder below 0, or another number of scale factors than of cells; a slip beside a mass,
+///     and none of viscosity, with slip="overdamped", and mass for time-dependent contacts; slip="reset" with a size,
+///     a size of 0, and quenched without a size; another word as edges, loading, slip, sliding or start; and cells
+///     that are not one or two numbers of 1 or more.
 ///
 /// Examples
 /// --------
@@ -291,7 +296,9 @@ impl Interface {
     /// Raises
     /// ------
     /// ValueError
-    ///     For a cell that does not exist, and for invalid values.
+    ///     For a cell that does not exist, neither or both of stretches and edges, fewer than two edges or edges that
+    ///     do not rise, edges for contacts that follow the master equation without time dependence, a drive at below
+    ///     0, and a velocity that is not above 0, or none where time passes.
     #[pyo3(
         signature = (cell, stretches: "ArrayLike | None" = None, *, at, velocity = None, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell, stretches=None, *, at, velocity=None, edges=None, progress=None)"

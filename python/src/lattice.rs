@@ -36,7 +36,9 @@ use crate::typed;
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values.
+///     For cells that are not one or two numbers of 1 or more, neighbours or a connection below 0, a connection of 0
+///     where neighbours is 0, another word as edges, disorder or start, a seed that is not below 2^63, and
+///     time-dependent contacts.
 ///
 /// Examples
 /// --------

@@ -309,7 +309,7 @@ impl Law {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a size below 0, and a seed that is not below 2^63.
     #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, random_state: "_Seed | None" = None, *, seed: "_Seed | None" = None) -> "float; _Array")]
     fn rvs<'py>(
         &self,
@@ -398,7 +398,7 @@ impl Law {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a confidence that is not from 0 to 1.
     fn interval(&self, confidence: Real) -> PyResult<(f64, f64)> {
         let confidence = confidence.get("confidence")?;
         if !(0.0..=1.0).contains(&confidence) {
@@ -484,7 +484,7 @@ impl Law {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For an ub below lb, and a limit that is nan.
     #[pyo3(signature = (func: "Callable[[float], SupportsFloat] | None" = None, *, lb: "_Number | None" = None, ub: "_Number | None" = None, conditional: "bool" = Argument::new(false)), text_signature = "($self, func=None, *, lb=None, ub=None, conditional=False)")]
     fn expect(
         &self,
@@ -534,7 +534,8 @@ impl Law {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For no samples, samples below 0, samples of 0 for Gamma, Lognormal and Weibull, and samples that are all
+    ///     equal, but for Point, whose samples have to be, and Exponential.
     #[classmethod]
     #[pyo3(signature = (samples: "ArrayLike") -> "Self")]
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -565,7 +566,7 @@ impl Law {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For an order above 29.
     fn moment(&self, order: Whole) -> PyResult<f64> {
         let order = order.get("order")?;
         if order > 29 {
@@ -663,7 +664,7 @@ pub fn plain<'a>(law: &'a Bound<'_, Law>) -> &'a scenario::Law {
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For samples or a distribution of scipy.stats with values below 0, given as law.
 ///
 /// Examples
 /// --------

@@ -49,7 +49,9 @@ enum LawWord {
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, displacements that do not rise, and fewer than 8 points after the step.
+///     For a ratio or a stiffness that is not above 0, a ratio of 1, another word as law, states other than 1 or 2,
+///     lists of different lengths or with numbers that are not finite, displacements that do not rise, fewer than 8
+///     points after the step, and a force that is constant or that rate-and-state friction does not describe.
 ///
 /// Examples
 /// --------

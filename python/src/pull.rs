@@ -225,7 +225,7 @@ impl Pull {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0 or beyond the distance.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -254,7 +254,7 @@ impl Pull {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0 or beyond the distance.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -278,7 +278,7 @@ impl Pull {
     /// TypeError
     ///     If position is neither a number nor an array of numbers.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0 or beyond the distance.
     #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn breaking_rate_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pull = self.solution(position.py())?;
@@ -305,7 +305,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a size that is not above 0, and positions in at below 0 or beyond the distance.
     #[pyo3(signature = (size, at: "float; ArrayLike | None" = None) -> "float; _Array")]
     fn force_std<'py>(
         slf: &Bound<'py, Self>,
@@ -341,7 +341,8 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For positions in at below 0 or beyond the distance, a size that is not above 0, and contacts that are
+    ///     refused.
     #[pyo3(signature = (at: "ArrayLike", size = None))]
     fn covariance<'py>(
         &self,
@@ -381,7 +382,8 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For positions in at below 0 or beyond the distance, a count below 0, a size that is not above 0, a seed
+    ///     that is not below 2^63, and contacts with a delay, or whose stiffness depends on the threshold.
     #[pyo3(signature = (at: "ArrayLike", count, size = None, *, seed))]
     fn sample_paths<'py>(
         &self,
@@ -494,7 +496,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a parameter that is none of `parameters()`, and one by which the force has no derivative.
     fn gradient(slf: &Bound<'_, Self>, parameter: Argument<String>) -> PyResult<Gradient> {
         let parameter = parameter.get("parameter")?;
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
@@ -519,7 +521,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a name that is none of `parameters()`, and one by which the force has no derivative.
     fn gradients(slf: &Bound<'_, Self>, parameters: Argument<Vec<String>>) -> PyResult<Vec<Gradient>> {
         let parameters = parameters.get("parameters")?;
         let (py, pull) = (slf.py(), slf.get().solution(slf.py())?);
@@ -546,7 +548,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a parameter that is none of `parameters()`, and one by which friction has no derivative.
     fn friction_gradient(&self, py: Python<'_>, parameter: Argument<String>) -> PyResult<FrictionGradient> {
         let parameter = parameter.get("parameter")?;
         let pull = self.solution(py)?;
@@ -570,7 +572,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a name that is none of `parameters()`, and one by which friction has no derivative.
     fn friction_gradients(
         &self,
         py: Python<'_>,
@@ -603,7 +605,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For thresholds below 0, and contacts that are refused.
     #[pyo3(signature = (thresholds: "ArrayLike"))]
     fn threshold_response(
         slf: &Bound<'_, Self>,
@@ -636,7 +638,7 @@ impl Pull {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For positions in at below 0 or beyond the distance, and stretches below 0.
     #[pyo3(signature = (at: "ArrayLike", stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
@@ -792,7 +794,7 @@ impl ThresholdResponse {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a position below 0 or beyond the distance, and another number of weights than of positions.
     #[pyo3(signature = (position: "ArrayLike", weights: "ArrayLike"))]
     fn adjoint<'py>(
         &self,

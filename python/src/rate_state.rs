@@ -213,7 +213,9 @@ impl VelocityStep {
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, positions that do not rise, and too few points.
+///     For a ratio that is not above 0 or is 1, lists of different lengths or with numbers that are not finite,
+///     positions that do not rise, fewer than 4 points before the step without before, or 8 from the peak on, a peak
+///     below 0, another word as noise, an average of 0, and forces from which the parameters do not follow.
 ///
 /// Examples
 /// --------
@@ -392,7 +394,8 @@ impl Healing {
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, and for forces that grow in proportion to the hold time.
+///     For fewer than 4 different holds, holds that are not above 0, another number of forces than of holds, forces
+///     that are not finite, and forces that grow in proportion to the hold time.
 ///
 /// Examples
 /// --------

@@ -8,11 +8,17 @@ use crate::argument::{Argument, Real};
 use crate::convert;
 use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, Law, given};
-use crate::typed;
+use crate::{error, typed};
+
+/// A value that has to be a finite number above 0.
+fn above_zero(key: &str, value: f64) -> PyResult<f64> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(error::invalid(key, "a finite number above 0", value))
+}
 
 /// Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
-///
-/// Values are checked when contacts are made with it.
 ///
 /// Parameters
 /// ----------
@@ -28,6 +34,8 @@ use crate::typed;
 /// ------
 /// TypeError
 ///     For an argument of another type, which the message names.
+/// ValueError
+///     For an energy or an attempt_rate that is not above 0, and another word as barrier.
 ///
 /// Examples
 /// --------
@@ -53,6 +61,8 @@ impl Temperature {
         let energy = energy.get("energy")?;
         let attempt_rate = attempt_rate.get("attempt_rate")?;
         let barrier = convert::word("barrier", &barrier)?;
+        above_zero("energy", energy)?;
+        above_zero("attempt_rate", attempt_rate)?;
         let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });
         Ok(Description::new(plain).add_subclass(Self))
     }
@@ -141,7 +151,9 @@ impl Ageing {
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For a diffusion that is not above 0, and samples or a distribution of scipy.stats with values below 0, given as
+///     mature. A mature distribution with point masses or gaps, or that leaves out thresholds of fresh contacts, is
+///     refused by the models.
 ///
 /// Examples
 /// --------
@@ -158,7 +170,7 @@ impl Smoluchowski {
     #[new]
     fn new(mature: Argument<AnyLaw>, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
         let mature = mature.get("mature")?;
-        let diffusion = diffusion.get("diffusion")?;
+        let diffusion = above_zero("diffusion", diffusion.get("diffusion")?)?;
         Ok(Ageing::described(scenario::Ageing::Smoluchowski { mature: mature.0, diffusion })
             .add_subclass(Self))
     }
@@ -190,7 +202,9 @@ impl Smoluchowski {
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For a time that is not above 0, and samples or a distribution of scipy.stats with values below 0, given as
+///     mature. A mature distribution with point masses or gaps, or that leaves out thresholds of fresh contacts, is
+///     refused by the models.
 ///
 /// Examples
 /// --------
@@ -207,7 +221,7 @@ impl FrozenRank {
     #[new]
     fn new(mature: Argument<AnyLaw>, time: Real) -> PyResult<PyClassInitializer<Self>> {
         let mature = mature.get("mature")?;
-        let time = time.get("time")?;
+        let time = above_zero("time", time.get("time")?)?;
         Ok(Ageing::described(scenario::Ageing::FrozenRank { mature: mature.0, time }).add_subclass(Self))
     }
 
@@ -229,14 +243,16 @@ impl FrozenRank {
 /// Parameters
 /// ----------
 /// growth
-///     Β, 0 or above.
+///     The growth β, 0 or above.
 /// time
-///     Τ_0, above 0.
+///     The time τ_0, above 0.
 ///
 /// Raises
 /// ------
 /// TypeError
 ///     For an argument of another type, which the message names.
+/// ValueError
+///     For a growth below 0, and a time that is not above 0.
 ///
 /// Examples
 /// --------
@@ -252,7 +268,10 @@ impl Logarithmic {
     #[new]
     fn new(growth: Real, time: Real) -> PyResult<PyClassInitializer<Self>> {
         let growth = growth.get("growth")?;
-        let time = time.get("time")?;
+        if !(growth.is_finite() && growth >= 0.0) {
+            return Err(error::invalid("growth", "a finite number, 0 or above", growth));
+        }
+        let time = above_zero("time", time.get("time")?)?;
         Ok(Ageing::described(scenario::Ageing::Logarithmic { growth, time }).add_subclass(Self))
     }
 
@@ -287,7 +306,9 @@ impl Logarithmic {
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For invalid values.
+///     For a diffusion that is not above 0, and samples or a distribution of scipy.stats with values below 0, given as
+///     mature. A mature distribution with point masses or gaps, or that leaves out thresholds of fresh contacts, is
+///     refused by the models.
 ///
 /// Examples
 /// --------
@@ -304,7 +325,7 @@ impl MeanField {
     #[new]
     fn new(mature: Argument<AnyLaw>, diffusion: Real) -> PyResult<PyClassInitializer<Self>> {
         let mature = mature.get("mature")?;
-        let diffusion = diffusion.get("diffusion")?;
+        let diffusion = above_zero("diffusion", diffusion.get("diffusion")?)?;
         Ok(Ageing::described(scenario::Ageing::MeanField { mature: mature.0, diffusion }).add_subclass(Self))
     }
 

@@ -288,7 +288,8 @@ impl Simulation {
     /// IndexError
     ///     If there is no such cell.
     /// ValueError
-    ///     For invalid values.
+    ///     For stretches and edges together, fewer than two edges or edges that do not rise, and edges for contacts
+    ///     that follow the master equation without time dependence.
     #[pyo3(
         signature = (cell = Whole::new(0), stretches: "ArrayLike | None" = None, *, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell=0, stretches=None, *, edges=None, progress=None)"

@@ -41,7 +41,10 @@ use crate::watch::watched;
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values or combinations.
+///     For none or more than one of hold, distance and duration; a velocity beside hold, or none without; a distance,
+///     a duration or a hold that is not above 0; a velocity or a velocity_to below 0, or a velocity of 0 over a
+///     distance; velocity_to without a duration; pieces without velocity_to, or not from 1 to 65536; and fewer than 2
+///     points.
 ///
 /// Examples
 /// --------
@@ -177,8 +180,9 @@ pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 /// Raises
 /// ------
 /// ValueError
-///     For invalid values, and for ageing by MeanField of thresholds with point masses, or with stiffnesses that
-///     depend on them.
+///     For another word as start, no velocity, one that is not above 0 or initial stretches with start="steady", a
+///     velocity without, a tolerance that is not from 1e-12 to 1e-2, and ageing by MeanField of thresholds with point
+///     masses, or with stiffnesses that depend on them.
 ///
 /// Examples
 /// --------
@@ -250,7 +254,7 @@ impl Transport {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For invalid values.
+    ///     For a velocity that is not above 0.
     #[pyo3(signature = (*, velocity))]
     fn simulation(slf: &Bound<'_, Self>, velocity: Real) -> PyResult<Simulation> {
         let velocity = velocity.get("velocity")?;

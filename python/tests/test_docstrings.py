@@ -102,6 +102,12 @@ def test_what_takes_arguments_says_what_it_raises(name: str) -> None:
     assert "Raises" in sections(CALLED[name]) or not arguments(CALLED[name])
 
 
+@pytest.mark.parametrize("name", CALLED)
+def test_what_is_raised_names_its_condition(name: str) -> None:
+    raises = sections(CALLED[name]).get("Raises", "").lower()
+    assert not re.search(r"invalid (values?|arguments?|input|options?)", raises)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_every_public_name_has_examples(name: str) -> None:
     assert ">>>" in sections(NAMES[name]).get("Examples", "")

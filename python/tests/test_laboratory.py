@@ -79,6 +79,21 @@ def record(pieces: list[tuple[float, int]], force: Any = None) -> asp.Laboratory
     return asp.LaboratoryRecord(columns, roles={name: name for name in columns})
 
 
+def test_a_hold_is_one_hold(tmp_path: Path) -> None:
+    # Without noise, roundings of a position at rest differ from those of the last one before it moves again.
+    time = np.arange(0.0, 60.0, 0.05)
+    place = np.where(time < 20.0, time, np.where(time < 40.0, 20.0, 20.0 + 2.0 * (time - 40.0)))
+    rows = np.c_[time, place, np.ones_like(time)]
+    names = "time (s),displacement (um),force (N)"
+    np.savetxt(tmp_path / "rest.csv", rows, delimiter=",", header=names, comments="")
+    motions = asp.read_laboratory(tmp_path / "rest.csv").motions()
+    assert [motion.kind for motion in motions] == ["forward", "hold", "forward"]
+    assert [motion.stop for motion in motions[:-1]] == [motion.start for motion in motions[1:]]
+    # Lines of the parts meet at the true times, to the rounding of the readings in the file.
+    assert [motion.begin for motion in motions] == pytest.approx([0.0, 20.0, 40.0], abs=1e-6)
+    assert motions[1].velocity == pytest.approx(0.0, abs=1e-9)
+
+
 def test_motions_cycles_and_protocols() -> None:
     made = record([(1.0, 400), (0.0, 600), (10.0, 300), (-5.0, 300), (5.0, 300)])
     motions = made.motions()

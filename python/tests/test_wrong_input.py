@@ -286,6 +286,18 @@ def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip
         (lambda: LAW.rvs(-2, seed=1), ValueError, "size: expected"),
         (lambda: LAW.rvs(2**60, seed=1), MemoryError, "size: more numbers than fit"),
         (lambda: LAW.moment(-1), ValueError, "order: expected a whole number"),
+        (lambda: asp.Temperature(0.0, 1.0), ValueError, "energy: expected a finite number above 0, got 0"),
+        (lambda: asp.Temperature(1.0, np.inf), ValueError, "attempt_rate: expected .* above 0, got inf"),
+        (lambda: asp.Smoluchowski(LAW, 0.0), ValueError, "diffusion: expected .* above 0, got 0"),
+        (lambda: asp.MeanField(LAW, -1.0), ValueError, "diffusion: expected .* above 0, got -1"),
+        (lambda: asp.FrozenRank(LAW, np.nan), ValueError, "time: expected .* above 0, got NaN"),
+        (lambda: asp.Logarithmic(-0.1, 1.0), ValueError, r"growth: expected .* 0 or above, got -0\.1"),
+        (lambda: asp.Logarithmic(0.1, 0.0), ValueError, "time: expected .* above 0, got 0"),
+        (
+            lambda: PULL.stretch_density(1.0, [-1.0]),
+            ValueError,
+            r"stretches\.0: expected a stretch of 0 or above, got -1",
+        ),
         (lambda: asp.Contacts(), ValueError, r"contacts\.thresholds: expected a law"),
         (lambda: asp.Contacts(LAW, count=0), ValueError, r"contacts\.count: expected .* above 0, got 0"),
         (
