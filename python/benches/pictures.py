@@ -1,4 +1,4 @@
-"""What the pictures of short scenarios cost beside their tasks: python pictures.py PROGRAM
+"""What the pictures of short scenarios cost beside their tasks: python pictures.py PROGRAM [SCENARIO…]
 
 Times are CPU times of `asperity run`, with and without pictures, the least of several runs.
 """
@@ -15,6 +15,7 @@ SHORT = (
     "identical",
     "compared",
     "commensurate",
+    "stick-slip-reset",
     "imposed-force",
     "quenched",
     "smooth-sliding",
@@ -29,30 +30,29 @@ def children() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def least(command: list[str]) -> float:
-    """The least CPU milliseconds of a command."""
-    times = []
-    for _ in range(RUNS):
-        begun = children()
-        subprocess.run(command, check=True)
-        times.append(1e3 * (children() - begun))
-    return min(times)
+def milliseconds(command: list[str]) -> float:
+    """The CPU milliseconds of a command."""
+    begun = children()
+    subprocess.run(command, check=True)
+    return 1e3 * (children() - begun)
 
 
 def main() -> None:
     """Prints the milliseconds of each task and of its pictures."""
-    program = sys.argv[1]
-    print(f"{'ms of CPU time':16} {'task':>6} {'SVG':>6} {'SVG and PNG':>12} {'number':>7}")
+    program, *names = sys.argv[1:]
+    head = ("task", "SVG", "/task", "SVG+PNG", "/task", "number")
+    print(f"{'ms of CPU time':16}", *(f"{name:>8}" for name in head))
     with tempfile.TemporaryDirectory() as folder:
-        for name in SHORT:
+        for name in names or SHORT:
             results = Path(folder, name)
             run = [program, "run", str(SCENARIOS / f"{name}.toml"), "--quiet", "-o", str(results)]
-            task, svg, both = (
-                least([*run, *options])
-                for options in (["--no-figures"], ["--figures", "svg"], ["--figures", "svg,png"])
-            )
+            # In turn, so that other work on the machine slows all three.
+            kinds = (["--no-figures"], ["--figures", "svg"], ["--figures", "svg,png"])
+            times = [[milliseconds([*run, *options]) for options in kinds] for _ in range(RUNS)]
+            task, svg, both = map(min, zip(*times, strict=True))
             number = len(list(results.glob("*.svg")))
-            print(f"{name:16} {task:6.1f} {svg - task:6.1f} {both - task:12.1f} {number:7}")
+            row = (task, svg - task, svg / task - 1.0, both - task, both / task - 1.0)
+            print(f"{name:16}", *(f"{value:8.2f}" for value in row), f"{number:8}")
 
 
 if __name__ == "__main__":
