@@ -416,6 +416,11 @@ pub(crate) fn report(monitor: &mut dyn Monitor, fraction: f64) -> Result<()> {
     }
 }
 
+/// The same before step `i` of a loop of `count` cheap steps: reports at every 65 536th, some milliseconds apart.
+pub(crate) fn report_at(monitor: &mut dyn Monitor, i: usize, count: usize) -> Result<()> {
+    if i.is_multiple_of(1 << 16) { report(monitor, i as f64 / count as f64) } else { Ok(()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! Kernel density estimates: a smooth distribution from a sample of any size.
 
 use super::{Point, Series, SharedLaw, not_negative, positive, shared};
-use crate::monitor::{Monitor, Part, report};
+use crate::monitor::{Monitor, Part, report, report_at};
 use crate::numerics::legendre::{Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::sorting::sorted;
@@ -26,9 +26,6 @@ const TERMS: usize = 16;
 /// Half the width of a group in bandwidths: 16 terms of its expansion leave 3e-13 of a kernel at nine bandwidths, far
 /// less nearer to it.
 const HALF_GROUP: f64 = 0.125;
-
-/// Kernels after which the monitor is asked, in some milliseconds.
-const PIECE: usize = 1 << 16;
 
 /// The exponential underflows beyond this many bandwidths.
 const UNDERFLOW: f64 = 38.6;
@@ -68,8 +65,8 @@ pub fn kernel_density_with(
     }
     samples.iter().try_for_each(|&x| not_negative("samples", x).map(drop))?;
     let bandwidth = bandwidth.map(|b| positive("bandwidth", b)).transpose()?;
-    let sorted = sorted(samples, &mut Part::new(monitor, 0.0, 0.5))?;
-    let sample = SampleMoments::of(&sorted);
+    let sorted = sorted(samples, &mut Part::new(monitor, 0.0, 0.4))?;
+    let sample = SampleMoments::of(&sorted, &mut Part::new(monitor, 0.4, 0.1))?;
     if sorted[0] == sorted[sorted.len() - 1] {
         return shared(Point::new(sorted[0]));
     }
@@ -81,8 +78,8 @@ pub fn kernel_density_with(
         return Err(Error::invalid("samples", expected, format!("{} to {highest}", sorted[0])));
     }
     let estimate = Kernels::new(&sorted, &sample, bandwidth, &mut Part::new(monitor, 0.5, 0.4))?;
-    let boundaries = estimate.boundaries()?;
-    let coefficients = estimate.cells(&boundaries, &mut Part::new(monitor, 0.9, 0.05))?;
+    let boundaries = estimate.boundaries(&mut Part::new(monitor, 0.9, 0.01))?;
+    let coefficients = estimate.cells(&boundaries, &mut Part::new(monitor, 0.91, 0.04))?;
     shared(Series::scaled(Piecewise { boundaries, coefficients }, 0.0, &mut Part::new(monitor, 0.95, 0.05)))
 }
 
@@ -93,11 +90,20 @@ struct SampleMoments {
 }
 
 impl SampleMoments {
-    fn of(sorted: &[f64]) -> Self {
-        let count = sorted.len() as f64;
-        let mean = sorted.iter().sum::<f64>() / count;
-        let std = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt();
-        Self { mean, std }
+    /// # Errors
+    /// Stopped by the monitor.
+    fn of(sorted: &[f64], monitor: &mut dyn Monitor) -> Result<Self> {
+        let mut average = |part: f64, f: &dyn Fn(f64) -> f64| {
+            let mut sum = 0.0;
+            for (i, &x) in sorted.iter().enumerate() {
+                report_at(&mut Part::new(monitor, part, 0.5), i, sorted.len())?;
+                sum += f(x);
+            }
+            Ok(sum / sorted.len() as f64)
+        };
+        let mean = average(0.0, &|x| x)?;
+        let std = average(0.5, &|x| (x - mean).powi(2))?.sqrt();
+        Ok(Self { mean, std })
     }
 }
 
@@ -145,12 +151,12 @@ impl Kernels {
     ) -> Result<Self> {
         let shrink = 1.0 / (bandwidth / sample.std).hypot(1.0);
         let width = shrink * bandwidth;
-        let centres: Vec<f64> = sorted.iter().map(|x| sample.mean + shrink * (x - sample.mean)).collect();
+        let mut centres = Vec::with_capacity(sorted.len());
         let mut groups: Vec<Group> = Vec::new();
-        for (i, &centre) in centres.iter().enumerate() {
-            if i.is_multiple_of(PIECE) {
-                report(monitor, i as f64 / centres.len() as f64)?;
-            }
+        for (i, x) in sorted.iter().enumerate() {
+            report_at(monitor, i, sorted.len())?;
+            let centre = sample.mean + shrink * (x - sample.mean);
+            centres.push(centre);
             if groups.last().is_none_or(|group| centre - group.middle > HALF_GROUP * width) {
                 groups.push(Group { middle: centre + HALF_GROUP * width, terms: [0.0; TERMS] });
             }
@@ -191,11 +197,15 @@ impl Kernels {
     }
 
     /// Boundaries of cells that resolve every kernel, and of the gaps between kernels that are far apart.
-    fn boundaries(&self) -> Result<Vec<f64>> {
+    ///
+    /// # Errors
+    /// More cells than there may be; stopped by the monitor.
+    fn boundaries(&self, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let (reach, cell) = (REACH * self.width, CELL * self.width);
         let mut boundaries = vec![(self.centres[0] - reach).max(0.0)];
         let mut start = boundaries[0];
         for (i, &centre) in self.centres.iter().enumerate() {
+            report_at(monitor, i, self.centres.len())?;
             let end = centre + reach;
             let next = self.centres.get(i + 1).map(|next| next - reach);
             if next.is_some_and(|next| next <= end + cell) {
@@ -280,7 +290,7 @@ mod tests {
     fn mean_and_std_are_those_of_the_sample() {
         for count in [2, 10, 500, 100_000] {
             let samples = sample(count);
-            let sample = SampleMoments::of(&samples);
+            let sample = SampleMoments::of(&samples, &mut ()).unwrap();
             let law = kernel_density(&samples, None).unwrap();
             // The truncation error of the series, and what the kernels lose at nine bandwidths.
             assert!((law.mean() / sample.mean - 1.0).abs() < 1e-12, "{count}");

@@ -133,7 +133,11 @@ impl Sample<'_, '_> {
     }
 
     fn weibull(&self) -> Result<Vec<f64>> {
-        let logs: Vec<f64> = self.values.iter().map(|x| (x / self.highest).ln()).collect();
+        let mut logs = Vec::with_capacity(self.values.len());
+        for piece in self.values.chunks(PIECE) {
+            logs.extend(piece.iter().map(|x| (x / self.highest).ln()));
+            self.watch.check()?;
+        }
         let average = |f: &dyn Fn(f64) -> f64| mean(&logs, f, self.watch);
         let place = average(&|l| l)?;
         // Rises from −∞ to that of the highest value, −place.

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
-use crate::monitor::{Monitor, Part, report};
+use crate::monitor::{Monitor, Part, report_at};
 use crate::numerics::legendre::RULE;
 use crate::numerics::sorting::sorted;
 use crate::random::Stream;
@@ -34,9 +34,6 @@ struct TableNode {
     /// Moments of order 0 to 3 of the mass above `position`.
     above: [f64; 4],
 }
-
-/// Nodes after which the monitor is asked, in some milliseconds.
-const PIECE: usize = 1 << 16;
 
 impl Tabulated {
     /// The distribution of a density given by rows of stretch and density, linear between rows, of any total
@@ -70,7 +67,12 @@ impl Tabulated {
             end: rows.get(i + 1).map_or(0.0, |row| row.1),
             ..TableNode::default()
         };
-        Self::new((0..rows.len()).map(node).collect(), "density", monitor)
+        let mut nodes = Vec::with_capacity(rows.len());
+        for i in 0..rows.len() {
+            report_at(&mut Part::new(monitor, 0.0, 0.2), i, rows.len())?;
+            nodes.push(node(i));
+        }
+        Self::new(nodes, "density", &mut Part::new(monitor, 0.2, 0.8))
     }
 
     /// The distribution of samples, in any order.
@@ -94,7 +96,8 @@ impl Tabulated {
         // One sample is a point mass, as two equal ones are.
         let gap = 1.0 / (samples.len() - 1).max(1) as f64;
         let mut nodes: Vec<TableNode> = Vec::new();
-        for run in sorted.chunk_by(|a, b| a == b) {
+        for (i, run) in sorted.chunk_by(|a, b| a == b).enumerate() {
+            report_at(&mut Part::new(monitor, 0.5, 0.1), i, sorted.len())?;
             let position = run[0];
             if let Some(last) = nodes.last_mut() {
                 last.start = gap / (position - last.position);
@@ -103,16 +106,14 @@ impl Tabulated {
             let atom = if samples.len() == 1 { gap } else { gap * (run.len() - 1) as f64 };
             nodes.push(TableNode { position, atom, ..TableNode::default() });
         }
-        Self::new(nodes, "samples", &mut Part::new(monitor, 0.5, 0.5))
+        Self::new(nodes, "samples", &mut Part::new(monitor, 0.6, 0.4))
     }
 
     /// Sums the masses and normalises them.
     fn new(mut nodes: Vec<TableNode>, key: &str, monitor: &mut dyn Monitor) -> Result<Self> {
-        let (count, last) = (nodes.len() as f64, nodes.len() - 1);
-        let mut ask = |pass: f64, node: usize| match node % PIECE {
-            0 => report(monitor, (pass + node as f64 / count) / 3.0),
-            _ => Ok(()),
-        };
+        let (count, last) = (nodes.len(), nodes.len() - 1);
+        let mut ask =
+            |pass: f64, node: usize| report_at(&mut Part::new(monitor, pass / 3.0, 1.0 / 3.0), node, count);
         for i in (1..=last).rev() {
             ask(0.0, last - i)?;
             let (cell, next) = (nodes[i - 1], nodes[i]);
