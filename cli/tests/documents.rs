@@ -305,6 +305,29 @@ fn pictures_are_those_that_the_program_draws() {
     }
 }
 
+/// Those of the page of validation, too, which a test cannot draw anew.
+#[test]
+fn pictures_of_pages_can_be_scaled_and_are_typeset() {
+    for folder in ["docs/figures/", "docs/validation/"] {
+        let pictures: Vec<_> =
+            names(&root().join(folder)).into_iter().filter(|name| name.ends_with(".svg")).collect();
+        assert!(pictures.len() > 8, "only {pictures:?} in {folder}");
+        for name in pictures {
+            let picture = document(&format!("{folder}{name}"));
+            let (head, _) = picture[picture.find("<svg").unwrap()..].split_once('>').unwrap();
+            assert!(head.contains("viewBox="), "{folder}{name} has no viewBox");
+            // Tags aside, a text has symbols with subscripts, powers and minus signs.
+            for text in picture.split("<text ").skip(1) {
+                let text = &text[text.find('>').unwrap() + 1..text.find("</text>").unwrap()];
+                let letters =
+                    text.split('<').map(|piece| piece.rsplit('>').next().unwrap()).collect::<String>();
+                let is_plain = letters.contains(['_', '^']) || letters.starts_with('-');
+                assert!(!is_plain, "{folder}{name}: {letters}");
+            }
+        }
+    }
+}
+
 /// Whether two drawings are the same to a tenth of a dot.
 fn looks_like(one: &str, other: &str) -> bool {
     let (one, other) = (words(one), words(other));

@@ -11,7 +11,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, legend_below, small};
+use crate::legend::placed;
+use crate::page::{Page, small};
 use crate::style::{self, BLACK, BLUE, GREY};
 use crate::{equal, gaussian, point, rectangular, start};
 
@@ -120,7 +121,7 @@ distance from the normal distribution: it exceeds 1.63 in one of 100 correct cas
     page.end();
     all.sort_by(f64::total_cmp);
     let caption = "All z of the table, in order, against the quantiles of the standard normal distribution; the line is equality.";
-    page.picture("agreement", caption, &quantiles(&all));
+    page.picture("agreement", caption, quantiles(&all));
     noise(&mut page);
     page
 }
@@ -165,7 +166,7 @@ fn quantiles(z: &[f64]) -> Scene {
         style::marker(format!("{} ensembles of {SIZE} contacts", z.len()), BLUE, MarkerShape::Circle),
         style::line("expected", GREY, None),
     ];
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }
 
 /// How the noise falls with the number of contacts.
@@ -205,5 +206,5 @@ former has a standard error of {:.0} %.
         .with_x_label("Number of contacts N")
         .with_y_label("Standard deviation of F(5)");
     let caption = "Standard deviation of the force against the number of contacts: ensembles, and the master equation, whose cost does not depend on N.";
-    page.picture("noise", caption, &render_multiple(plots, legend_below(layout, legend)));
+    page.picture("noise", caption, placed(render_multiple(plots, layout), &legend, &[0]));
 }

@@ -9,7 +9,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, below, decades, legend_below, small};
+use crate::legend::placed;
+use crate::page::{Page, below, decades, small};
 use crate::style::{self, BLACK, BLUE, GREEN, ORANGE, RED};
 use crate::{gaussian, grid, master};
 
@@ -77,7 +78,7 @@ solution to X = 20 and F at 1001 positions.
         costs(&mut page, &results);
     }
     let caption = "Largest error of F for X ≤ 20 of Fig. 2 against CPU time.";
-    page.picture("cost", caption, &picture(&results));
+    page.picture("cost", caption, picture(&results));
     unstable(&mut page, &exact);
     truncation(&mut page, &exact);
     page
@@ -193,7 +194,7 @@ fn picture(results: &[Vec<(f64, Measured)>]) -> Scene {
         .with_tick_format(decades())
         .with_x_label("CPU time (s)")
         .with_y_label("Largest error of F, X ≤ 20");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }
 
 /// The literal reading: where it leaves, and a picture.
@@ -216,7 +217,7 @@ Eq. (2) is a usable method only if breaking is limited to the existing contacts,
     }
     page.end();
     let caption = "F(X) of Fig. 2: closed form, and Eq. (2) with ΔX = 0.01 in three variants. The literal one leaves the range of the plot.";
-    page.picture("stepping", caption, &readings(exact));
+    page.picture("stepping", caption, readings(exact));
 }
 
 fn readings(exact: &[f64]) -> Scene {
@@ -243,7 +244,7 @@ fn readings(exact: &[f64]) -> Scene {
     ];
     let layout =
         style::layout((0.0, END), (0.0, TOP)).with_x_label("Position X").with_y_label("Friction force F");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }
 
 fn truncation(page: &mut Page, exact: &[f64]) {

@@ -11,7 +11,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, legend_below};
+use crate::legend::placed;
+use crate::page::Page;
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
 use crate::{equal, point, rectangular, start};
 
@@ -192,7 +193,7 @@ random one); and it has not been shown that the transient of the largest lattice
     );
     if !quick {
         let caption = "Fraction of avalanches of size s, per unit of size, for α = 0.25 (circles) and 0.20 (squares); lines of slope −1.2 and −1.8 are guides.";
-        page.picture("avalanches", caption, &picture(&curves));
+        page.picture("avalanches", caption, picture(&curves));
     }
     page
 }
@@ -250,5 +251,5 @@ fn picture(curves: &[(&Case, Sizes)]) -> Scene {
         .with_tick_format(style::powers((0.8, 2e7)))
         .with_x_label("Breaks in an avalanche s")
         .with_y_label("Share of avalanches per unit of size");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }

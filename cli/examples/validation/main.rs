@@ -4,6 +4,9 @@
 //! its test recomputes what is quick, and compares it with the page.
 
 mod agreement;
+#[path = "../../src/figure/clip.rs"]
+#[allow(dead_code)]
+mod clip;
 mod closed;
 mod cost;
 #[path = "../../src/figure/curve.rs"]
@@ -12,10 +15,22 @@ mod curve;
 mod fault;
 mod interface;
 mod lattice;
+#[path = "../../src/figure/legend.rs"]
+#[allow(dead_code)]
+mod legend;
+#[path = "../../src/figure/letters.rs"]
+#[allow(dead_code)]
+mod letters;
 mod page;
 mod relaxation;
 mod renormalised;
+#[path = "../../src/figure/room.rs"]
+#[allow(dead_code)]
+mod room;
 mod scatter;
+#[path = "../../src/figure/simplify.rs"]
+#[allow(dead_code)]
+mod simplify;
 mod speed;
 mod stability;
 #[path = "../../src/figure/style.rs"]
@@ -24,6 +39,9 @@ mod style;
 mod time;
 #[path = "../../../core/tests/common/together.rs"]
 mod together;
+#[path = "../../src/figure/typography.rs"]
+#[allow(dead_code)]
+mod typography;
 #[path = "../../../core/tests/common/ways.rs"]
 mod ways;
 

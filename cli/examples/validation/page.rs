@@ -5,11 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LegendEntry, LegendPosition};
-use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::layout::TickFormat;
 use kuva::render::render::Scene;
 
-use crate::style;
+use crate::clip::cut;
+use crate::{style, typography};
 
 const HEAD: &str = "\
 <!-- Written by `make validation`: change cli/examples/validation instead. -->
@@ -66,8 +66,12 @@ impl Page {
     }
 
     /// A picture with its caption.
-    pub fn picture(&mut self, name: &str, caption: &str, scene: &Scene) {
-        self.pictures.push((format!("{name}.svg"), SvgBackend::new().render_scene(scene)));
+    pub fn picture(&mut self, name: &str, caption: &str, scene: Scene) {
+        let scene = cut(scene);
+        let size = format!("width=\"{}\" height=\"{}\"", scene.width, scene.height);
+        let scaled = format!("{size} viewBox=\"0 0 {} {}\"", scene.width, scene.height);
+        let drawn = SvgBackend::new().render_scene(&scene).replacen(&size, &scaled, 1);
+        self.pictures.push((format!("{name}.svg"), typography::typeset(&drawn, "")));
         self.text(&format!("![{caption}]({name}.svg)\n\n*{caption}*"));
     }
 
@@ -108,19 +112,4 @@ pub fn below(error: f64) -> String {
 /// Ticks of an axis that shows exponents of ten.
 pub fn decades() -> TickFormat {
     TickFormat::Custom(Arc::new(style::power))
-}
-
-/// A legend below the axes, in whose short lines two dashes are visible. Its box would cover the lower parts of letters of the
-/// label above.
-pub fn legend_below(layout: Layout, entries: Vec<LegendEntry>) -> Layout {
-    let halved = |length: &str| length.parse::<f64>().map_or(length.to_owned(), |l| (0.5 * l).to_string());
-    let short = |dashes: String| dashes.split(' ').map(halved).collect::<Vec<_>>().join(" ");
-    let entries: Vec<LegendEntry> = entries
-        .into_iter()
-        .map(|entry| LegendEntry { dasharray: entry.dasharray.map(short), ..entry })
-        .collect();
-    layout
-        .with_legend_box(false)
-        .with_legend_entries(entries)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
 }

@@ -11,7 +11,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, below, legend_below};
+use crate::legend::placed;
+use crate::page::{Page, below};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, RED};
 use crate::{gaussian, master, point, rectangular};
 
@@ -105,7 +106,7 @@ thresholds, for which the deviation of a contact is the same in every cycle.
         paper(0.02),
     ));
     let caption = "Relaxation length against the coefficient of variation of the thresholds; the dot is the paper's Fig. 2, where its estimate crosses the result for narrow distributions.";
-    page.picture("relaxation", caption, &picture());
+    page.picture("relaxation", caption, picture());
     let off = TABLE.map(|cv| gamma(cv).map_or(0.0, |law| (length(&law) / gamma_length(cv) - 1.0).abs()));
     page.text(&format!(
         "
@@ -146,5 +147,5 @@ fn picture() -> Scene {
         .with_tick_format(TickFormat::Custom(Arc::new(style::digits)))
         .with_x_label("Coefficient of variation σ/x̄ of the thresholds")
         .with_y_label("Relaxation length X*/x̄");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }

@@ -14,7 +14,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, legend_below};
+use crate::legend::placed;
+use crate::page::Page;
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
 use crate::{equal, gaussian, master, point, start, together};
 
@@ -123,7 +124,7 @@ distribution than in mean field and occur later: contacts that still hold tend t
     );
     if !quick {
         let caption = "First breaks at σ = 0.1 and κ = 0.8 κ_c, of contacts that stretch two neighbours, four, or all others, with the distribution of their thresholds and that of mean field.";
-        page.picture("renormalised", caption, &picture(0.1, 0.8));
+        page.picture("renormalised", caption, picture(0.1, 0.8));
     }
     cells(page)
 }
@@ -227,5 +228,5 @@ fn picture(std: f64, near: f64) -> Scene {
     let layout = style::layout((low, high), (0.0, 21.0))
         .with_x_label("Drive X")
         .with_y_label("Density of contacts that break first");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }

@@ -8,7 +8,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, legend_below, small};
+use crate::legend::placed;
+use crate::page::{Page, small};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
 use crate::{equal, gaussian, master, point, start};
 
@@ -170,7 +171,7 @@ as long as an avalanche is not a slip. The end of a slip follows from the drive,
     );
     if !quick {
         let caption = "Standard deviation of the position of the loss of stability (circles) and excess of the drive there (triangles) against the number of contacts, by rule, slightly shifted; the lines are the theory of a Brownian motion on a parabola.";
-        page.picture("scatter", caption, &picture(&all, scatter, bias));
+        page.picture("scatter", caption, picture(&all, scatter, bias));
     }
     page
 }
@@ -194,12 +195,12 @@ fn picture(all: &[Vec<Slips>], scatter: f64, bias: f64) -> Scene {
         plots.push(markers(MarkerShape::Triangle, |s| s.drive.value));
         legend.push(style::marker(*name, color, MarkerShape::Circle));
     }
-    legend.push(style::line("scatter of X₁, N^(−1/3)", BLACK, None));
-    legend.push(style::line("excess of X_T, N^(−2/3)", BLACK, Some("8 5")));
+    legend.push(style::line("scatter of X₁, ∝ 1/∛N", BLACK, None));
+    legend.push(style::line("excess of X_T, ∝ 1/∛N²", BLACK, Some("8 5")));
     let layout = style::layout((ends[0], ends[1]), (1e-5, 0.1))
         .with_log_scale()
         .with_tick_format(style::powers((1e-5, 0.1)))
         .with_x_label("Number of contacts N")
         .with_y_label("Scatter of X₁, excess of the drive");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }

@@ -10,7 +10,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, legend_below};
+use crate::legend::placed;
+use crate::page::Page;
 use crate::style::{self, BLACK, Plots, RED};
 use crate::{gaussian, master, point};
 
@@ -124,7 +125,7 @@ and when they are out of step no minimum of F is steep enough. [The page on stic
     );
     if !quick {
         let caption = "Number of overdamped slips over the width of the thresholds and the stiffness of the slider; above the black line sliding is smooth, below the red one stick-slip by the rule `arrest` persists.";
-        page.picture("stability", caption, &picture());
+        page.picture("stability", caption, picture());
     }
     page
 }
@@ -168,5 +169,5 @@ fn picture() -> Scene {
         .with_tick_format(TickFormat::Custom(Arc::new(style::digits)))
         .with_x_label("Coefficient of variation σ/x̄ of the thresholds")
         .with_y_label("Stiffness of the slider K/N⟨k⟩");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }

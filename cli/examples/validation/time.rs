@@ -9,7 +9,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, legend_below, small};
+use crate::legend::placed;
+use crate::page::{Page, small};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, RED};
 use crate::ways::{self, Followed, Kind, ageing, contacts, thermal};
 use crate::{gaussian, point};
@@ -176,7 +177,7 @@ rule for one contact and has no ensemble. ± is one standard error.
     }
     page.end();
     let caption = "Kinetic friction against velocity: master equation (lines) and ensembles (dots). For thresholds as narrow as these, temperature makes friction increase with velocity, and ageing makes it decrease; with thresholds that diffuse it decreases again at low velocity.";
-    page.picture("velocity", caption, &picture(drawn, quick));
+    page.picture("velocity", caption, picture(drawn, quick));
 }
 
 fn picture(drawn: Vec<(f64, f64)>, quick: bool) -> Scene {
@@ -189,7 +190,7 @@ fn picture(drawn: Vec<(f64, f64)>, quick: bool) -> Scene {
         let curve = (0..points).map(|k| (at(k), case.kinetic_friction(at(k)))).collect();
         let dashes = if i < 4 { None } else { Some("8 4") };
         plots.push(line(curve, case.color, 1.6, dashes));
-        legend.push(style::line(case.name, case.color, dashes));
+        legend.push(style::line(case.name.replace('_', " "), case.color, dashes));
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(drawn).with_color(BLACK).with_size(3.5)));
     legend.push(style::marker(format!("{SIZE} contacts"), BLACK, MarkerShape::Circle));
@@ -198,7 +199,7 @@ fn picture(drawn: Vec<(f64, f64)>, quick: bool) -> Scene {
         .with_x_tick_format(style::powers((1e-10, 10.0)))
         .with_x_label("Velocity v")
         .with_y_label("Kinetic friction");
-    render_multiple(plots, legend_below(layout, legend))
+    placed(render_multiple(plots, layout), &legend, &[0])
 }
 
 fn varying(page: &mut Page, quick: bool) {
