@@ -167,6 +167,18 @@ fn a_fit_of_four_numbers_takes_few_solutions() {
 }
 
 #[test]
+fn sizes_of_errors_are_found_without_solutions() {
+    let positions = positions(600, 6.0);
+    let fit = fit(&positions, simulated(&positions, 3)).free(TRUE.map(|(name, _)| name));
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    let alone = fit.clone().free(["thresholds.mean", "thresholds.std", "count"]).errors(white).run().unwrap();
+    let found = fit.run().unwrap();
+    // One for each of two steps, with every third reading and with all, one to check each, and one for the limit of the reading.
+    let most = alone.solutions + 5;
+    assert!(found.converged && found.solutions <= most, "{} of {most}", found.solutions);
+}
+
+#[test]
 fn a_compliance_is_found_from_the_drive() {
     let slider = positions(200, 5.0);
     let forces = exact(contacts(2000.0, [1.0, 0.3], spread()), &slider);

@@ -1238,6 +1238,9 @@ class Estimates:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
         numbers, has risen by 3.84.
 
+        The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
+        whitened residuals, and may be larger.
+
         Parameters
         ----------
         name
@@ -1348,6 +1351,9 @@ class Estimates:
         """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
         its minimum.
 
+        The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
+        whitened residuals, and may be larger.
+
         Parameters
         ----------
         name
@@ -1405,6 +1411,9 @@ class Estimates:
         that is no compliance.
         The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
         before, which are left out.
+
+        The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
+        whitened residuals, and may be larger.
 
         Parameters
         ----------

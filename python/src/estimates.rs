@@ -269,6 +269,9 @@ impl Estimates {
     /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
     /// its minimum.
     ///
+    /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
+    /// whitened residuals, and may be larger.
+    ///
     /// Parameters
     /// ----------
     /// name
@@ -317,6 +320,9 @@ impl Estimates {
 
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
     /// numbers, has risen by 3.84.
+    ///
+    /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
+    /// whitened residuals, and may be larger.
     ///
     /// Parameters
     /// ----------
@@ -386,6 +392,9 @@ impl Estimates {
     /// that is no compliance.
     /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
     /// before, which are left out.
+    ///
+    /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
+    /// whitened residuals, and may be larger.
     ///
     /// Parameters
     /// ----------

@@ -1,7 +1,9 @@
 """Draws from the posterior of a fit."""
 
+import json
 import pickle
 import sys
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -83,6 +85,46 @@ def test_arviz_gets_its_groups(version: str, monkeypatch: pytest.MonkeyPatch) ->
     np.testing.assert_array_equal(groups["posterior"]["count"], POSTERIOR.draws["count"])
     np.testing.assert_array_equal(groups["sample_stats"]["lp"], POSTERIOR.log_density)
     assert groups["sample_stats"]["diverging"].dtype == bool
+
+
+def test_arviz_has_the_same_diagnostics() -> None:
+    arviz = pytest.importorskip("arviz")
+    groups = POSTERIOR.to_arviz()
+    r_hat, ess = arviz.rhat(groups), arviz.ess(groups)
+    for name, one in POSTERIOR.params.items():
+        # The same ranks, summed in another order.
+        assert one.r_hat == pytest.approx(float(r_hat[name]), rel=1e-9), name
+        assert one.ess == pytest.approx(float(ess[name]), rel=1e-6), name
+    assert int(groups["sample_stats"]["diverging"].sum()) == POSTERIOR.divergences
+
+
+def test_arviz_opens_the_file_of_draws(tmp_path: Path) -> None:
+    arviz = pytest.importorskip("arviz")
+    rows = np.column_stack([POSITION, FORCE])
+    np.savetxt(tmp_path / "measured.csv", rows, delimiter=",", header="position,force", comments="")
+    scenario = {
+        "contacts": {"count": 1000.0, "thresholds": asp.Gaussian(1.0, 0.2)},
+        "fit": {
+            "file": str(tmp_path / "measured.csv"),
+            "free": ["contacts.thresholds.gaussian.mean", "contacts.count"],
+            "noise": "white",
+            "reading": 5.0,
+            "posterior": {"draws": 40, "chains": 2, "seed": 1},
+        },
+    }
+    asp.run(scenario, folder=tmp_path / "out")
+    groups = arviz.from_netcdf(tmp_path / "out" / "posterior.nc")
+    told = json.loads((tmp_path / "out" / "fit.json").read_text())["posterior"]["numbers"]
+    assert {one["key"] for one in told} == set(groups["posterior"].data_vars)
+    r_hat = arviz.rhat(groups)
+    for one in told:
+        draws = groups["posterior"][one["key"]]
+        assert draws.sizes == {"chain": 2, "draw": 40}
+        # Sums in another order.
+        assert one["mean"] == pytest.approx(float(draws.mean()), rel=1e-12)
+        # The same ranks, summed in another order.
+        assert one["r_hat"] == pytest.approx(float(r_hat[one["key"]]), rel=1e-9)
+    assert groups["sample_stats"]["diverging"].sizes == {"chain": 2, "draw": 40}
 
 
 def test_without_arviz_the_package_to_install_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -63,6 +63,30 @@ fn a_curve_that_determines_its_numbers_has_the_posterior_of_the_estimates() {
 }
 
 #[test]
+fn the_number_of_contacts_has_the_posterior_of_its_estimate_where_their_noise_is_normal() {
+    let positions: Vec<f64> = (1..=300).map(|i| 4.0 * f64::from(i) / 300.0).collect();
+    let covariance = equation([1.0, 0.2, 1000.0]).pull(4.0).unwrap().covariance(&positions, 1000.0).unwrap();
+    let mut stream = Stream::new(4, Purpose::Sample, 0);
+    let path = covariance.sample_paths(1, 4).unwrap().swap_remove(0);
+    let forces = path.into_iter().map(|force| force + normal(&mut stream)).collect();
+    let errors = ErrorModel { reading: Some(1.0), ..ErrorModel::default() };
+    let names = ["thresholds.mean", "thresholds.std", "count", "stiffness"];
+    let fit = Fit::new(equation([0.95, 0.25, 1050.0]), Measurement::new(positions, forces));
+    let found = fit.free(names).errors(errors).run().unwrap();
+    let sampling = FitPosterior { draws: 500, chains: 4, seed: 1 };
+    let drawn = sample(&found.standardised().unwrap(), sampling, &mut ()).unwrap();
+    let summary = drawn.summary(str::to_owned);
+    for (name, number) in names.iter().zip(&summary.numbers) {
+        let (estimate, effective) = (found.estimate(name).unwrap(), number.effective_size.0);
+        let (shift, ratio) = ((number.mean - estimate.value) / estimate.error, number.std / estimate.error);
+        // As above; N and ⟨k⟩ have errors of 8 %, by which the mean is half of that further from the most probable value, and the
+        // kurtosis of 300 normal residuals, √(24/300), may add 7 % to them.
+        assert!(shift.abs() < 4.0 / effective.sqrt() + 0.1, "{name}: {shift}");
+        assert!((ratio - 1.0).abs() < 4.0 / (2.0 * effective).sqrt() + 0.08, "{name}: {ratio}");
+    }
+}
+
+#[test]
 fn draws_depend_on_the_seed_and_not_on_the_threads() {
     let found = found();
     let sampling = FitPosterior { draws: 20, chains: 3, seed: 5 };

@@ -1,5 +1,7 @@
 //! The covariance of the errors of readings, its factor, and what the likelihood needs of its derivatives.
 
+use std::sync::OnceLock;
+
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
@@ -45,6 +47,8 @@ pub(super) struct DenseCovariance {
     /// A² exp(−|y − y'|/ℓ), if there is a drift.
     drift: Option<Mat<f64>>,
     factor: Factor,
+    /// What the likelihood needs of the inverse, once it has been needed. The parts are always the same.
+    traces: OnceLock<Traces>,
 }
 
 impl ErrorCovariance {
@@ -67,7 +71,7 @@ impl ErrorCovariance {
             (noise.scaled(sizes.noise, variance), None)
         };
         let factor = covariance.factor(tolerance)?;
-        Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor })))
+        Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor, traces: OnceLock::new() })))
     }
 
     /// ln |Σ| of `n` readings.
@@ -124,6 +128,7 @@ impl CovarianceDerivatives {
 }
 
 /// tr P_a and tr(P_a P_b).
+#[derive(Debug)]
 struct Traces {
     single: Vec<f64>,
     double: Mat<f64>,
@@ -147,12 +152,12 @@ impl DenseCovariance {
             ErrorPart::DriftAmplitude => 2.0 * slow,
             ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
         };
-        let traces = match self.drift {
+        let traces = self.traces.get_or_init(|| match self.drift {
             None => self.traces_without_drift(parts, positions.len()),
             Some(_) => self.traces(parts, &self.factor.inverse(), positions),
-        };
+        });
         let slope = parts.iter().zip(&traces.single).map(|(part, trace)| 0.5 * (trace - misfit(part)));
-        CovarianceDerivatives { slope: slope.collect(), information: traces.double * faer::Scale(0.5) }
+        CovarianceDerivatives { slope: slope.collect(), information: &traces.double * faer::Scale(0.5) }
     }
 
     fn traces(&self, parts: &[ErrorPart], inverse: &Mat<f64>, positions: &[f64]) -> Traces {

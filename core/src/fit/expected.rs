@@ -1,6 +1,6 @@
 //! The readings that contacts and machines lead to, and their derivatives.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use faer::Mat;
 
@@ -15,6 +15,8 @@ use crate::{Error, Result};
 pub(super) struct FittedContacts {
     pub equation: MasterEquation,
     pub pull: Pull,
+    /// The derivatives of the force by the free numbers of the contacts, once they have been needed, and the names of these.
+    gradients: OnceLock<(Vec<String>, Arc<Vec<Gradient>>)>,
 }
 
 /// The readings of one curve expected at some values of the free numbers.
@@ -56,7 +58,7 @@ impl FittedContacts {
             return Err(Error::invalid("thresholds", expected, relative_width(&equation)));
         }
         let pull = equation.pull_with(distance, TOLERANCE, &mut Part::new(monitor, 0.5, 0.5))?;
-        Ok(Self { equation, pull })
+        Ok(Self { equation, pull, gradients: OnceLock::new() })
     }
 }
 
@@ -123,17 +125,12 @@ pub(super) fn derivatives(
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<Mat<f64>>> {
     let share = 1.0 / curves.len() as f64;
-    let mut known: Option<(&Arc<FittedContacts>, Vec<Gradient>)> = None;
-    let mut all = Vec::with_capacity(curves.len());
-    for (c, (readings, measured)) in readings.iter().zip(curves).enumerate() {
-        let gradients = match known.take() {
-            Some((contacts, gradients)) if Arc::ptr_eq(contacts, &readings.contacts) => gradients,
-            _ => readings.gradients((c, values.0), &mut Part::new(monitor, c as f64 * share, share))?,
-        };
-        all.push(readings.derivatives((c, &measured.positions), &gradients, values));
-        known = Some((&readings.contacts, gradients));
-    }
-    Ok(all)
+    let of_curve = |(c, (readings, measured)): (usize, (&&ExpectedReadings, &Measurement))| {
+        let gradients =
+            readings.gradients((c, values.0), &mut Part::new(monitor, c as f64 * share, share))?;
+        Ok(readings.derivatives((c, &measured.positions), &gradients, values))
+    };
+    readings.iter().zip(curves).enumerate().map(of_curve).collect()
 }
 
 impl ExpectedReadings {
@@ -175,7 +172,7 @@ impl ExpectedReadings {
         Ok(Self::new(Arc::new(contacts), machine, measured))
     }
 
-    /// The derivatives of the force by the free numbers of the contacts of curve `curve`.
+    /// The derivatives of the force by the free numbers of the contacts of curve `curve`, which are computed once.
     ///
     /// # Errors
     /// Those of [`Pull::gradients`].
@@ -183,11 +180,20 @@ impl ExpectedReadings {
         &self,
         (curve, free): (usize, &[FreeParameter]),
         monitor: &mut dyn Monitor,
-    ) -> Result<Vec<Gradient>> {
+    ) -> Result<Arc<Vec<Gradient>>> {
         let of_contacts =
             free.iter().filter(|parameter| parameter.role == Role::Contacts && parameter.applies_to(curve));
         let names: Vec<&str> = of_contacts.map(|parameter| parameter.quantity.as_str()).collect();
-        self.contacts.pull.gradients_with(&names, monitor)
+        match self.contacts.gradients.get() {
+            Some((known, gradients)) if *known == names => Ok(gradients.clone()),
+            _ => {
+                let gradients = Arc::new(self.contacts.pull.gradients_with(&names, monitor)?);
+                let names = names.into_iter().map(str::to_owned).collect();
+                // Where they are known for other names, those stay.
+                let _ = self.contacts.gradients.set((names, gradients.clone()));
+                Ok(gradients)
+            }
+        }
     }
 
     /// The derivatives of the readings of curve `curve` at the positions `measured`, with the `gradients` of its contacts.
@@ -236,7 +242,7 @@ impl ExpectedReadings {
     /// Those of [`Pull::covariance`].
     pub fn noise(&self, monitor: &mut dyn Monitor) -> Result<Mat<f64>> {
         let inside: Vec<f64> = self.driven.positions.iter().map(|x| x.max(0.0)).collect();
-        let FittedContacts { equation, pull } = &*self.contacts;
+        let FittedContacts { equation, pull, .. } = &*self.contacts;
         let covariance: Covariance = pull.covariance_with(&inside, equation.contacts().count, monitor)?;
         let n = inside.len();
         let followed = &self.driven.followed;

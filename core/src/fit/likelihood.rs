@@ -1,5 +1,7 @@
 //! The likelihood of measured curves, its slope and the expected information. Errors of different curves are independent.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use faer::Mat;
 
 use super::Fit;
@@ -36,6 +38,32 @@ pub(super) enum Errors {
 pub(super) struct ContactNoise {
     pub covariances: Vec<Hierarchical>,
     pub coordinates: Vec<f64>,
+    pub last: LastErrors,
+}
+
+/// The last covariance of the errors of each curve. Where only the curves change, as from a straight one to the true one, the next
+/// is the same.
+#[derive(Debug, Default)]
+pub(super) struct LastErrors(Mutex<Vec<(usize, ErrorSizes, Arc<ErrorCovariance>)>>);
+
+impl LastErrors {
+    /// The covariance of the errors of these sizes in a curve: the last one, or one that is made.
+    fn of(
+        &self,
+        (curve, sizes): (usize, ErrorSizes),
+        made: impl FnOnce() -> Option<ErrorCovariance>,
+    ) -> Option<Arc<ErrorCovariance>> {
+        let last = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = last().iter().find(|(c, of, _)| *c == curve && *of == sizes).map(|last| last.2.clone());
+        if same.is_some() {
+            return same;
+        }
+        let covariance = Arc::new(made()?);
+        let mut last = last();
+        last.retain(|(c, ..)| *c != curve);
+        last.push((curve, sizes, covariance.clone()));
+        Some(covariance)
+    }
 }
 
 /// A point of the likelihood.
@@ -51,7 +79,7 @@ pub(super) struct LikelihoodPoint {
 #[derive(Debug)]
 pub(super) struct CurvePoint {
     pub readings: ExpectedReadings,
-    pub covariance: ErrorCovariance,
+    pub covariance: Arc<ErrorCovariance>,
     /// Measured minus expected forces, as a column.
     pub residuals: Mat<f64>,
     /// The same whitened: L⁻¹r.
@@ -72,7 +100,7 @@ impl LikelihoodPoint {
 }
 
 /// Derivatives of half the deviance.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Score {
     pub slope: Mat<f64>,
     /// The expected information.
@@ -158,11 +186,16 @@ impl Likelihood {
         residuals: Mat<f64>,
         sizes: ErrorSizes,
     ) -> Option<CurvePoint> {
-        let noise = match &self.errors {
-            Errors::Modelled(noise) => noise.as_ref().map(|noise| &noise.covariances[curve]),
-            Errors::ProfiledWhite => None,
+        let positions = &self.fit.curves[curve].positions;
+        let covariance = match &self.errors {
+            Errors::Modelled(Some(noise)) => {
+                let made = || ErrorCovariance::new(positions, Some(&noise.covariances[curve]), sizes);
+                noise.last.of((curve, sizes), made)?
+            }
+            Errors::Modelled(None) | Errors::ProfiledWhite => {
+                Arc::new(ErrorCovariance::new(positions, None, sizes)?)
+            }
         };
-        let covariance = ErrorCovariance::new(&self.fit.curves[curve].positions, noise, sizes)?;
         let mut whitened = residuals.clone();
         covariance.whiten(&mut whitened);
         Some(CurvePoint { readings, covariance, residuals, whitened, sizes })
@@ -234,10 +267,32 @@ impl Likelihood {
         trial: &LikelihoodPoint,
         monitor: &mut dyn Monitor,
     ) -> Result<Score> {
+        let derivatives = self.derivatives(coordinates, trial, monitor)?;
+        Ok(self.score_by(derivatives, (coordinates, trial)))
+    }
+
+    /// The derivatives of the readings of each curve by the coordinates, at a point.
+    ///
+    /// # Errors
+    /// As [`Self::score`].
+    pub fn derivatives(
+        &self,
+        coordinates: &[f64],
+        trial: &LikelihoodPoint,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Mat<f64>>> {
         let values = self.values(coordinates);
         let numbers = (self.free.as_slice(), values.as_slice());
         let readings: Vec<&ExpectedReadings> = trial.curves.iter().map(|curve| &curve.readings).collect();
-        let derivatives = expected::derivatives((&readings, &self.fit.curves), numbers, monitor)?;
+        expected::derivatives((&readings, &self.fit.curves), numbers, monitor)
+    }
+
+    /// The slope and the information at a point where the readings have these derivatives.
+    pub fn score_by(
+        &self,
+        derivatives: Vec<Mat<f64>>,
+        (coordinates, trial): (&[f64], &LikelihoodPoint),
+    ) -> Score {
         let count = self.free.len();
         let (mut slope, mut information) = (Mat::zeros(count, 1), Mat::zeros(count, count));
         for (c, (point, mut derivatives)) in trial.curves.iter().zip(derivatives).enumerate() {
@@ -255,7 +310,12 @@ impl Likelihood {
         if let Some(smoothness) = &self.smoothness {
             smoothness.add(coordinates, &mut slope, &mut information);
         }
-        Ok(Score { slope, information })
+        Score { slope, information }
+    }
+
+    /// Whether sizes of errors are free.
+    pub fn has_free_errors(&self) -> bool {
+        (0..self.fit.curves.len()).any(|curve| !self.shares(curve).is_empty())
     }
 
     /// Adds what the sizes of the errors of a curve contribute to the slope and to the information.

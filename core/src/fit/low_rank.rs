@@ -3,6 +3,8 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
+use crate::numerics::wide::vectorised;
+
 /// Part of the rows that a rank may be: above it, a product costs more than the matrix.
 const MOST: usize = 4;
 /// Columns of which the differences are looked at together, so that they stay in the cache.
@@ -50,13 +52,18 @@ impl LowRank {
         lefts.extend(columns(negative.as_ref()));
         let mut rights = columns(self.right.as_ref());
         rights.extend(columns(right));
-        *self = compressed((&lefts, self.left.nrows()), (rights, self.right.nrows()), tolerance);
+        let (rows, width) = (self.left.nrows(), self.right.nrows());
+        *self = vectorised(
+            #[inline(always)]
+            || compressed((&lefts, rows), (rights, width), tolerance),
+        );
     }
 }
 
 /// left · rightᵀ with as few columns as a `tolerance` of the Frobenius norm needs.
 ///
 /// right = QT with orthonormal Q, then left Tᵀ = PS with orthonormal columns P, the longest first.
+#[inline(always)]
 fn compressed(
     (left, rows): (&[Vec<f64>], usize),
     (mut right, width): (Vec<Vec<f64>>, usize),
@@ -174,6 +181,7 @@ fn from_columns(rows: usize, columns: &[Vec<f64>]) -> Mat<f64> {
 }
 
 /// aᵀb, in as many sums as processors add at a time.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     const SUMS: usize = 8;
     let (a, b) = (a.chunks_exact(SUMS), b.chunks_exact(SUMS));
@@ -185,11 +193,13 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
+#[inline(always)]
 fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// a + factor b, in place of a.
+#[inline(always)]
 fn add(a: &mut [f64], factor: f64, b: &[f64]) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
 }

@@ -3,7 +3,8 @@
 //! The readings are y = F(X) + machine + errors ([`Machine`], [`ErrorModel`]). Their errors are normal with the covariance Σ =
 //! (covariance of the force of N_c contacts, [`Pull::covariance`](crate::master::Pull::covariance)) + reading² + drift, so that
 //! −2 ln L = rᵀΣ⁻¹r + ln|Σ| + n ln 2π with the residuals r. The search is Fisher scoring with the damping of Levenberg and
-//! Marquardt; numbers above 0 are varied by their logarithms, but for a compliance. If the lengths of the thresholds are
+//! Marquardt; numbers above 0 are varied by their logarithms, but for a compliance. Where sizes of errors are free, a step leads to
+//! the most probable numbers for a curve along its tangent, which need no further solutions. If the lengths of the thresholds are
 //! several times too large or too small, it begins with those multiplied by one factor that are most like the curve. The
 //! covariance of the contacts is computed at the estimates of a fit with independent errors, scaled by N⟨k⟩² in the search, and
 //! renewed up to three times; the search with correlated errors begins with every s-th reading. Blocks of that covariance beside
@@ -47,6 +48,7 @@ mod friction;
 mod hierarchical;
 mod interval;
 mod likelihood;
+mod linearised;
 mod low_rank;
 mod matrix;
 mod measurement;

@@ -5,7 +5,7 @@ use super::estimates::{Ended, Estimates};
 use super::expected::ExpectedReadings;
 use super::free::FreeParameter;
 use super::hierarchical::Hierarchical;
-use super::likelihood::{ContactNoise, CurvePoint, Errors, Likelihood, LikelihoodPoint};
+use super::likelihood::{ContactNoise, CurvePoint, Errors, LastErrors, Likelihood, LikelihoodPoint};
 use super::search::{COARSE, Optimum, SHORT, search_from};
 use super::{Fit, Measurement};
 use crate::monitor::{Monitor, Part};
@@ -95,7 +95,8 @@ impl Fit {
             Ok(Hierarchical::new(covariance.as_ref(), tolerance))
         };
         let covariances = readings.iter().enumerate().map(of_curve).collect::<Result<_>>()?;
-        Ok(Some(ContactNoise { covariances, coordinates: coordinates.to_vec() }))
+        let coordinates = coordinates.to_vec();
+        Ok(Some(ContactNoise { covariances, coordinates, last: LastErrors::default() }))
     }
 
     /// Whether the covariance of the noise of contacts is in proportion to a power of this number.

@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::free::{FreeParameter, Role};
 use super::likelihood::{Likelihood, LikelihoodPoint, Score};
-use super::matrix;
+use super::{linearised, matrix};
 use crate::monitor::{Aside, Monitor};
 use crate::{Error, Result};
 
@@ -54,6 +54,20 @@ pub(super) trait Objective {
     /// # Errors
     /// As [`Self::trial`].
     fn score(&self, coordinates: &[f64], point: &Self::Point, monitor: &mut dyn Monitor) -> Result<Score>;
+
+    /// The coordinates of the highest likelihood, with the numbers that are `held` fixed and to within `short`, as far as they follow
+    /// from this score without another solution; `None` where a step of Newton leads as far.
+    ///
+    /// # Errors
+    /// As [`Self::trial`].
+    fn without_solutions(
+        &self,
+        _at: (&[f64], &Self::Point, &Score),
+        _to: (&[bool], f64),
+        _monitor: &mut dyn Monitor,
+    ) -> Result<Option<Vec<f64>>> {
+        Ok(None)
+    }
 }
 
 impl Objective for Likelihood {
@@ -83,6 +97,15 @@ impl Objective for Likelihood {
         monitor: &mut dyn Monitor,
     ) -> Result<Score> {
         Self::score(self, coordinates, point, monitor)
+    }
+
+    fn without_solutions(
+        &self,
+        at: (&[f64], &LikelihoodPoint, &Score),
+        to: (&[bool], f64),
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Vec<f64>>> {
+        linearised::highest(self, at, to, monitor)
     }
 }
 
@@ -176,9 +199,19 @@ pub(super) fn search_from_score<O: Objective>(
         // that the information hardly changes over it.
         let last = decrement < COARSE && decrement * (decrement / before) < short;
         before = if damping == 0.0 { decrement } else { f64::INFINITY };
+        let mut far = if last || damping > 0.0 {
+            None
+        } else {
+            likelihood.without_solutions((&coordinates, &trial, &score), (held, short), monitor)?
+        };
         let (mut moved, mut halvings) = (false, 0);
         while damping <= MOST {
-            let Some(step) = matrix::damped_step(&score, &active, damping) else {
+            let is_far = far.is_some();
+            let step = match far.take() {
+                Some(far) => Some(Mat::from_fn(far.len(), 1, |k, _| far[k] - coordinates[k])),
+                None => matrix::damped_step(&score, &active, damping),
+            };
+            let Some(step) = step else {
                 damping = more(damping);
                 continue;
             };
@@ -200,6 +233,7 @@ pub(super) fn search_from_score<O: Objective>(
                     (coordinates, trial, moved) = (next, found, true);
                     break;
                 }
+                None if is_far => {}
                 None if damping == 0.0 && halvings < likelihood.halvings() => halvings += 1,
                 None => damping = more(damping),
             }

@@ -16,6 +16,7 @@ mod exponential;
 mod gamma;
 mod gaussian;
 mod incomplete_gamma;
+mod inversion;
 mod kernel_density;
 mod log_kernels;
 mod lognormal;
@@ -75,6 +76,7 @@ use num_complex::Complex64;
 use crate::error::{not_negative, positive};
 use crate::random::Stream;
 use crate::{Error, Result};
+use inversion::invert_ln_survival;
 
 /// A shared distribution.
 pub type SharedLaw = Arc<dyn Law>;
@@ -268,24 +270,6 @@ fn unknown(law: &dyn Law, name: &str) -> Error {
 /// Wraps a new distribution in an `Arc`.
 fn shared<L: Law + 'static>(law: Result<L>) -> Result<SharedLaw> {
     law.map(|law| Arc::new(law) as SharedLaw)
-}
-
-/// The smallest x ≥ 0 with ln S(x) ≤ `level`; infinite for −∞.
-///
-/// Non-negative doubles are ordered like their bit patterns: bisection of these ends between two neighbours
-/// after 63 steps, for any scale.
-fn invert_ln_survival(ln_survival: impl Fn(f64) -> f64, level: f64) -> f64 {
-    // The square of this is finite.
-    const FAR: f64 = 1e150;
-    if level == f64::NEG_INFINITY {
-        return f64::INFINITY;
-    }
-    let (mut low, mut high) = (0, FAR.to_bits());
-    while low < high {
-        let middle = low + (high - low) / 2;
-        if ln_survival(f64::from_bits(middle)) <= level { high = middle } else { low = middle + 1 }
-    }
-    f64::from_bits(low)
 }
 
 /// The breakpoint at 0 of a density that starts as `amplitude` x^`exponent`/Γ(`exponent` + 1), if any.
