@@ -55,6 +55,7 @@ mod measurement;
 mod misfit;
 mod modelled_errors;
 mod noise_size;
+mod objective;
 mod prediction;
 mod search;
 mod smoothness;

@@ -2,9 +2,9 @@
 
 use faer::Mat;
 
-use super::free::{FreeParameter, Role};
-use super::likelihood::{Likelihood, LikelihoodPoint, Score};
-use super::{linearised, matrix};
+use super::free::FreeParameter;
+use super::likelihood::{LikelihoodPoint, Score};
+use super::matrix;
 use crate::monitor::{Aside, Monitor};
 use crate::{Error, Result};
 
@@ -67,45 +67,6 @@ pub(super) trait Objective {
         _monitor: &mut dyn Monitor,
     ) -> Result<Option<Vec<f64>>> {
         Ok(None)
-    }
-}
-
-impl Objective for Likelihood {
-    type Point = LikelihoodPoint;
-
-    fn free(&self) -> &[FreeParameter] {
-        &self.free
-    }
-
-    /// Before the machine slips, its compliance and the lengths of the thresholds change a curve almost alike.
-    fn halvings(&self) -> i32 {
-        if self.free.iter().any(|parameter| parameter.role == Role::Compliance) { 4 } else { 0 }
-    }
-
-    fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<LikelihoodPoint>> {
-        Self::trial(self, coordinates, monitor)
-    }
-
-    fn deviance(point: &LikelihoodPoint) -> f64 {
-        point.deviance
-    }
-
-    fn score(
-        &self,
-        coordinates: &[f64],
-        point: &LikelihoodPoint,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Score> {
-        Self::score(self, coordinates, point, monitor)
-    }
-
-    fn without_solutions(
-        &self,
-        at: (&[f64], &LikelihoodPoint, &Score),
-        to: (&[bool], f64),
-        monitor: &mut dyn Monitor,
-    ) -> Result<Option<Vec<f64>>> {
-        linearised::highest(self, at, to, monitor)
     }
 }
 
