@@ -140,7 +140,7 @@ fn normal(z: f64) -> f64 {
     1.0 - gaussian(100.0, 1.0).survival(100.0 + z)
 }
 
-/// Kolmogorov's distance to the standard normal law.
+/// Kolmogorov's distance to the standard normal distribution.
 fn distance(z: &[f64]) -> f64 {
     let mut z = z.to_vec();
     z.sort_by(f64::total_cmp);
@@ -160,7 +160,7 @@ fn quantiles(z: &[f64]) -> Scene {
         ScatterPlot::new().with_data(shown.map(|i| (expected(i), z[i]))).with_color(BLUE).with_size(2.6);
     let plots = vec![line(vec![(-END, -END), (END, END)], GREY, 1.4, None), Plot::Scatter(points)];
     let layout = style::layout((-END, END), (-END, END))
-        .with_x_label("Quantile of the standard normal law")
+        .with_x_label("Quantile of the standard normal distribution")
         .with_y_label("z = (ensemble − master equation)/std");
     let legend = vec![
         style::marker(format!("{} ensembles of {SIZE} contacts", z.len()), BLUE, MarkerShape::Circle),

@@ -55,7 +55,7 @@ const CASES: [Case; 8] = [
 /// Sides of lattices that a quick run takes.
 const QUICK: usize = 64;
 
-/// Share of avalanches per unit of size below which nothing is drawn.
+/// Probability density of the size below which nothing is drawn.
 const RAREST: f64 = 1e-10;
 
 /// How many avalanches have which size.
@@ -192,7 +192,7 @@ random one); and it has not been shown that the transient of the largest lattice
 ",
     );
     if !quick {
-        let caption = "Fraction of avalanches of size s, per unit of size, for α = 0.25 (circles) and 0.20 (squares); lines of slope −1.2 and −1.8 are guides.";
+        let caption = "Probability density of the size s of avalanches, for α = 0.25 (circles) and 0.20 (squares); lines of slope −1.2 and −1.8 are guides.";
         page.picture("avalanches", caption, picture(&curves));
     }
     page
@@ -216,7 +216,7 @@ fn row(case: &Case, parts: &[Sizes], all: &Sizes) -> Vec<String> {
     ]
 }
 
-/// Shares per unit of size, in bins of equal width on a logarithmic axis.
+/// Probability density of the size, in bins of equal width on a logarithmic axis.
 fn density(sizes: &Sizes) -> Vec<(f64, f64)> {
     const PER_DECADE: f64 = 8.0;
     let count: u64 = sizes.values().sum();
@@ -250,6 +250,6 @@ fn picture(curves: &[(&Case, Sizes)]) -> Scene {
         .with_log_scale()
         .with_tick_format(style::powers((0.8, 2e7)))
         .with_x_label("Breaks in an avalanche s")
-        .with_y_label("Share of avalanches per unit of size");
+        .with_y_label("Probability density");
     placed(render_multiple(plots, layout), &legend, &[0])
 }

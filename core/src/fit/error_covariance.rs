@@ -47,8 +47,8 @@ pub(super) struct DenseCovariance {
     /// A² exp(−|y − y'|/ℓ), if there is a drift.
     drift: Option<Mat<f64>>,
     factor: Factor,
-    /// What the likelihood needs of the inverse, once it has been needed. The parts are always the same.
-    traces: OnceLock<Traces>,
+    /// What the likelihood needs of the inverse, once it has been needed, and the parts for which: those of one likelihood.
+    traces: OnceLock<(Vec<ErrorPart>, Traces)>,
 }
 
 impl ErrorCovariance {
@@ -152,10 +152,12 @@ impl DenseCovariance {
             ErrorPart::DriftAmplitude => 2.0 * slow,
             ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
         };
-        let traces = self.traces.get_or_init(|| match self.drift {
+        let traces = || match self.drift {
             None => self.traces_without_drift(parts, positions.len()),
             Some(_) => self.traces(parts, &self.factor.inverse(), positions),
-        });
+        };
+        let (of, traces) = self.traces.get_or_init(|| (parts.to_vec(), traces()));
+        assert_eq!(of, parts, "the covariance of another likelihood");
         let slope = parts.iter().zip(&traces.single).map(|(part, trace)| 0.5 * (trace - misfit(part)));
         CovarianceDerivatives { slope: slope.collect(), information: &traces.double * faer::Scale(0.5) }
     }
