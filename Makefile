@@ -78,16 +78,14 @@ python: $(venv)/installed $(venv)-oldest/installed $(stubs)
 	$(venv)/bin/ruff format --check python docs .ci
 	$(venv)/bin/ruff check python docs .ci
 
-# A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
-# of the workspace for the same ones.
+# The source distribution, and a wheel of the crates that the tests have compiled. Both are made of the same files: `make release-check`
+# looks at those of the source distribution, and `make packages-compile` compiles it.
 sources := $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'engine/build.rs' 'explorer' 'cli/src' 'cli/build.rs' 'scenarios' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
-	rm -rf $(package)/source $(package)/*.tar.gz target/wheels
-	mkdir -p $(package)/source
+	rm -rf $(package)/*.tar.gz target/wheels
 	$(venv)/bin/maturin sdist --out $(package)
-	tar --extract --touch --file $(package)/asperity-*.tar.gz --directory $(package)/source --strip-components 1
-	CARGO_TARGET_DIR=$(CURDIR)/$(package)/build $(venv)/bin/pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir target/wheels $(package)/source
+	$(venv)/bin/maturin build --release --locked --quiet --out target/wheels
 	touch $@
 
 $(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-notebook $(venv)-peers): %/installed: %/ready $(package)/wheel
@@ -100,8 +98,7 @@ stubs: $(venv)/installed $(stubs)
 
 # What the extension says of itself where it is compiled with the feature `stubs`.
 $(stubs): $(package)/wheel
-	cd $(package)/source; export PATH="$(CURDIR)/$(venv)/bin:$$PATH" CARGO_TARGET_DIR=$(CURDIR)/$(package)/build; \
-	maturin generate-stubs --profile release --features stubs --out $(CURDIR)/$(package)/stubs
+	$(venv)/bin/maturin generate-stubs --profile release --features stubs --out $(package)/stubs
 
 # A wheel for any Linux since 2014.
 wheel: $(venv)-wheel/ready
@@ -332,9 +329,10 @@ semver:
 	  cargo semver-checks --package asperity --baseline-rev "$$base"; \
 	fi
 
-# The same, each crate compiled from its package as the registry would have it.
-packages-compile:
+# The same, each crate compiled from its package as the registry would have it, and a wheel from the source distribution.
+packages-compile: $(package)/wheel
 	cargo publish $(published) --dry-run --locked
+	CARGO_TARGET_DIR=$(CURDIR)/$(package)/build $(venv)/bin/pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir $(package) $(package)/*.tar.gz
 
 publish:
 	cargo publish $(published) --locked

@@ -1,4 +1,5 @@
-"""What is published has all that it needs: the crates in a folder of `cargo package`.
+"""What is published has all that it needs: the crates in a folder of `cargo package`, and beside them the
+source distribution of the Python package.
 
 They are not compiled. Each must have its readme, licences and metadata, every file that its code includes,
 and fit the limits of the registry; the command has every scenario that it lists,
@@ -6,6 +7,7 @@ and no other.
 """
 
 import re
+import subprocess
 import sys
 import tarfile
 import tomllib
@@ -25,6 +27,8 @@ METADATA = [
 ]
 # The largest package and the most keywords that crates.io takes.
 LARGEST, KEYWORDS = 10 * 1024 * 1024, 5
+# What the source distribution has all files of.
+SOURCES = ["core/src", "runner/src", "engine/src", "cli/src", "cli/build.rs", "python/src", "python/asperity"]
 # Documents whose code is run as tests in the repository are not included where the crate is used.
 INCLUDED = re.compile(r'(?<!#\[doc = )include_(?:str|bytes)!\("([^"]*)"\)')
 SHIPPED = re.compile(r'^    "([^"]*)",$', re.MULTILINE)
@@ -73,12 +77,27 @@ def faults(package: Path) -> list[str]:
     return [f"{package.name}: {fault}" for fault in found]
 
 
+def source_faults(distribution: Path) -> list[str]:
+    """What the source distribution of the Python package lacks of what its crates are made of."""
+    files = contents(distribution)
+    members = tomllib.loads(files["Cargo.toml"].decode())["workspace"]["members"]
+    manifests = [f"{member}/Cargo.toml" for member in members]
+    found = [f"no {name}" for name in [*NEEDED, *manifests] if name not in files]
+    tracked = subprocess.run(
+        ["git", "ls-files", *SOURCES], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
+    )
+    found += [f"no {name}" for name in tracked.stdout.split() if name not in files]
+    found += missing_includes(files)
+    return [f"{distribution.name}: {fault}" for fault in found]
+
+
 def main(folder: Path) -> None:
     package = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
     version = package["version"]
     names = ("asperity", "asperity-runner", "asperity-engine", "asperity-cli")
     packages = [folder / f"{name}-{version}.crate" for name in names]
     found = [fault for package in packages for fault in faults(package)]
+    found += source_faults(folder / f"asperity-{version}.tar.gz")
     if found:
         sys.exit("\n".join(found))
     sizes = ", ".join(f"{package.name} {package.stat().st_size / 1e6:.2f} MB" for package in packages)
