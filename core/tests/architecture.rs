@@ -1,4 +1,5 @@
-//! The modules of `core/src` as ARCHITECTURE.md lists them: imports point down, and nothing is printed or read.
+//! The modules of `core/src` as ARCHITECTURE.md lists them: imports point down, and nothing is printed or read. Modules of the other
+//! crates import each other in no circle.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -152,15 +153,20 @@ fn modules(folder: &Path) -> BTreeMap<String, Vec<PathBuf>> {
 
 /// The modules of `folder` that a file in it or below imports, those of its tests aside.
 fn siblings(folder: &Path, path: &Path) -> Vec<String> {
+    let inside = folder.strip_prefix(root().join("src")).unwrap();
+    let inside = inside.components().map(|part| format!("{}::", part.as_os_str().to_str().unwrap()));
+    named_in(folder, path, &format!("crate::{}", inside.collect::<String>()))
+}
+
+/// The names behind the path of `folder` in a file in it or below, those of its tests aside.
+fn named_in(folder: &Path, path: &Path, absolute: &str) -> Vec<String> {
     let code = code(path);
     let own = code.split("#[cfg(test)]").next().unwrap_or_default();
     let below = path.strip_prefix(folder).unwrap();
     let depth =
         below.components().count() - usize::from(below.file_name().is_some_and(|name| name == "mod.rs"));
-    let inside = folder.strip_prefix(root().join("src")).unwrap();
-    let inside: Vec<_> = inside.components().map(|part| part.as_os_str().to_str().unwrap()).collect();
     let mut found = named_after(own, &"super::".repeat(depth));
-    found.extend(named_after(own, &format!("crate::{}::", inside.join("::"))));
+    found.extend(named_after(own, absolute));
     found
 }
 
@@ -189,6 +195,47 @@ fn modules_of_a_folder_do_not_import_each_other_both_ways() {
         }
     }
     assert!(circles.is_empty(), "{}", circles.join("\n"));
+}
+
+/// The modules that are left once those which use none of the others are taken away, again and again.
+fn in_circles(mut uses: BTreeMap<String, Vec<String>>) -> Vec<String> {
+    while let Some(lowest) =
+        uses.iter().find(|(from, all)| !all.iter().any(|to| to != *from && uses.contains_key(to)))
+    {
+        let lowest = lowest.0.clone();
+        uses.remove(&lowest);
+    }
+    uses.into_keys().collect()
+}
+
+/// For each module of another crate those it imports, its tests aside.
+fn used_in_crate(source: &Path) -> BTreeMap<String, Vec<String>> {
+    let mut all = modules(source);
+    // They declare the modules.
+    all.retain(|name, _| !["lib", "main"].contains(&name.as_str()));
+    let used =
+        |files: Vec<PathBuf>| files.iter().flat_map(|path| named_in(source, path, "crate::")).collect();
+    all.into_iter().map(|(name, files)| (name, used(files))).collect()
+}
+
+#[test]
+fn modules_of_other_crates_are_in_no_circle() {
+    for name in ["runner", "engine", "cli", "python"] {
+        let uses = used_in_crate(&root().join("..").join(name).join("src"));
+        assert!(uses.values().any(|used| !used.is_empty()), "{name}: no imports were found");
+        assert_eq!(
+            in_circles(uses),
+            [""; 0],
+            "{name}: these modules import each other in a circle, or one that does"
+        );
+    }
+}
+
+#[test]
+fn circles_are_found() {
+    let uses = [("a", "b"), ("b", "c"), ("c", "b"), ("d", "x")];
+    let uses = uses.map(|(from, to)| (from.to_owned(), vec![to.to_owned()]));
+    assert_eq!(in_circles(uses.into()), ["a", "b", "c"]);
 }
 
 #[test]

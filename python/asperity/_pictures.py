@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, TypeAlias
 import numpy as np
 
 from asperity import _plot
-from asperity._plot import axes_or_new, axis, errors, fit_ends, ink, muted
+from asperity._plot import axes_or_new, axis, colorbar, errors, fit_ends, ink, muted
 from asperity._smooth import along_logarithm
 
 if TYPE_CHECKING:
@@ -444,12 +444,6 @@ def covariance(record: "Record", ax: "Axes", **style: Any) -> None:
     unit = record.labels["covariance_position"].units
     ax.set(xlabel=axis("X_1", unit), ylabel=axis("X_2", unit))
     colorbar(ax, mesh, "correlation coefficient")
-
-
-def colorbar(ax: "Axes", mesh: Any, label: str) -> None:
-    """A colour bar beside a map and as tall."""
-    figure: Any = ax.figure
-    figure.colorbar(mesh, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)
 
 
 def equilibrium(record: "Record", ax: "Axes", **style: Any) -> None:

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Iterable
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     )
     from asperity._events import Events
     from asperity._spots import Spots
-    from asperity._values import Prediction, StretchDensity
+    from asperity._values import Atoms, Prediction, StretchDensity
 
 
 def friction(record: "Record", ax: "Axes", **style: Any) -> None:
@@ -185,7 +185,7 @@ def steady_state(steady: "SteadyState", ax: "Axes | None" = None, **style: Any) 
     return stretches(steady.stretch_density(), ax, **style)
 
 
-def stretches(found: "StretchDensity", ax: "Axes | None" = None, **style: Any) -> "Axes":
+def stretches(found: "StretchDensity | LawDensity", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """Densities of stretches, point masses as stems with their weights on the right."""
     ax = axes_or_new(ax)
     rows = found.density if found.density.ndim == 2 else found.density[None, :]
@@ -212,11 +212,17 @@ def outline(
     return line
 
 
-def density(law: "Law") -> "StretchDensity":
+class LawDensity(NamedTuple):
+    """The density of a distribution as it is drawn, and its point masses."""
+
+    stretch: "NDArray[np.float64]"
+    density: "NDArray[np.float64]"
+    atoms: "Atoms"
+
+
+def density(law: "Law") -> LawDensity:
     """The density between outer quantiles and some way beyond, undefined at a pole, and the point masses."""
     import numpy as np
-
-    from asperity._values import StretchDensity
 
     low, high = law.ppf(1e-3), law.isf(1e-3)
     beside = 0.1 * ((high - low) or high or 1.0)
@@ -227,7 +233,7 @@ def density(law: "Law") -> "StretchDensity":
     within = law.ppf(np.linspace(0.02, 0.98, 97))
     x = np.unique(np.concatenate([np.linspace(low, high, 1001), within, edges]))
     values = law.pdf(x)
-    return StretchDensity(x, np.where(np.isfinite(values), values, np.nan), law.atoms)
+    return LawDensity(x, np.where(np.isfinite(values), values, np.nan), law.atoms)
 
 
 def contacts(
@@ -333,12 +339,16 @@ def prediction(found: "Prediction", ax: "Axes | None" = None, **style: Any) -> "
     return ax
 
 
+def colorbar(ax: "Axes", mesh: Any, label: str) -> None:
+    """A colour bar beside a map and as tall."""
+    figure: Any = ax.figure
+    figure.colorbar(mesh, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)
+
+
 def spots(spots: "Spots", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """A map of the spots, in the colours of their loads."""
     import numpy as np
     from matplotlib.colors import LogNorm
-
-    from asperity._pictures import colorbar
 
     ax = axes_or_new(ax)
     pixel = math.sqrt(float(spots.area.sum()) / np.count_nonzero(spots.labels))

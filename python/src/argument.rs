@@ -8,9 +8,7 @@ use pyo3::PyClass;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 
-use crate::contacts::AnyDelay;
 use crate::error::invalid;
-use crate::law::AnyLaw;
 use crate::typed::argument_type;
 
 /// What an argument is expected to be.
@@ -133,18 +131,6 @@ impl Expected for Vec<String> {
     }
 }
 
-impl Expected for AnyLaw {
-    fn expected() -> String {
-        "a distribution of asperity, a frozen distribution of scipy.stats, or samples".into()
-    }
-}
-
-impl Expected for AnyDelay {
-    fn expected() -> String {
-        "a time or a distribution of times".into()
-    }
-}
-
 impl Expected for PathBuf {
     fn expected() -> String {
         "a path".into()
@@ -166,12 +152,6 @@ impl Expected for (Bound<'_, PyAny>, Bound<'_, PyAny>) {
 impl Expected for Priors {
     fn expected() -> String {
         "a dict of pairs (value, error) by name".into()
-    }
-}
-
-impl Expected for Vec<(f64, AnyLaw)> {
-    fn expected() -> String {
-        "a list of pairs (weight, distribution)".into()
     }
 }
 

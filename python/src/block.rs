@@ -3,18 +3,19 @@
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
 use asperity::task::{first_loading_distance, stability, stick_slip_stability};
-use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyType};
+use pyo3::types::{PyDict, PyString};
 
 use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::arguments::slip_rule;
 use crate::convert::{self, Domain};
-use crate::description::{Description, Plain, Slider};
-use crate::law::given;
+use crate::description::Description;
 use crate::model::Model;
+use crate::plain::{Plain, Slider};
 use crate::simulation::Simulation;
+use crate::solver::Solver;
 use crate::stick_slip::StickSlip;
-use crate::transport::{self, Step, Transport};
+use crate::transport::{self, Step};
 use crate::typed::argument_type;
 use crate::watch::watched;
 use crate::{error, typed, values};
@@ -127,23 +128,6 @@ impl Damped {
     }
 }
 
-/// The class of a slip rule that is not a word.
-pub fn slip_class(slip: Slip, py: Python<'_>) -> Bound<'_, PyType> {
-    if let Slip::Damped { .. } = slip { py.get_type::<Damped>() } else { py.get_type::<Inertial>() }
-}
-
-/// The arguments that make such a slip rule.
-pub fn slip_arguments(slip: Slip, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    match slip {
-        Slip::Inertial { mass, damping } => {
-            into.set_item("mass", mass)?;
-            given(into, "damping", (damping != 0.0).then_some(damping))
-        }
-        Slip::Damped { damping } => into.set_item("damping", damping),
-        _ => Ok(()),
-    }
-}
-
 /// A slip rule: one of the words, a damped or an inertial slip.
 struct Rule(Slip);
 
@@ -164,16 +148,6 @@ impl<'py> FromPyObject<'_, 'py> for Rule {
             return convert::word("slip", value.extract()?).map(Self);
         }
         Err(error::wrong_type("slip", "a word, asperity.Damped or asperity.Inertial", &value))
-    }
-}
-
-/// A slip rule as Python has it.
-fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-    match slip {
-        Slip::Reset => "reset".into_bound_py_any(py),
-        Slip::Overdamped => "overdamped".into_bound_py_any(py),
-        Slip::Arrest => "arrest".into_bound_py_any(py),
-        _ => Plain::Slip(slip).object(py),
     }
 }
 
@@ -218,7 +192,7 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// 0.773611
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Block {
-    pub model: Py<Model>,
+    model: Py<Model>,
 }
 
 #[pymethods]
@@ -260,7 +234,7 @@ impl Block {
     /// The slip rule: "reset", "overdamped", "arrest", Damped or Inertial.
     #[getter]
     fn slip<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::SlipRule<'py>> {
-        rule(Self::plain(slf).slip, slf.py()).map(typed::SlipRule)
+        slip_rule(Self::plain(slf).slip, slf.py()).map(typed::SlipRule)
     }
 
     /// An event is a slip if more than this fraction of the contacts of an ensemble break at one drive.
@@ -300,18 +274,18 @@ impl Block {
     ) -> PyResult<typed::Stability<'py>> {
         let velocity = velocity.get("velocity")?;
         let py = slf.py();
-        let Some(table) = Self::table(slf) else {
+        let Some(table) = Self::plain(slf).table() else {
             return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
         };
         let model = slf.get().model.bind(py).clone();
-        let Ok(transport) = model.cast::<Transport>() else {
+        let Solver::Transport(transport) = model.get().solver() else {
             return Err(error::invalid(
                 "block.model",
                 "a Transport, whose response is linear",
                 "another model",
             ));
         };
-        let contacts = &transport.get().contacts;
+        let contacts = &transport.contacts;
         let found = watched(progress, py, |monitor| stability(contacts, velocity, Some(&table), monitor))?;
         values::stability(py, found)
     }
@@ -357,7 +331,7 @@ impl Block {
         let velocity = velocity.get("velocity")?;
         let resolution = resolution.get("resolution")?;
         let py = slf.py();
-        let Some(table) = Self::table(slf) else {
+        let Some(table) = Self::plain(slf).table() else {
             return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
         };
         let (model, own) = Model::described(slf.get().model.bind(py), table)?;
@@ -389,14 +363,15 @@ impl Block {
         let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(slf);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         let model = slf.get().model.bind(slf.py());
-        let fraction = Model::solver(model).size().map(|_| slip_fraction);
+        let fraction = model.get().solver().size().map(|_| slip_fraction);
         let slider =
             block::Block::new(loading, slip, fraction).and_then(|b| b.with_background(Self::background(slf)));
         let slider = slider.map_err(error::core)?;
-        let simulated = match velocity {
-            Some(velocity) => Model::simulated_in_time(model, &slider, velocity)?,
-            None => Model::simulated(model, &slider)?,
-        };
+        let solver = model.get().solver();
+        let simulated = watched(None, slf.py(), |monitor| match velocity {
+            Some(velocity) => solver.simulated_in_time(&slider, velocity, monitor),
+            None => solver.simulated(&slider, monitor),
+        })?;
         Simulation::new(slf.as_super(), (velocity, None), vec![1], simulated)
     }
 
@@ -465,11 +440,12 @@ impl Block {
             ..scenario::Drive::default()
         };
         asked.check().map_err(|e| error::core(e.under("drive")))?;
+        let model = slf.get().model.bind(slf.py()).clone();
         if velocity.is_some() {
             let protocol = asked.forward().map_err(|e| error::core(e.under("drive")))?;
-            return StickSlip::in_time(slf, &protocol, progress);
+            return StickSlip::in_time(slf.into_super(), &model, &protocol, progress);
         }
-        StickSlip::object(slf, &asked, progress)
+        StickSlip::object(slf.into_super(), &model, &asked, progress)
     }
 
     /// Moves the load point of the slider from equilibrium at t = 0 through the steps, one after the other, and
@@ -503,7 +479,8 @@ impl Block {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<StickSlip>> {
         let steps = steps.get("steps")?;
-        StickSlip::in_time(slf, &transport::protocol(steps)?, progress)
+        let model = slf.get().model.bind(slf.py()).clone();
+        StickSlip::in_time(slf.into_super(), &model, &transport::protocol(steps)?, progress)
     }
 
     /// The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
@@ -625,21 +602,15 @@ impl Block {
         }
     }
 
-    /// The stiffness as in a scenario; `None` for a rigid slider.
-    pub fn table(block: &Bound<'_, Self>) -> Option<scenario::Block> {
-        let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(block);
-        stiffness.map(|stiffness| scenario::Block { stiffness, slip, slip_fraction })
-    }
-
     /// The background force of the contacts.
-    pub fn background(block: &Bound<'_, Self>) -> f64 {
+    fn background(block: &Bound<'_, Self>) -> f64 {
         Model::background(block.get().model.bind(block.py()))
     }
 
     /// The curve of the first loading, for the method `name`.
     fn curve(slf: &Bound<'_, Self>, name: &str, distance: Option<f64>, points: Whole) -> PyResult<Curve> {
         let model = slf.get().model.bind(slf.py());
-        let solver = Model::solver(model);
+        let solver = model.get().solver();
         let distance = distance.unwrap_or_else(|| first_loading_distance(solver.contacts()));
         let asked = scenario::Pull { distance, points: points.get("points")?, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under(name)))?;
@@ -650,16 +621,4 @@ impl Block {
             Ok(curve.with_background(background))
         })
     }
-}
-
-/// The arguments that make a block.
-pub fn arguments(slider: &Slider, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let py = into.py();
-    into.set_item("model", slider.model.object(py)?)?;
-    into.set_item("stiffness", slider.stiffness)?;
-    if slider.slip != Slip::default() {
-        into.set_item("slip", rule(slider.slip, py)?)?;
-    }
-    let fraction = slider.slip_fraction;
-    given(into, "slip_fraction", (fraction != scenario::Block::SLIP_FRACTION).then_some(fraction))
 }

@@ -4,12 +4,14 @@ use asperity::contacts::FreeFriction;
 use asperity::monitor::Monitor;
 use asperity::scenario;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat};
+use pyo3::types::PyDict;
 
-use crate::argument::{Argument, Optional as _, Real};
+use crate::argument::{Argument, Expected, Optional as _, Real};
+use crate::arguments::{self, stiffness_columns};
 use crate::convert;
-use crate::description::{Description, Plain};
-use crate::law::{AnyLaw, Law, given};
+use crate::description::Description;
+use crate::law::{AnyLaw, Law};
+use crate::plain::Plain;
 use crate::rules::{Ageing, Temperature};
 use crate::typed::{argument_type, result_type};
 use crate::watch::watched;
@@ -84,13 +86,6 @@ impl Areas {
             _ => unreachable!("areas are described as areas"),
         }
     }
-}
-
-/// The arguments that make areas.
-pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    into.set_item("law", Plain::Law(areas.law.clone()).object(into.py())?)?;
-    into.set_item("modulus", areas.modulus)?;
-    into.set_item("strength", areas.strength)
 }
 
 /// The contacts of an interface: when they break, how stiff they are, how they re-form.
@@ -261,8 +256,8 @@ impl Contacts {
     /// The time for which a broken contact is detached before it re-forms, or the distribution of these times.
     #[getter]
     fn delay(slf: &Bound<'_, Self>) -> PyResult<PlainDelay> {
-        let delay = Self::plain(slf).delay.as_ref();
-        plain_delay(delay.unwrap_or(&scenario::Delay::Time(0.0)), slf.py())
+        let delay = Self::plain(slf).delay.as_ref().unwrap_or(&scenario::Delay::Time(0.0));
+        arguments::delay(delay, slf.py()).map(|delay| PlainDelay(delay.unbind()))
     }
 
     /// The friction force of a detached contact.
@@ -303,7 +298,7 @@ impl Contacts {
     /// Thresholds x_s and the stiffness k of a contact with each of them, or None.
     #[getter]
     fn stiffness_of_threshold(slf: &Bound<'_, Self>) -> Option<(Vec<f64>, Vec<f64>)> {
-        Self::plain(slf).stiffness_of_threshold.as_ref().and_then(columns)
+        Self::plain(slf).stiffness_of_threshold.as_ref().and_then(stiffness_columns)
     }
 
     /// The normal load, a force, or None.
@@ -375,40 +370,6 @@ fn stiffness_table(
     })
 }
 
-/// The columns of a table that is not in a file.
-fn columns(table: &scenario::StiffnessOfThreshold) -> Option<(Vec<f64>, Vec<f64>)> {
-    table.threshold.clone().zip(table.stiffness.clone())
-}
-
-/// The arguments that make contacts.
-pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let py = into.py();
-    let default = scenario::Contacts::default();
-    let law = |law: &scenario::Law| Plain::Law(law.clone()).object(py);
-    given(into, "thresholds", contacts.thresholds.as_ref().map(law).transpose()?)?;
-    if contacts.reforming != default.reforming {
-        into.set_item("reforming", law(&contacts.reforming)?)?;
-    }
-    let areas = contacts.areas.as_ref().map(|areas| Plain::Areas(areas.clone()).object(py));
-    given(into, "areas", areas.transpose()?)?;
-    given(into, "count", Some(contacts.count).filter(|&count| count != default.count))?;
-    given(into, "stiffness", contacts.stiffness)?;
-    given(into, "stiffness_per_threshold", contacts.stiffness_per_threshold)?;
-    given(into, "stiffness_of_threshold", contacts.stiffness_of_threshold.as_ref().and_then(columns))?;
-    given(into, "normal_load", contacts.normal_load)?;
-    given(into, "background_force", contacts.background_force)?;
-    given(into, "background_coefficient", contacts.background_coefficient)?;
-    let temperature = contacts.temperature.map(|temperature| Plain::Temperature(temperature).object(py));
-    given(into, "temperature", temperature.transpose()?)?;
-    let ageing = contacts.ageing.as_ref().map(|ageing| Plain::Ageing(ageing.clone()).object(py));
-    given(into, "ageing", ageing.transpose()?)?;
-    let delay = contacts.delay.as_ref().map(|delay| plain_delay(delay, py));
-    given(into, "delay", delay.transpose()?)?;
-    let FreeFriction { force, viscosity } = contacts.free_friction.unwrap_or_default();
-    given(into, "free_friction", Some(force).filter(|&force| force != 0.0))?;
-    given(into, "free_viscosity", Some(viscosity).filter(|&viscosity| viscosity != 0.0))
-}
-
 /// A delay as an argument: a time, or a distribution of times.
 pub struct AnyDelay(scenario::Delay);
 
@@ -440,10 +401,8 @@ impl<'py> IntoPyObject<'py> for PlainDelay {
     }
 }
 
-fn plain_delay(delay: &scenario::Delay, py: Python<'_>) -> PyResult<PlainDelay> {
-    let object = match delay {
-        scenario::Delay::Time(time) => PyFloat::new(py, *time).into_any(),
-        scenario::Delay::Law(law) => Plain::Law(law.clone()).object(py)?.into_any(),
-    };
-    Ok(PlainDelay(object.unbind()))
+impl Expected for AnyDelay {
+    fn expected() -> String {
+        "a time or a distribution of times".into()
+    }
 }

@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 
 use asperity::monitor::Monitor;
-use asperity::scenario::{Disorder, TaskStart};
+use asperity::scenario::{Barrier, Disorder, TaskStart};
 use asperity::task::summary::SlidingKind;
 use asperity_runner::checkpoint::Every;
 use asperity_runner::{duration, input};
@@ -15,11 +15,9 @@ use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::{PyOverflowError, PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyDelta, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyDelta, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::de::DeserializeOwned;
-use toml::Value;
 
-use crate::description::Description;
 use crate::error::{self, invalid, wrong_type};
 use crate::typed::argument_type;
 use crate::watch::{report, watched};
@@ -28,7 +26,7 @@ use crate::watch::{report, watched};
 const PIECE: usize = 64;
 
 /// Largest allowed nesting depth of tables, lists and objects in a scenario; no valid one reaches half of it.
-const DEPTH: usize = 64;
+pub const DEPTH: usize = 64;
 
 /// An object of a Python module, looked up once.
 pub struct Import(PyOnceLock<Py<PyAny>>, &'static str, &'static str);
@@ -113,7 +111,7 @@ impl<'py> Numbers<'py> {
 }
 
 /// Refuses masked values, because the number under a mask is not meant as a value.
-fn unmasked(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
+pub fn unmasked(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let depth = deeper(key, depth)?;
         return value.try_iter()?.enumerate().try_for_each(|(i, item)| {
@@ -139,7 +137,7 @@ fn unmasked(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
 }
 
 /// The remaining nesting depth below `key`.
-fn deeper(key: &str, depth: usize) -> PyResult<usize> {
+pub fn deeper(key: &str, depth: usize) -> PyResult<usize> {
     depth.checked_sub(1).ok_or_else(|| {
         let outermost = key.split('.').next().unwrap_or(key);
         let expected = format!("at most {DEPTH} tables and lists within each other");
@@ -396,6 +394,16 @@ pub fn disorder(disorder: Disorder) -> &'static str {
     }
 }
 
+/// The word for a barrier.
+pub fn barrier(barrier: Barrier) -> &'static str {
+    match barrier {
+        Barrier::Elastic => "elastic",
+        Barrier::Bell => "bell",
+        Barrier::Catastrophe => "catastrophe",
+        _ => unreachable!("a barrier without a word"),
+    }
+}
+
 /// The word for a kind of sliding.
 pub fn regime(kind: SlidingKind) -> &'static str {
     match kind {
@@ -405,59 +413,4 @@ pub fn regime(kind: SlidingKind) -> &'static str {
         SlidingKind::Runaway => "runaway",
         SlidingKind::Undecided => "undecided",
     }
-}
-
-/// A part of a scenario from dictionaries, lists, numbers, texts, arrays and descriptions.
-pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
-    within(key, value, DEPTH)
-}
-
-/// The same, with a nesting depth of at most `depth`.
-fn within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
-    if let Some(plain) = plain(key, value)? {
-        return Ok(plain);
-    }
-    let depth = deeper(key, depth)?;
-    let child = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
-    if let Ok(table) = value.cast::<PyDict>() {
-        let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-            let text: String = name.extract().map_err(|_| wrong_type(key, "keys that are texts", &name))?;
-            let value = within(&child(&text), &value, depth)?;
-            Ok((text, value))
-        };
-        return table.iter().map(entry).collect::<PyResult<toml::Table>>().map(Value::Table);
-    }
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let item =
-            |(i, item): (usize, PyResult<Bound<'_, PyAny>>)| within(&child(&i.to_string()), &item?, depth);
-        return value.try_iter()?.enumerate().map(item).collect::<PyResult<_>>().map(Value::Array);
-    }
-    unmasked(key, value, depth)?;
-    if value.hasattr("tolist")? {
-        return within(key, &value.call_method0("tolist")?, depth);
-    }
-    Err(wrong_type(key, "a table, a list, a number or a text", value))
-}
-
-/// A value that contains no others, or that is already a description.
-fn plain(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
-    if let Ok(described) = value.cast::<Description>() {
-        let toml = described.get().toml();
-        let refused = || wrong_type(key, "a distribution, areas, contacts or a slip rule", value);
-        return toml.ok_or_else(refused).map(Some);
-    }
-    if value.is_instance_of::<PyBool>() {
-        return value.extract().map(Value::Boolean).map(Some);
-    }
-    if value.is_instance_of::<PyInt>() {
-        let whole = value.extract().map(Value::Integer);
-        return whole.map(Some).map_err(|_| invalid(key, "a whole number below 2^63", value));
-    }
-    if value.is_instance_of::<PyFloat>() {
-        return value.extract().map(Value::Float).map(Some);
-    }
-    if value.is_instance_of::<PyString>() {
-        return value.extract().map(Value::String).map(Some);
-    }
-    Ok(None)
 }

@@ -2,18 +2,15 @@
 
 use asperity::Error;
 use asperity::law::{self, parametric_distributions};
-use asperity::monitor::Monitor;
 use asperity::scenario::{self, Component, Tabulated as Table};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
 
 use crate::argument::{Argument, Optional as _, Real};
 use crate::convert;
-use crate::description::Plain;
 use crate::error;
-use crate::law::{AnyLaw, Law, describe, given, plain};
-use crate::watch::beside;
+use crate::law::{AnyLaw, Law, describe, plain};
+use crate::plain::Plain;
 
 /// Classes of distributions, each created from its own arguments, with its attributes.
 macro_rules! classes {
@@ -137,34 +134,6 @@ macro_rules! parametric_classes {
             } {} $($parameter { $(#[doc = $parameter_doc])+ })+
         })+
 
-        /// The class of a distribution.
-        pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
-            match law {
-                $(scenario::Law::$name { .. } => py.get_type::<$name>(),)+
-                scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
-                scenario::Law::Series { .. } => py.get_type::<Series>(),
-                scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
-                scenario::Law::Renormalised { .. } => py.get_type::<Renormalised>(),
-                _ => unreachable!("a distribution without a class"),
-            }
-        }
-
-        /// The member of the class under which samples are most likely; `None` for classes without parameters.
-        pub fn most_likely(class: &Bound<'_, PyType>, samples: Vec<f64>) -> Option<PyResult<scenario::Law>> {
-            let py = class.py();
-            $(if class.is(&py.get_type::<$name>()) {
-                let estimate =
-                    move |monitor: &mut dyn Monitor| law::maximum_likelihood_with($key, &samples, monitor);
-                let values = beside(py, estimate).and_then(|values| values.map_err(error::core));
-                return Some(values.map(|values| {
-                    let mut values = values.into_iter();
-                    $(let $parameter = values.next().expect("a value for each parameter");)+
-                    scenario::Law::$name { $($parameter),+ }
-                }));
-            })+
-            None
-        }
-
         /// Sets a parameter of a description, by its name in the distribution that is built from it.
         pub fn set_parameter(law: &mut scenario::Law, name: &str, to: f64) {
             match law {
@@ -178,35 +147,6 @@ macro_rules! parametric_classes {
                     set_parameter(law, name.trim_start_matches("law."), to);
                 }
                 _ => unreachable!("a distribution without parameters"),
-            }
-        }
-
-        /// The arguments of its class that create a distribution.
-        pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
-            match law {
-                $(scenario::Law::$name { $($parameter),+ } => {
-                    $(into.set_item(stringify!($parameter), $parameter)?;)+
-                    Ok(())
-                })+
-                scenario::Law::Tabulated(Table { stretch, density, samples, bandwidth, exact, .. }) => {
-                    let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
-                    columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))?;
-                    given(into, "bandwidth", *bandwidth)?;
-                    given(into, "exact", exact.then_some(true))
-                }
-                scenario::Law::Series { boundaries, coefficients, cut } => {
-                    into.set_item("boundaries", boundaries)?;
-                    into.set_item("coefficients", coefficients)?;
-                    given(into, "cut", (*cut > 0.0).then_some(*cut))
-                }
-                scenario::Law::Mixture(components) => {
-                    into.set_item("components", pairs(components, into.py())?)
-                }
-                scenario::Law::Renormalised { law, coupling } => {
-                    into.set_item("law", Plain::Law((**law).clone()).object(into.py())?)?;
-                    into.set_item("coupling", coupling)
-                }
-                _ => unreachable!("a distribution without a class"),
             }
         }
     };

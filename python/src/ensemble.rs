@@ -7,17 +7,17 @@ use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use asperity::task::Grid;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert::{self, Seed};
-use crate::description::{Interface, Plain};
-use crate::law::{AnyLaw, given};
-use crate::model::{Model, built, interface_arguments, steady_interface};
+use crate::law::AnyLaw;
+use crate::model::{Model, steady_interface};
 use crate::pickle::{self, Reduced};
+use crate::plain::Plain;
 use crate::record::Record;
 use crate::simulation::Simulation;
+use crate::solver::{Solver, built};
 use crate::transport::{self, Step};
 use crate::watch::{watched, watched_on};
 use crate::{error, typed};
@@ -52,9 +52,7 @@ use crate::{error, typed};
 /// >>> bool(abs(pull.force[1] - 0.5) < 1e-3)
 /// True
 #[pyclass(frozen, extends = Model, module = "asperity")]
-pub struct Ensemble {
-    pub ensemble: ensemble::Ensemble,
-}
+pub struct Ensemble;
 
 #[pymethods]
 impl Ensemble {
@@ -87,7 +85,7 @@ impl Ensemble {
         };
         let ensemble = watched(None, py, build)?;
         let plain = Plain::Ensemble(interface, own);
-        Ok(Model::new(plain).add_subclass(Self { ensemble }))
+        Ok(Model::new(plain, Solver::Ensemble(ensemble)).add_subclass(Self))
     }
 
     /// The number of simulated contacts.
@@ -189,7 +187,7 @@ impl Ensemble {
             ..scenario::Pull::default()
         };
         asked.check().map_err(|e| error::core(e.under("pull")))?;
-        let Self { ensemble } = slf.get();
+        let ensemble = slf.as_super().get().ensemble();
         let edges = match edges {
             Some(edges) => convert::list("edges", edges)?,
             None => watched(None, py, |monitor| even_edges(ensemble, velocity, monitor))?,
@@ -234,7 +232,7 @@ impl Ensemble {
         let steps = steps.get("steps")?;
         let py = slf.py();
         let (history, times) = transport::motion(steps)?;
-        let Self { ensemble } = slf.get();
+        let ensemble = slf.as_super().get().ensemble();
         let trace = watched(progress, py, |monitor| ensemble.follow_with(&history, &times, monitor))?;
         Py::new(py, Record::new(py, transport::followed(trace), Units::default())?)
     }
@@ -261,15 +259,6 @@ fn even_edges(
         None => MasterEquation::new_with(contacts, initial, monitor)?,
     };
     Ok(Grid::new(&equation, initial, &[]).edges(ensemble.size()))
-}
-
-/// The arguments of an ensemble.
-pub fn arguments(interface: &Interface, own: &scenario::Ensemble, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    interface_arguments(interface, into)?;
-    into.set_item("size", own.size())?;
-    into.set_item("seed", own.seed)?;
-    let disorder = (own.disorder != scenario::Disorder::default()).then(|| convert::disorder(own.disorder));
-    given(into, "disorder", disorder)
 }
 
 /// The results of a pull of the ensemble as columns; stretches only if there are snapshots.
@@ -342,7 +331,7 @@ impl EnsemblePull {
 impl EnsemblePull {
     /// The pull of a pickle.
     pub fn restored(py: Python<'_>, bytes: &[u8], model: Option<Bound<'_, PyAny>>) -> PyResult<Py<PyAny>> {
-        let ensemble = pickle::of_model::<Ensemble>(model)?.unbind();
+        let ensemble = pickle::of_model::<Ensemble>(model, |_| true)?.unbind();
         let (breaks, record) = Record::unpacked(py, bytes)?;
         Ok(Py::new(py, record.add_subclass(Self { ensemble, breaks }))?.into_any())
     }

@@ -1,10 +1,8 @@
 //! The master equation, and the quantities that need no pull.
 
-use asperity::contacts::Initial;
 use asperity::master::{self, Tolerance};
 use asperity::monitor::Monitor;
 use asperity::scenario;
-use asperity::task::Grid;
 use numpy::ToPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -12,12 +10,13 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, evaluate, evaluate_all};
-use crate::description::{Interface, Plain, Solved};
-use crate::law::{AnyLaw, given};
-use crate::model::{Model, built, interface_arguments, steady_interface};
+use crate::law::AnyLaw;
+use crate::model::{Model, steady_interface};
 use crate::pickle::{Reduced, again};
+use crate::plain::{Interface, Plain, Solved};
 use crate::pull::Pull;
 use crate::simulation::Simulation;
+use crate::solver::{EquationSolver, Solver};
 use crate::watch::watched;
 use crate::{error, typed, values};
 
@@ -59,10 +58,7 @@ use crate::{error, typed, values};
 /// >>> round(pull.kinetic_friction, 6)
 /// 0.505
 #[pyclass(frozen, extends = Model, module = "asperity")]
-pub struct MasterEquation {
-    pub equation: master::MasterEquation,
-    pub initial: Initial,
-}
+pub struct MasterEquation;
 
 #[pymethods]
 impl MasterEquation {
@@ -82,13 +78,13 @@ impl MasterEquation {
         let start = start.get("start")?;
         let tolerance = tolerance.get("tolerance")?;
         let interface = steady_interface(contacts, initial, &start)?;
-        let own = scenario::MasterEquation { tolerance };
+        let solved = Solved { own: scenario::MasterEquation { tolerance }, velocity };
         let build = |monitor: &mut dyn Monitor| {
-            own.check().map_err(|e| e.under("master_equation"))?;
-            Self::build(&interface, velocity, monitor)
+            solved.own.check().map_err(|e| e.under("master_equation"))?;
+            EquationSolver::new(&interface, &solved, monitor)
         };
-        let equation = watched(None, py, build)?;
-        Ok(equation.described(interface, Solved { own, velocity }))
+        let solver = watched(None, py, build)?;
+        Ok(Self::described(solver, interface, solved))
     }
 
     /// The velocity of the slider, or None.
@@ -100,7 +96,7 @@ impl MasterEquation {
     /// The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10.
     #[getter]
     fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
-        Self::plain(slf).tolerance
+        Self::solved(slf).own.tolerance
     }
 
     /// Its events are simultaneous breaks of many contacts.
@@ -149,7 +145,7 @@ impl MasterEquation {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Pull>> {
         let distance = distance.get("distance")?;
-        Pull::object(slf, distance, points.get("points")?, progress)
+        Pull::object(slf.into_super(), distance, points.get("points")?, progress)
     }
 
     /// Steady sliding.
@@ -158,7 +154,10 @@ impl MasterEquation {
     /// -------
     /// SteadyState
     fn steady_state(slf: Bound<'_, Self>) -> SteadyState {
-        SteadyState { steady: slf.get().equation.steady_state(), equation: slf.unbind() }
+        SteadyState {
+            steady: Self::solver(&slf).equation.steady_state(),
+            equation: slf.into_super().unbind(),
+        }
     }
 
     /// The relaxation to steady sliding.
@@ -167,34 +166,26 @@ impl MasterEquation {
     /// -------
     /// Relaxation
     fn relaxation(slf: &Bound<'_, Self>) -> PyResult<Relaxation> {
-        let solver = &slf.get().equation;
+        let solver = &Self::solver(slf).equation;
         let relaxation = watched(None, slf.py(), |monitor| solver.relaxation_with(monitor))?;
-        Ok(Relaxation { relaxation, equation: slf.clone().unbind() })
+        Ok(Relaxation { relaxation, equation: slf.as_super().clone().unbind() })
     }
 }
 
 impl MasterEquation {
-    /// The master equation of contacts, at a velocity if they are time-dependent.
-    pub fn build(
-        interface: &Interface,
-        velocity: Option<f64>,
-        monitor: &mut dyn Monitor,
-    ) -> asperity::Result<Self> {
-        let (contacts, initial) = built(interface, monitor)?;
-        let equation = match velocity {
-            Some(velocity) => master::MasterEquation::at_with(contacts, &initial, velocity, monitor)?,
-            None => master::MasterEquation::new_with(contacts, &initial, monitor)?,
-        };
-        Ok(Self { equation, initial })
+    /// A solver as a model with its description.
+    pub fn described(
+        solver: EquationSolver,
+        interface: Interface,
+        solved: Solved,
+    ) -> PyClassInitializer<Self> {
+        let plain = Plain::MasterEquation(interface, solved);
+        Model::new(plain, Solver::MasterEquation(solver)).add_subclass(Self)
     }
 
-    /// The same as a model with its description.
-    pub fn described(self, interface: Interface, solved: Solved) -> PyClassInitializer<Self> {
-        Model::new(Plain::MasterEquation(interface, solved)).add_subclass(self)
-    }
-
-    pub fn plain<'a>(equation: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
-        &Self::solved(equation).own
+    /// The solver.
+    pub fn solver<'a>(equation: &'a Bound<'_, Self>) -> &'a EquationSolver {
+        equation.as_super().get().equation()
     }
 
     fn solved<'a>(equation: &'a Bound<'_, Self>) -> &'a Solved {
@@ -203,26 +194,6 @@ impl MasterEquation {
             _ => unreachable!("an equation is described as an equation"),
         }
     }
-
-    /// The requested stretches, or by default ones that resolve the distributions at X = `positions`.
-    pub fn stretches(&self, wanted: Option<&Bound<'_, PyAny>>, positions: &[f64]) -> PyResult<Vec<f64>> {
-        const STRETCHES: Domain = Domain { low: 0.0, high: f64::MAX, what: "a stretch" };
-        match wanted {
-            Some(stretches) => convert::list_within("stretches", stretches, &STRETCHES),
-            None => Ok(Grid::new(&self.equation, &self.initial, positions).stretches),
-        }
-    }
-}
-
-/// The arguments of a master equation.
-pub fn arguments(
-    interface: &Interface,
-    Solved { own, velocity }: &Solved,
-    into: &Bound<'_, PyDict>,
-) -> PyResult<()> {
-    interface_arguments(interface, into)?;
-    given(into, "velocity", *velocity)?;
-    given(into, "tolerance", own.tolerance)
 }
 
 /// Steady sliding: the solution of the master equation that does not depend on X.
@@ -239,7 +210,7 @@ pub fn arguments(
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyState {
     steady: master::SteadyState,
-    equation: Py<MasterEquation>,
+    equation: Py<Model>,
 }
 
 #[pymethods]
@@ -376,7 +347,7 @@ impl SteadyState {
         py: Python<'py>,
         stretches: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<typed::StretchDensity<'py>> {
-        let stretches = self.equation.get().stretches(stretches, &[])?;
+        let stretches = self.equation.get().equation().stretches(stretches, &[])?;
         let found = watched(None, py, |monitor| self.steady.stretch_density_with(&stretches, monitor))?;
         values::stretches(py, stretches, found)
     }
@@ -421,7 +392,7 @@ impl SteadyState {
 impl SteadyState {
     /// The number of contacts that a force is the sum of.
     fn size(&self, size: Option<f64>) -> PyResult<f64> {
-        let count = self.equation.get().equation.contacts().count;
+        let count = self.equation.get().equation().equation.contacts().count;
         size.map_or(Ok(count), |size| convert::contacts("size", size))
     }
 }
@@ -438,7 +409,7 @@ impl SteadyState {
 #[pyclass(frozen, module = "asperity")]
 pub struct Relaxation {
     relaxation: master::Relaxation,
-    equation: Py<MasterEquation>,
+    equation: Py<Model>,
 }
 
 #[pymethods]

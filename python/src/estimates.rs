@@ -11,11 +11,11 @@ use pyo3::types::{IntoPyDict, PyDict};
 use crate::argument::{Argument, Whole};
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Seed};
-use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fitted_model::fitted_model;
 use crate::found::{Arguments, FittedNumbers, Search};
-use crate::pickle::{self, Reduced};
+use crate::pickle::Reduced;
+use crate::plain::{Interface, Plain};
 use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
@@ -60,7 +60,7 @@ impl Estimates {
             first.contacts.background_coefficient = None;
         }
         let model = fitted_model(py, found.equation(), (first, velocity), &names)?;
-        let pull = Pull::computed(model.clone(), found.pull(0).clone())?;
+        let pull = Pull::computed(model.as_super().clone(), found.pull(0).clone())?;
         let readings = Py::new(py, Record::new(py, columns(&found), Units::default())?)?;
         let (reported, laws) = (FittedNumbers::of(&found), laws.unbind());
         Ok(Self {
@@ -477,7 +477,7 @@ impl Estimates {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let parts = (&this.model, &this.pull, &this.readings, &this.laws).into_pyobject(py)?;
-        pickle::reduced_fit(py, &this.arguments, this.reported.written()?, parts)
+        this.arguments.reduced(py, &this.reported.written()?, parts)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -10,14 +10,14 @@ use pyo3::types::PyDict;
 use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert;
-use crate::description::{Interface, Plain};
-use crate::equation::MasterEquation;
 use crate::error;
 use crate::estimates::Estimates;
 use crate::found::Arguments;
 use crate::law::AnyLaw;
 use crate::measured::{self, Compliance};
-use crate::model::{built, interface};
+use crate::model::interface;
+use crate::plain::{Interface, Plain, Solved};
+use crate::solver::{EquationSolver, built};
 use crate::watch::watched;
 
 /// Fits numbers of contacts, and of the machine, to one or more measured curves of force.
@@ -169,8 +169,9 @@ pub fn fit(
         .enumerate()
         .map(|(i, name)| scenario::threshold_family(&format!("laws.{i}"), name).map_err(error::core))
         .collect::<PyResult<_>>()?;
+    let solved = Solved { own: scenario::MasterEquation::default(), velocity };
     let (found, others) = watched(progress, py, |monitor| {
-        let first = MasterEquation::build(&interface, velocity, &mut Part::new(monitor, 0.0, 0.05))?;
+        let first = EquationSolver::new(&interface, &solved, &mut Part::new(monitor, 0.0, 0.05))?;
         let mut measured = measured.into_iter();
         let fit = Fit::new(first.equation, measured.next().expect("a list has at least one curve"));
         let fit = measured.fold(fit, Fit::curve).free(names).errors(errors);

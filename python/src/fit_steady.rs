@@ -11,15 +11,16 @@ use pyo3::types::{IntoPyDict, PyDict};
 use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert::{self, Seed};
-use crate::description::{Interface, Plain};
 use crate::equation::MasterEquation;
 use crate::fitted_model::fitted_model;
 use crate::found::{Arguments, FittedNumbers, Search};
 use crate::law::AnyLaw;
 use crate::model::interface;
 use crate::pickle::{self, Reduced};
+use crate::plain::{Interface, Plain, Solved};
 use crate::posterior::Posterior;
 use crate::record::Record;
+use crate::solver::EquationSolver;
 use crate::watch::watched;
 use crate::{error, typed, values};
 
@@ -116,8 +117,9 @@ pub fn fit_steady(
     let measured = SteadyRecord { spacing, forces: convert::list("force", force)? };
     let prior = prior.unwrap_or_default();
     let known = prior.clone();
+    let solved = Solved { own: asperity::scenario::MasterEquation::default(), velocity };
     let found = watched(progress, py, |monitor| {
-        let first = MasterEquation::build(&interface, velocity, &mut Part::new(monitor, 0.0, 0.05))?;
+        let first = EquationSolver::new(&interface, &solved, &mut Part::new(monitor, 0.0, 0.05))?;
         let mut fit = SteadyFit::new(first.equation, measured).free(free.iter().cloned()).offset(offset);
         if let Some(reading) = reading {
             fit = fit.reading(reading);
@@ -397,7 +399,7 @@ impl SteadyEstimates {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let parts = (&this.model, &this.spectrum).into_pyobject(py)?;
-        pickle::reduced_fit(py, &this.arguments, this.reported.written()?, parts)
+        this.arguments.reduced(py, &this.reported.written()?, parts)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -5,10 +5,10 @@ use asperity::law::Parameter;
 use asperity::{master, scenario};
 use pyo3::prelude::*;
 
-use crate::description::{Interface, Solved};
 use crate::distributions::set_parameter;
 use crate::equation::MasterEquation;
-use crate::model::built;
+use crate::plain::{Interface, Solved};
+use crate::solver::{EquationSolver, built};
 use crate::watch::watched;
 
 /// The equation of the estimated numbers, with the description of its contacts.
@@ -20,9 +20,10 @@ pub fn fitted_model<'py>(
 ) -> PyResult<Bound<'py, MasterEquation>> {
     let (interface, velocity) = fitted(first, equation, &equation.parameters(), free);
     let (_, initial) = watched(None, py, |monitor| built(&interface, monitor))?;
-    let model = MasterEquation { equation: equation.clone(), initial };
     let solved = Solved { own: scenario::MasterEquation::default(), velocity };
-    Bound::new(py, model.described(interface, solved))
+    let (equation, tolerance) = (equation.clone(), solved.own.tolerance());
+    let solver = EquationSolver { equation, initial, tolerance };
+    Bound::new(py, MasterEquation::described(solver, interface, solved))
 }
 
 /// The description of the fitted contacts: the first one with the estimates in the place of free numbers.

@@ -3,10 +3,11 @@
 use asperity::fit;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::{Deserialize, Serialize};
 
-use crate::pickle;
+use crate::convert::Import;
+use crate::pickle::{self, Reduced, VERSION};
 
 /// A number that a fit has found: its name, value, error and interval, and its limit if it has one.
 type PlainEstimate = (String, f64, f64, [f64; 2], Option<f64>);
@@ -112,6 +113,19 @@ impl Arguments {
         let named = self.named.bind(py).copy()?;
         named.set_item("laws", (law,))?;
         Ok(Self { function: self.function, named: named.unbind(), law: Some(law.to_owned()) })
+    }
+
+    /// What restores a fit: its numbers, these arguments, and the objects that it has.
+    pub fn reduced<'py>(
+        &self,
+        py: Python<'py>,
+        reported: &[u8],
+        parts: Bound<'py, PyTuple>,
+    ) -> PyResult<Reduced<'py>> {
+        static RESTORE: Import = Import::new("asperity._core", "_restore_fit");
+        let arguments =
+            (VERSION, self.function, self.named.bind(py), &self.law, PyBytes::new(py, reported), parts);
+        Ok((RESTORE.get(py)?.clone(), arguments.into_pyobject(py)?))
     }
 
     fn again<T: pyo3::PyClass>(&self, py: Python<'_>) -> PyResult<Py<T>> {

@@ -12,8 +12,8 @@ use crate::convert::{self, Seed};
 use crate::deformable::Deformable;
 use crate::law::AnyLaw;
 use crate::model::steady_interface;
+use crate::plain::Surface;
 use crate::stretches::StretchGrid;
-use crate::surface::Surface;
 use crate::watch::watched;
 use crate::{error, simulated, typed, values};
 

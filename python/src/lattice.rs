@@ -9,7 +9,7 @@ use crate::convert::{self, Seed};
 use crate::deformable::Deformable;
 use crate::law::AnyLaw;
 use crate::model::interface;
-use crate::surface::Surface;
+use crate::plain::Surface;
 use crate::typed;
 
 /// Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and

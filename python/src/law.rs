@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use asperity::law::{self, SharedLaw};
+use asperity::law::{self, SharedLaw, parametric_distributions};
 use asperity::monitor::Monitor;
 use asperity::random::{Purpose, Stream};
 use asperity::scenario;
@@ -13,12 +13,13 @@ use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 
-use crate::argument::{Argument, Optional as _, Real, Whole};
+use crate::argument::{Argument, Expected, Optional as _, Real, Whole};
 use crate::convert::{self, Domain, Import, Seed, Size, evaluate};
-use crate::description::{Description, Plain};
+use crate::description::Description;
+use crate::plain::Plain;
 use crate::typed::argument_type;
 use crate::watch::{beside, report, watched};
-use crate::{distributions, error, typed, values};
+use crate::{error, typed, values};
 
 /// Random numbers drawn between two checks for signals.
 const PIECE: usize = 1 << 14;
@@ -541,7 +542,7 @@ impl Law {
     fn fit<'py>(cls: &Bound<'py, PyType>, samples: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = cls.py();
         let samples = convert::list("samples", samples)?;
-        let found = distributions::most_likely(cls, samples).ok_or_else(|| {
+        let found = most_likely(cls, samples).ok_or_else(|| {
             let name = cls.name().map_or_else(|_| String::new(), |name| name.to_string());
             PyTypeError::new_err(format!(
                 "fit: expected a class with parameters, such as Gaussian, got {name}"
@@ -677,11 +678,43 @@ pub fn critical_coupling(law: Argument<AnyLaw>) -> PyResult<f64> {
     Ok(law::critical_coupling(built(law)?.as_ref()))
 }
 
-/// Sets an argument, unless it is omitted.
-pub fn given<'py, T: IntoPyObject<'py>>(
-    into: &Bound<'py, PyDict>,
-    name: &str,
-    value: Option<T>,
-) -> PyResult<()> {
-    value.map_or(Ok(()), |value| into.set_item(name, value))
+impl Expected for AnyLaw {
+    fn expected() -> String {
+        "a distribution of asperity, a frozen distribution of scipy.stats, or samples".into()
+    }
 }
+
+impl Expected for Vec<(f64, AnyLaw)> {
+    fn expected() -> String {
+        "a list of pairs (weight, distribution)".into()
+    }
+}
+
+/// The most likely members of parametric distributions, from their declarations.
+macro_rules! most_likely_members {
+    ($(
+        $(#[doc = $doc:literal])+
+        $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
+            $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
+        }
+    )+) => {
+        /// The member of a class under which samples are most likely; `None` for classes without parameters.
+        fn most_likely(class: &Bound<'_, PyType>, samples: Vec<f64>) -> Option<PyResult<scenario::Law>> {
+            let py = class.py();
+            let name = class.name().ok()?;
+            $(if name == stringify!($name) {
+                let estimate =
+                    move |monitor: &mut dyn Monitor| law::maximum_likelihood_with($key, &samples, monitor);
+                let values = beside(py, estimate).and_then(|values| values.map_err(error::core));
+                return Some(values.map(|values| {
+                    let mut values = values.into_iter();
+                    $(let $parameter = values.next().expect("a value for each parameter");)+
+                    scenario::Law::$name { $($parameter),+ }
+                }));
+            })+
+            None
+        }
+    };
+}
+
+parametric_distributions!(most_likely_members);

@@ -2,6 +2,7 @@
 //! computed here. The documentation here is what Python shows.
 
 mod argument;
+mod arguments;
 mod block;
 mod command;
 mod contacts;
@@ -27,6 +28,7 @@ mod machine_step;
 mod measured;
 mod model;
 mod pickle;
+mod plain;
 mod posterior;
 mod pull;
 mod rate_state;
@@ -38,10 +40,12 @@ mod scenario;
 mod simulated;
 mod simulated_in_time;
 mod simulation;
+mod solver;
 mod stick_slip;
 mod stretches;
-mod surface;
+
 mod sweep;
+mod tables;
 mod threads;
 mod transport;
 mod typed;

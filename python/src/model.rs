@@ -1,27 +1,18 @@
 //! The common part of all models: contacts and their initial state.
 
-use std::ffi::CString;
-
 use asperity::block::{self, Loading, Slip};
-use asperity::monitor::{Aside, Monitor};
-use asperity::population::Population;
-use asperity::rate_dependent::RateDependentContacts;
-use asperity::scenario::{BuiltContacts, TaskStart};
-use asperity::task;
-use asperity::{Error, Result, ensemble, master, scenario};
-use pyo3::exceptions::PyUserWarning;
+use asperity::scenario::{self, TaskStart};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::description::{Description, Interface, Plain};
-use crate::ensemble::Ensemble;
-use crate::equation::MasterEquation;
-use crate::law::{AnyLaw, Law, given};
-use crate::simulated::{self, Simulated, SliderContacts};
-use crate::simulated_in_time::{BlockInTime, ContactsInTime};
+use crate::description::Description;
+use crate::law::{AnyLaw, Law};
+use crate::plain::{Interface, Plain};
+use crate::simulated::Simulated;
+use crate::simulated_in_time::ContactsInTime;
 use crate::simulation::Simulation;
-use crate::transport::Transport;
+use crate::solver::{EquationSolver, Solver, TransportSolver, built};
 use crate::watch::watched;
 use crate::{convert, error, typed};
 
@@ -49,48 +40,6 @@ fn starting(contacts: &Bound<'_, Contacts>, initial: Option<AnyLaw>, start: Task
     Interface { contacts: Contacts::plain(contacts).clone(), initial, start }
 }
 
-/// The contacts, and their initial stretches.
-///
-/// # Errors
-/// Those of [`scenario::build_contacts`]; steady sliding of time-dependent contacts, which stretches do not determine.
-pub fn built(
-    Interface { contacts, initial, start }: &Interface,
-    monitor: &mut dyn Monitor,
-) -> Result<(asperity::contacts::Contacts, asperity::contacts::Initial)> {
-    let BuiltContacts { contacts, initial, left_out } =
-        scenario::build_contacts(contacts, initial, *start, monitor)?;
-    warn(left_out);
-    if *start == TaskStart::Steady && contacts.rules.are_time_dependent() {
-        let expected = "conditional or relaxed for time-dependent contacts (a Transport starts in steady sliding at a velocity)";
-        return Err(Error::invalid("start", expected, "steady"));
-    }
-    Ok((contacts, initial))
-}
-
-/// Shows warnings, of stretches beyond the thresholds, which models leave out.
-pub fn warn(warnings: Vec<String>) {
-    for warning in warnings {
-        Python::attach(|py| {
-            let category = py.get_type::<PyUserWarning>();
-            let text = CString::new(warning).unwrap_or_default();
-            // Where warnings are errors, the model is made all the same: its numbers are right.
-            if let Err(error) = PyErr::warn(py, &category, &text, 1) {
-                error.write_unraisable(py, None);
-            }
-        });
-    }
-}
-
-/// The arguments for [`interface`].
-pub fn interface_arguments(interface: &Interface, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let Interface { contacts, initial, start } = interface;
-    into.set_item("contacts", Plain::Contacts(contacts.clone()).object(into.py())?)?;
-    if *initial != scenario::Law::zero() {
-        into.set_item("initial", Plain::Law(initial.clone()).object(into.py())?)?;
-    }
-    given(into, "start", (*start != TaskStart::default()).then(|| convert::start(*start)))
-}
-
 /// Contacts and their initial state.
 ///
 /// Examples
@@ -100,71 +49,59 @@ pub fn interface_arguments(interface: &Interface, into: &Bound<'_, PyDict>) -> P
 /// >>> isinstance(theory, asp.Model), theory.contacts.count
 /// (True, 1.0)
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
-pub struct Model;
+pub struct Model {
+    solver: Solver,
+}
 
 impl Model {
-    pub fn new(plain: Plain) -> PyClassInitializer<Self> {
-        Description::new(plain).add_subclass(Self)
+    pub fn new(plain: Plain, solver: Solver) -> PyClassInitializer<Self> {
+        Description::new(plain).add_subclass(Self { solver })
     }
 
     /// The model as the core has it.
-    pub fn solver<'a>(model: &'a Bound<'_, Self>) -> Solver<'a> {
-        if let Ok(ensemble) = model.cast::<Ensemble>() {
-            return Solver::Ensemble(&ensemble.get().ensemble);
-        }
-        if let Ok(transport) = model.cast::<Transport>() {
-            return Solver::Transport(transport.get(), Transport::plain(transport).tolerance_of_a_block());
-        }
-        let equation = model.cast::<MasterEquation>().expect("the other models are none");
-        Solver::MasterEquation(&equation.get().equation, MasterEquation::plain(equation).tolerance())
+    pub fn solver(&self) -> &Solver {
+        &self.solver
     }
 
-    /// The contacts under a slider, to be driven step by step.
-    pub fn simulated(model: &Bound<'_, Self>, slider: &block::Block) -> PyResult<Box<dyn Simulated>> {
-        let solver = Self::solver(model);
-        let contacts = match solver {
-            Solver::Ensemble(ensemble) => SliderContacts::Followed(ensemble.size()),
-            _ => match model.cast::<MasterEquation>() {
-                Ok(own) => {
-                    SliderContacts::Solved(Box::new(own.get().equation.clone()), own.get().initial.clone())
-                }
-                Err(_) => SliderContacts::Followed(0),
-            },
-        };
-        watched(None, model.py(), |monitor| {
-            simulated::slider(slider, solver.population(monitor)?, contacts, monitor)
-        })
+    /// The solver of a master equation.
+    pub fn equation(&self) -> &EquationSolver {
+        match &self.solver {
+            Solver::MasterEquation(solver) => solver,
+            _ => unreachable!("a master equation is solved as one"),
+        }
     }
 
-    /// The contacts under a slider in time, to be driven step by step at a velocity.
-    pub fn simulated_in_time(
-        model: &Bound<'_, Self>,
-        slider: &block::Block,
-        velocity: f64,
-    ) -> PyResult<Box<dyn Simulated>> {
-        let solver = Self::solver(model);
-        watched(None, model.py(), |monitor| {
-            let (contacts, tolerance) = solver.in_time(monitor)?;
-            let motion = slider.motion(contacts.as_ref(), tolerance)?;
-            Ok(Box::new(BlockInTime::new(motion, velocity)?) as Box<dyn Simulated>)
-        })
+    /// The solver of a transport.
+    pub fn transport(&self) -> &TransportSolver {
+        match &self.solver {
+            Solver::Transport(solver) => solver,
+            _ => unreachable!("a transport is solved as one"),
+        }
+    }
+
+    /// The contacts of an ensemble.
+    pub fn ensemble(&self) -> &asperity::ensemble::Ensemble {
+        match &self.solver {
+            Solver::Ensemble(ensemble) => ensemble,
+            _ => unreachable!("an ensemble is solved as one"),
+        }
     }
 
     /// The contacts under a rigid slider, to be moved step by step, at a velocity in time.
     pub fn simulation(model: &Bound<'_, Self>, velocity: Option<f64>) -> PyResult<Simulation> {
-        let simulated = match velocity {
-            Some(velocity) => {
-                let solver = Self::solver(model);
-                watched(None, model.py(), |monitor| {
+        let solver = model.get().solver();
+        let simulated = watched(None, model.py(), |monitor| {
+            Ok(match velocity {
+                Some(velocity) => {
                     let contacts = solver.in_time(monitor)?.0;
-                    Ok(Box::new(ContactsInTime::new(contacts, velocity)?) as Box<dyn Simulated>)
-                })?
-            }
-            None => {
-                let rigid = block::Block::new(Loading::Rigid, Slip::Overdamped, None);
-                Self::simulated(model, &rigid.map_err(error::core)?)?
-            }
-        };
+                    Box::new(ContactsInTime::new(contacts, velocity)?) as Box<dyn Simulated>
+                }
+                None => {
+                    let rigid = block::Block::new(Loading::Rigid, Slip::Overdamped, None)?;
+                    solver.simulated(&rigid, monitor)?
+                }
+            })
+        })?;
         Simulation::new(model.as_super(), (velocity, None), vec![1], simulated)
     }
 
@@ -202,73 +139,6 @@ impl Model {
             | Plain::Transport(interface, _)
             | Plain::Ensemble(interface, _) => interface,
             _ => unreachable!("a model is described as a model"),
-        }
-    }
-}
-
-/// A model of the core.
-#[derive(Clone, Copy)]
-pub enum Solver<'a> {
-    /// The renewal equation, with its tolerance.
-    MasterEquation(&'a master::MasterEquation, master::Tolerance),
-    /// Transport, with the tolerance of a block over it.
-    Transport(&'a Transport, f64),
-    Ensemble(&'a ensemble::Ensemble),
-}
-
-impl<'a> Solver<'a> {
-    pub fn contacts(self) -> &'a asperity::contacts::Contacts {
-        match self {
-            Self::MasterEquation(equation, _) => equation.contacts(),
-            Self::Transport(transport, _) => &transport.contacts,
-            Self::Ensemble(ensemble) => ensemble.contacts(),
-        }
-    }
-
-    /// The number of contacts followed one by one, for an ensemble.
-    pub fn size(self) -> Option<usize> {
-        match self {
-            Self::MasterEquation(..) | Self::Transport(..) => None,
-            Self::Ensemble(ensemble) => Some(ensemble.size()),
-        }
-    }
-
-    /// The contacts at X = 0, to be moved together.
-    pub fn population(self, monitor: &mut dyn Monitor) -> Result<Box<dyn Population>> {
-        Ok(match self {
-            Self::MasterEquation(equation, tolerance) => {
-                Box::new(equation.population_with(tolerance, &mut Aside { fraction: 0.0, monitor })?)
-            }
-            Self::Transport(..) => {
-                let expected = "a MasterEquation or an Ensemble where no time passes (Block.follow moves a Transport, and so do Block.drive and Block.simulation at a velocity)";
-                return Err(Error::invalid("block.model", expected, "a Transport"));
-            }
-            Self::Ensemble(ensemble) => {
-                Box::new(ensemble.population_with(&mut Aside { fraction: 0.0, monitor })?)
-            }
-        })
-    }
-}
-
-impl Solver<'_> {
-    /// The contacts at t = 0, to be moved together in time, and the allowed error of a time step of a block over
-    /// them, a length.
-    pub fn in_time(self, monitor: &mut dyn Monitor) -> Result<(Box<dyn RateDependentContacts>, f64)> {
-        let mean = self.contacts().thresholds.mean();
-        match self {
-            Self::Transport(transport, tolerance) => Ok((transport.transport.copy(), tolerance * mean)),
-            Self::Ensemble(ensemble) => {
-                let least = scenario::MasterEquation::default().tolerance_of_a_block();
-                let tolerance = task::finite_size_tolerance(ensemble.size()).max(least);
-                Ok((
-                    Box::new(ensemble.in_time_with(&mut Aside { fraction: 0.0, monitor })?),
-                    tolerance * mean,
-                ))
-            }
-            Self::MasterEquation(..) => {
-                let expected = "a Transport or an Ensemble where time passes";
-                Err(Error::invalid("block.model", expected, "a MasterEquation"))
-            }
         }
     }
 }

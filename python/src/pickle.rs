@@ -8,7 +8,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::convert::Import;
-use crate::found::Arguments;
 
 /// The version that writes pickles; only this version reads them.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -81,19 +80,6 @@ pub fn reduced<'py>(
     Ok((RESTORE.get(py)?.clone(), arguments))
 }
 
-/// What restores a fit: its numbers, the arguments that give it again, and the objects that it has.
-pub fn reduced_fit<'py>(
-    py: Python<'py>,
-    given: &Arguments,
-    reported: Vec<u8>,
-    parts: Bound<'py, PyTuple>,
-) -> PyResult<Reduced<'py>> {
-    static RESTORE: Import = Import::new("asperity._core", "_restore_fit");
-    let arguments =
-        (VERSION, given.function, given.named.bind(py), &given.law, PyBytes::new(py, &reported), parts);
-    Ok((RESTORE.get(py)?.clone(), arguments.into_pyobject(py)?))
-}
-
 /// A method of an object and its arguments, for a result that is fast to compute from the object.
 pub fn again<'py, T>(
     owner: &Bound<'py, T>,
@@ -103,8 +89,12 @@ pub fn again<'py, T>(
     Ok((owner.as_any().getattr(method)?, arguments))
 }
 
-/// The model of a result.
-pub fn of_model<'py, T: pyo3::PyTypeInfo>(model: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, T>> {
+/// The model of a result, if it is one of which there are such results.
+pub fn of_model<'py, T: pyo3::PyTypeInfo>(
+    model: Option<Bound<'py, PyAny>>,
+    has_such: impl Fn(&Bound<'py, T>) -> bool,
+) -> PyResult<Bound<'py, T>> {
     let model = model.ok_or_else(|| damaged("a result without its model"))?;
-    model.cast_into::<T>().map_err(|_| damaged("a result with another model"))
+    let model = model.cast_into::<T>().ok().filter(has_such);
+    model.ok_or_else(|| damaged("a result with another model"))
 }

@@ -13,9 +13,10 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::convert::{self, Domain, Seed, evaluate};
-use crate::equation::MasterEquation;
+use crate::model::Model;
 use crate::pickle::{self, Reduced, again};
 use crate::record::Record;
+use crate::solver::{EquationSolver, Solver};
 use crate::watch::{detached, watched};
 use crate::{error, typed, values};
 
@@ -32,7 +33,8 @@ use crate::{error, typed, values};
 /// ((51,), 0.505)
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct Pull {
-    equation: Py<MasterEquation>,
+    /// That of the master equation.
+    equation: Py<Model>,
     distance: f64,
     /// A pull that was pickled is solved again once its record is not enough.
     pull: OnceLock<master::Pull>,
@@ -41,7 +43,7 @@ pub struct Pull {
 impl Pull {
     /// Computes a pull and returns its result.
     pub fn object(
-        equation: Bound<'_, MasterEquation>,
+        equation: Bound<'_, Model>,
         distance: f64,
         points: usize,
         progress: Option<Bound<'_, PyAny>>,
@@ -49,10 +51,9 @@ impl Pull {
         let py = equation.py();
         let asked = scenario::Pull { distance, points, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under("pull")))?;
-        let tolerance = MasterEquation::plain(&equation).tolerance();
-        let solver = &equation.get().equation;
+        let EquationSolver { equation: solver, tolerance, .. } = equation.get().equation();
         let (pull, record) = watched(progress, py, |monitor| {
-            let pull = solver.pull_with(distance, tolerance, monitor)?;
+            let pull = solver.pull_with(distance, *tolerance, monitor)?;
             let record = recorded(&pull, asked.positions(), monitor)?;
             Ok((pull, record))
         })?;
@@ -61,7 +62,7 @@ impl Pull {
     }
 
     /// A pull that was computed, with the default number of positions.
-    pub fn computed(equation: Bound<'_, MasterEquation>, pull: master::Pull) -> PyResult<Py<Self>> {
+    pub fn computed(equation: Bound<'_, Model>, pull: master::Pull) -> PyResult<Py<Self>> {
         let py = equation.py();
         let asked = scenario::Pull { distance: pull.distance(), ..scenario::Pull::default() };
         let record = watched(None, py, |monitor| recorded(&pull, asked.positions(), monitor))?;
@@ -69,13 +70,16 @@ impl Pull {
         Py::new(py, record.add_subclass(Self::solved(equation, pull)))
     }
 
-    fn solved(equation: Bound<'_, MasterEquation>, pull: master::Pull) -> Self {
+    fn solved(equation: Bound<'_, Model>, pull: master::Pull) -> Self {
         Self { equation: equation.unbind(), distance: pull.distance(), pull: OnceLock::from(pull) }
     }
 
     /// The pull of a pickle: its record, its distance and its equation.
     pub fn restored(py: Python<'_>, bytes: &[u8], model: Option<Bound<'_, PyAny>>) -> PyResult<Py<PyAny>> {
-        let equation = pickle::of_model::<MasterEquation>(model)?.unbind();
+        let equation = pickle::of_model(model, |model: &Bound<'_, Model>| {
+            matches!(model.get().solver(), Solver::MasterEquation(_))
+        })?
+        .unbind();
         let (distance, record) = Record::unpacked(py, bytes)?;
         let pull = Self { equation, distance, pull: OnceLock::new() };
         Ok(Py::new(py, record.add_subclass(pull))?.into_any())
@@ -86,9 +90,8 @@ impl Pull {
         if let Some(known) = self.pull.get() {
             return Ok(known);
         }
-        let equation = self.equation.bind(py);
-        let (solver, tolerance) = (&equation.get().equation, MasterEquation::plain(equation).tolerance());
-        let pull = watched(None, py, |monitor| solver.pull_with(self.distance, tolerance, monitor))?;
+        let EquationSolver { equation, tolerance, .. } = self.equation.get().equation();
+        let pull = watched(None, py, |monitor| equation.pull_with(self.distance, *tolerance, monitor))?;
         Ok(self.pull.get_or_init(|| pull))
     }
 
@@ -103,7 +106,7 @@ impl Pull {
         size: Option<f64>,
     ) -> PyResult<Covariance> {
         let at = convert::list_within("at", at, &self.positions())?;
-        let count = self.equation.get().equation.contacts().count;
+        let count = self.equation.get().equation().equation.contacts().count;
         let size = size.map_or(Ok(count), |size| convert::contacts("size", size))?;
         let pull = self.solution(py)?;
         watched(None, py, |monitor| pull.covariance_with(&at, size, monitor))
@@ -148,8 +151,8 @@ fn recorded(
 impl Pull {
     /// The master equation that was solved.
     #[getter]
-    fn equation(&self, py: Python<'_>) -> Py<MasterEquation> {
-        self.equation.clone_ref(py)
+    fn equation<'py>(&self, py: Python<'py>) -> typed::MasterEquation<'py> {
+        typed::MasterEquation(self.equation.bind(py).clone().into_any())
     }
 
     /// The fraction of contacts breaking per length at the positions, shape (points,), without simultaneous breaks.
@@ -182,7 +185,7 @@ impl Pull {
     /// The kinetic friction F_k, the force of steady sliding.
     #[getter]
     fn kinetic_friction(&self) -> f64 {
-        self.equation.get().equation.steady_state().kinetic_friction()
+        self.equation.get().equation().equation.steady_state().kinetic_friction()
     }
 
     /// The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
@@ -197,7 +200,8 @@ impl Pull {
     /// no root is found.
     #[getter]
     fn relaxation_length(&self, py: Python<'_>) -> PyResult<f64> {
-        let relaxation = watched(None, py, |monitor| self.equation.get().equation.relaxation_with(monitor))?;
+        let relaxation =
+            watched(None, py, |monitor| self.equation.get().equation().equation.relaxation_with(monitor))?;
         Ok(relaxation.length())
     }
 
@@ -452,7 +456,7 @@ impl Pull {
         }
         let paths: usize = paths.get("paths")?;
         let asked = size.map(|size| convert::contacts("size", size)).transpose()?;
-        let size = asked.unwrap_or_else(|| slf.get().equation.get().equation.contacts().count);
+        let size = asked.unwrap_or_else(|| slf.get().equation.get().equation().equation.contacts().count);
         let paths = (paths > 0).then(|| slf.get().paths(py, paths, size, seed)).transpose()?;
         let scatter = match (&paths, asked) {
             (None, None) => None,
@@ -647,7 +651,7 @@ impl Pull {
         stretches: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<typed::StretchDensity<'py>> {
         let (positions, single) = convert::one_or_list("at", at, &self.positions())?;
-        let stretches = self.equation.get().stretches(stretches, &positions)?;
+        let stretches = self.equation.get().equation().stretches(stretches, &positions)?;
         let pull = self.solution(py)?;
         let mut found = Vec::with_capacity(positions.len());
         for &position in &positions {

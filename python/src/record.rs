@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::argument::{Argument, Optional as _};
 use crate::pickle::{self, Reduced, VERSION, damaged};
-use crate::result::attributes;
 use crate::{convert, typed, values};
 
 /// Description of the values of a column, and the array that owns them.
@@ -328,4 +327,18 @@ impl Record {
     fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
         slf.py().import("asperity._show")?.call_method1("record_html", (slf,))?.extract()
     }
+}
+
+/// Attributes of a result by name.
+pub fn attributes(py: Python<'_>, found: Vec<(String, Attribute)>) -> PyResult<typed::Values<'_>> {
+    let attributes = PyDict::new(py);
+    for (name, attribute) in found {
+        match attribute {
+            Attribute::Text(text) => attributes.set_item(name, text),
+            Attribute::Whole(number) => attributes.set_item(name, number),
+            Attribute::Seed(number) => attributes.set_item(name, number),
+            Attribute::Number(number) => attributes.set_item(name, number),
+        }?;
+    }
+    Ok(typed::Values(attributes.into_any()))
 }

@@ -10,7 +10,7 @@ use asperity::task::summary::{FitFriction, Friction, StaticFriction, Summary, Un
 use asperity::task::{self, Storage};
 use asperity_runner::checkpoint::{Checkpoints, Every};
 use asperity_runner::input::{self, Input};
-use asperity_runner::output::{self, Attribute, Outcome};
+use asperity_runner::output::{self, Outcome};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -18,9 +18,9 @@ use pyo3::types::{PyDict, PyString};
 
 use crate::argument::{Argument, Optional as _, Whole};
 use crate::pickle::{self, Reduced, damaged};
-use crate::record::Record;
+use crate::record::{Record, attributes};
 use crate::watch::{beside, detached, watched_on, watched_writing};
-use crate::{convert, error, typed, values};
+use crate::{convert, error, tables, typed, values};
 
 /// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
 ///
@@ -168,20 +168,6 @@ impl Result {
         let bytes = slf.as_super().get().packed(slf.py(), &(&slf.get().scenario, slf.get().json()))?;
         pickle::reduced(slf.py(), "Result", &bytes, None)
     }
-}
-
-/// Attributes of a result by name.
-pub fn attributes(py: Python<'_>, found: Vec<(String, Attribute)>) -> PyResult<typed::Values<'_>> {
-    let attributes = PyDict::new(py);
-    for (name, attribute) in found {
-        match attribute {
-            Attribute::Text(text) => attributes.set_item(name, text),
-            Attribute::Whole(number) => attributes.set_item(name, number),
-            Attribute::Seed(number) => attributes.set_item(name, number),
-            Attribute::Number(number) => attributes.set_item(name, number),
-        }?;
-    }
-    Ok(typed::Values(attributes.into_any()))
 }
 
 impl Result {
@@ -380,7 +366,7 @@ impl Text {
     pub fn of(scenario: &Bound<'_, PyAny>) -> PyResult<Self> {
         let here = |text| Self { text, name: "the scenario".into(), folder: PathBuf::new() };
         if scenario.is_instance_of::<PyDict>() {
-            return written(&convert::toml("", scenario)?).map(here);
+            return written(&tables::toml("", scenario)?).map(here);
         }
         if scenario.is_instance_of::<PyString>() && scenario.contains("=")? {
             return scenario.extract().map(here);
@@ -408,7 +394,7 @@ pub fn assignments(overrides: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let assignment = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String =
             key.extract().map_err(|_| error::wrong_type("overrides", "keys that are texts", &key))?;
-        let value = convert::toml(&key, &value)?;
+        let value = tables::toml(&key, &value)?;
         Ok(format!("{key}={value}"))
     };
     overrides.iter().map(assignment).collect()

@@ -2,12 +2,12 @@
 
 use asperity::scenario;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
 
 use crate::argument::{Argument, Real};
 use crate::convert;
-use crate::description::{Description, Plain};
-use crate::law::{AnyLaw, Law, given};
+use crate::description::Description;
+use crate::law::{AnyLaw, Law};
+use crate::plain::Plain;
 use crate::{error, typed};
 
 /// A value that has to be a finite number above 0.
@@ -82,7 +82,7 @@ impl Temperature {
     /// The barrier ΔE, "elastic", "bell" or "catastrophe".
     #[getter]
     fn barrier(slf: &Bound<'_, Self>) -> typed::BarrierWord {
-        typed::BarrierWord(word(Self::plain(slf).barrier))
+        typed::BarrierWord(convert::barrier(Self::plain(slf).barrier))
     }
 }
 
@@ -339,55 +339,5 @@ impl MeanField {
     #[getter]
     fn diffusion(slf: &Bound<'_, Self>) -> f64 {
         Ageing::parts(slf.as_super()).1
-    }
-}
-
-/// The class of a model of ageing.
-pub fn class<'py>(ageing: &scenario::Ageing, py: Python<'py>) -> Bound<'py, PyType> {
-    match ageing {
-        scenario::Ageing::Smoluchowski { .. } => py.get_type::<Smoluchowski>(),
-        scenario::Ageing::FrozenRank { .. } => py.get_type::<FrozenRank>(),
-        scenario::Ageing::Logarithmic { .. } => py.get_type::<Logarithmic>(),
-        scenario::Ageing::MeanField { .. } => py.get_type::<MeanField>(),
-        _ => unreachable!("a rule of ageing without a class"),
-    }
-}
-
-/// The arguments that create a temperature.
-pub fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    into.set_item("energy", temperature.energy)?;
-    into.set_item("attempt_rate", temperature.attempt_rate)?;
-    let other = temperature.barrier != scenario::Barrier::Elastic;
-    given(into, "barrier", other.then(|| word(temperature.barrier)))
-}
-
-/// A barrier as a word.
-fn word(barrier: scenario::Barrier) -> &'static str {
-    match barrier {
-        scenario::Barrier::Elastic => "elastic",
-        scenario::Barrier::Bell => "bell",
-        scenario::Barrier::Catastrophe => "catastrophe",
-        _ => unreachable!("a barrier without a word"),
-    }
-}
-
-/// The arguments that create a model of ageing.
-pub fn ageing_arguments(ageing: &scenario::Ageing, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let law = |law: &scenario::Law| Plain::Law(law.clone()).object(into.py());
-    match ageing {
-        scenario::Ageing::Smoluchowski { mature, diffusion }
-        | scenario::Ageing::MeanField { mature, diffusion } => {
-            into.set_item("mature", law(mature)?)?;
-            into.set_item("diffusion", diffusion)
-        }
-        scenario::Ageing::FrozenRank { mature, time } => {
-            into.set_item("mature", law(mature)?)?;
-            into.set_item("time", time)
-        }
-        scenario::Ageing::Logarithmic { growth, time } => {
-            into.set_item("growth", growth)?;
-            into.set_item("time", time)
-        }
-        _ => unreachable!("a rule of ageing without a class"),
     }
 }

@@ -6,9 +6,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toml::{Table, Value};
 
-use crate::description::{Description, Interface, Plain, Slider, Solved};
+use crate::description::Description;
 use crate::error::{invalid, wrong_type};
-use crate::{convert, typed};
+use crate::plain::{Interface, Plain, Slider, Solved};
+use crate::{convert, tables, typed};
 
 /// The scenario of a model and a task.
 ///
@@ -54,7 +55,7 @@ pub fn scenario_of<'py>(
     }
     for (name, table) in task.into_iter().flatten() {
         let name: String = name.extract()?;
-        let mut table = convert::toml(&name, &table)?;
+        let mut table = tables::toml(&name, &table)?;
         known.complete(&name, &mut table)?;
         known.tables.insert(name, table);
     }

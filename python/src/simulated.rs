@@ -17,8 +17,8 @@ use asperity::{Error, Result, block};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::plain::Surface;
 use crate::stretches::{StretchGrid, points};
-use crate::surface::Surface;
 
 /// Events after which a drive asks whether to go on.
 const EVENTS_BETWEEN_CHECKS: u64 = 16;

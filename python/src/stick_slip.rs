@@ -7,10 +7,11 @@ use asperity::task::summary::Sliding;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::block::Block;
 use crate::convert;
+use crate::description::Description;
 use crate::model::Model;
 use crate::pickle::{self, Reduced};
+use crate::plain::Plain;
 use crate::record::Record;
 use crate::watch::watched;
 use crate::{error, typed, values};
@@ -32,7 +33,8 @@ use crate::{error, typed, values};
 /// True
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct StickSlip {
-    block: Py<Block>,
+    /// That of the block.
+    block: Py<Description>,
     sliding: Sliding,
     energy: EnergyBalance,
 }
@@ -40,15 +42,15 @@ pub struct StickSlip {
 impl StickSlip {
     /// Drives a block and returns the result.
     pub fn object(
-        block: Bound<'_, Block>,
+        block: Bound<'_, Description>,
+        model: &Bound<'_, Model>,
         asked: &scenario::Drive,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Self>> {
         let py = block.py();
-        let model = block.get().model.bind(py).clone();
-        let solver = Model::solver(&model);
-        let slider = asked.slider(Block::table(&block).as_ref(), solver.size().is_some());
-        let slider = slider.and_then(|slider| slider.with_background(Block::background(&block)));
+        let solver = model.get().solver();
+        let slider = asked.slider(table(&block).as_ref(), solver.size().is_some());
+        let slider = slider.and_then(|slider| slider.with_background(Model::background(model)));
         let (slider, drive) = (slider.map_err(error::core)?, asked.build());
         let run = watched(progress, py, |monitor| {
             slider.pull_with(solver.population(monitor)?.as_mut(), &drive, monitor)
@@ -66,18 +68,18 @@ impl StickSlip {
 impl StickSlip {
     /// Moves the load point of a block in time and returns the result.
     pub fn in_time(
-        block: Bound<'_, Block>,
+        block: Bound<'_, Description>,
+        model: &Bound<'_, Model>,
         protocol: &scenario::Protocol,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Self>> {
         let py = block.py();
-        let model = block.get().model.bind(py).clone();
-        let solver = Model::solver(&model);
-        let Some(table) = Block::table(&block) else {
+        let solver = model.get().solver();
+        let Some(table) = table(&block) else {
             let expected = "a finite stiffness in time (a rigid slider is moved by Transport.follow)";
             return Err(error::invalid("block.stiffness", expected, f64::INFINITY));
         };
-        let background = Block::background(&block);
+        let background = Model::background(model);
         let run = watched(progress, py, |monitor| {
             let slider = table.in_time(solver.size().is_some())?.with_background(background)?;
             let (contacts, tolerance) = solver.in_time(monitor)?;
@@ -92,9 +94,20 @@ impl StickSlip {
 impl StickSlip {
     /// The result of a pickle.
     pub fn restored(py: Python<'_>, bytes: &[u8], model: Option<Bound<'_, PyAny>>) -> PyResult<Py<PyAny>> {
-        let block = pickle::of_model::<Block>(model)?.unbind();
+        let block = pickle::of_model(model, |model: &Bound<'_, Description>| {
+            matches!(model.get().plain(), Plain::Block(_))
+        })?
+        .unbind();
         let ((sliding, energy), record) = Record::unpacked(py, bytes)?;
         Ok(Py::new(py, record.add_subclass(Self { block, sliding, energy }))?.into_any())
+    }
+}
+
+/// The stiffness and the slips of a block as in a scenario; `None` for a rigid slider.
+fn table(block: &Bound<'_, Description>) -> Option<scenario::Block> {
+    match block.get().plain() {
+        Plain::Block(slider) => slider.table(),
+        _ => unreachable!("a block is described as a block"),
     }
 }
 
@@ -102,8 +115,8 @@ impl StickSlip {
 impl StickSlip {
     /// The block that was driven.
     #[getter]
-    fn block(&self, py: Python<'_>) -> Py<Block> {
-        self.block.clone_ref(py)
+    fn block<'py>(&self, py: Python<'py>) -> typed::Block<'py> {
+        typed::Block(self.block.bind(py).clone().into_any())
     }
 
     /// The drive along the trace, shape (n,): the load-point displacement X_T, a length; or the imposed force.

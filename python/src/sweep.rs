@@ -20,7 +20,8 @@ use pyo3::types::{PyBytes, PyDict, PyList};
 use rayon::ThreadPoolBuilder;
 
 use crate::argument::{Argument, Optional as _};
-use crate::result::{Text, assignments, attributes, parsed};
+use crate::record::attributes;
+use crate::result::{Text, assignments, parsed};
 use crate::watch::{detached, watched};
 use crate::{error, typed};
 

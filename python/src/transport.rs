@@ -3,20 +3,20 @@
 use asperity::history::History;
 use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
-use asperity::scenario::{self, BuiltContacts, TaskStart, Units};
-use asperity::{Error, ensemble, master};
+use asperity::scenario::{self, Units};
+use asperity::{ensemble, master};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
-use crate::description::{Description, Interface, Plain, Solved};
+use crate::description::Description;
 use crate::error;
-use crate::law::{AnyLaw, given};
-use crate::model::Model;
-use crate::model::{interface_arguments, steady_interface, warn};
+use crate::law::AnyLaw;
+use crate::model::{Model, steady_interface};
+use crate::plain::{Plain, Solved};
 use crate::record::Record;
 use crate::simulation::Simulation;
+use crate::solver::{Solver, TransportSolver};
 use crate::watch::watched;
 
 /// A step of a motion in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
@@ -140,17 +140,6 @@ impl Step {
     }
 }
 
-/// The arguments that make a step.
-pub fn step_arguments(step: &scenario::Step, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    given(into, "velocity", step.velocity)?;
-    given(into, "distance", step.distance)?;
-    given(into, "duration", step.duration)?;
-    given(into, "hold", step.hold)?;
-    given(into, "velocity_to", step.velocity_to)?;
-    given(into, "points", (step.points != scenario::Step::default().points).then_some(step.points))?;
-    given(into, "pieces", step.pieces)
-}
-
 /// Steps in the form of a scenario.
 pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
     let protocol = scenario::Protocol(steps.iter().map(Step::plain).collect());
@@ -192,10 +181,7 @@ pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 /// >>> bool(motion['time'][-1] == 12.0)
 /// True
 #[pyclass(frozen, extends = Model, module = "asperity")]
-pub struct Transport {
-    pub transport: master::Transport,
-    pub contacts: asperity::contacts::Contacts,
-}
+pub struct Transport;
 
 #[pymethods]
 impl Transport {
@@ -215,14 +201,14 @@ impl Transport {
         let velocity = velocity.get("velocity")?;
         let tolerance = tolerance.get("tolerance")?;
         let interface = steady_interface(contacts, initial, &start)?;
-        let own = scenario::MasterEquation { tolerance };
+        let solved = Solved { own: scenario::MasterEquation { tolerance }, velocity };
         let build = |monitor: &mut dyn Monitor| {
-            own.check().map_err(|e| e.under("transport"))?;
-            Self::build(&interface, velocity, &own, monitor)
+            solved.own.check().map_err(|e| e.under("transport"))?;
+            TransportSolver::new(&interface, &solved, monitor)
         };
-        let transport = watched(None, py, build)?;
-        let plain = Plain::Transport(interface, Solved { own, velocity });
-        Ok(Model::new(plain).add_subclass(transport))
+        let solver = watched(None, py, build)?;
+        let plain = Plain::Transport(interface, solved);
+        Ok(Model::new(plain, Solver::Transport(Box::new(solver))).add_subclass(Self))
     }
 
     /// The velocity of the steady sliding in which the contacts start, or None.
@@ -234,7 +220,7 @@ impl Transport {
     /// The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default.
     #[getter]
     fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
-        Self::plain(slf).tolerance
+        Self::solved(slf).own.tolerance
     }
 
     /// The contacts under a rigid slider, to be moved step by step; `energy` is not computed, and there are no events.
@@ -297,14 +283,15 @@ impl Transport {
         let Plain::Transport(interface, solved) = slf.as_super().as_super().get().plain() else {
             unreachable!("a transport is described as a transport");
         };
-        let made = slf.get();
+        let made = slf.as_super().get().transport();
         let usual = solved.own.tolerance_in_time(&made.contacts.rules);
         let mut build = |tolerance: f64, monitor: &mut dyn Monitor| {
             if tolerance == usual {
                 return Ok(made.transport.clone());
             }
             let own = scenario::MasterEquation { tolerance: Some(tolerance) };
-            Self::build(interface, solved.velocity, &own, monitor).map(|finer| finer.transport)
+            let finer = Solved { own, velocity: solved.velocity };
+            TransportSolver::new(interface, &finer, monitor).map(|finer| finer.transport)
         };
         let required = solved.own.tolerance;
         let follow = |monitor: &mut dyn Monitor| {
@@ -317,49 +304,12 @@ impl Transport {
 }
 
 impl Transport {
-    /// The contacts at t = 0, in steady sliding if a start says so.
-    fn build(
-        Interface { contacts, initial, start }: &Interface,
-        velocity: Option<f64>,
-        own: &scenario::MasterEquation,
-        monitor: &mut dyn Monitor,
-    ) -> asperity::Result<Self> {
-        let refused = |expected, found: &str| Err(Error::invalid("velocity", expected, found));
-        let BuiltContacts { contacts, initial, left_out } =
-            scenario::build_contacts(contacts, initial, *start, monitor)?;
-        warn(left_out);
-        let tolerance = own.tolerance_in_time(&contacts.rules);
-        let transport = match (start, velocity) {
-            (TaskStart::Steady, Some(velocity)) => {
-                master::Transport::steady_with(&contacts, velocity, tolerance, monitor)
-            }
-            (TaskStart::Steady, None) => {
-                refused("a velocity beside start='steady', at which contacts slide", "none")
-            }
-            (_, Some(_)) => refused("no velocity but that of start='steady'", "one"),
-            (_, None) => master::Transport::new_with(contacts.clone(), &initial, tolerance, monitor),
-        }?;
-        Ok(Self { transport, contacts })
-    }
-
-    /// The method of solution.
-    pub fn plain<'a>(transport: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
-        &Self::solved(transport).own
-    }
-
     fn solved<'a>(transport: &'a Bound<'_, Self>) -> &'a Solved {
         match transport.as_super().as_super().get().plain() {
             Plain::Transport(_, solved) => solved,
             _ => unreachable!("a transport is described as a transport"),
         }
     }
-}
-
-/// The arguments of a transport.
-pub fn arguments(interface: &Interface, solved: &Solved, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    interface_arguments(interface, into)?;
-    given(into, "velocity", solved.velocity)?;
-    given(into, "tolerance", solved.own.tolerance)
 }
 
 fn columns(trace: master::Trace) -> record::Record {

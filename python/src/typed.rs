@@ -116,6 +116,8 @@ objects! {
     Values: "dict[str, Any]",
     Names: "Iterator[str]",
     SlipRule: "Literal['reset', 'overdamped', 'arrest'] | Damped | Inertial",
+    MasterEquation: "MasterEquation",
+    Block: "Block",
     BlockModel: "MasterEquation | Transport | Ensemble",
     SimulatedModel: "Deformable | Block | Model",
     Same: "Self",
