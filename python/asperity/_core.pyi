@@ -2968,6 +2968,7 @@ class Mixture(Law):
     def components(self, /) -> list[tuple[float, Law]]:
         """The pairs of weights and distributions."""
 
+@disjoint_base
 class Model(Description):
     """Contacts and their initial state.
 
