@@ -74,6 +74,8 @@ macro_rules! parametric_arguments {
         $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
             $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
         }
+        refuses $refused:literal
+        shows $example:literal
     )+) => {
         /// The class of a distribution.
         fn law_class(law: &scenario::Law) -> &'static str {

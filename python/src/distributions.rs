@@ -62,54 +62,6 @@ macro_rules! with_attributes {
     };
 }
 
-/// What the class of a parametric distribution shows as its example.
-macro_rules! example {
-    (Gaussian) => {
-        ">>> round(asp.Gaussian(mean=1.0, std=0.1).cdf(1.0), 6)\n0.5"
-    };
-    (Gamma) => {
-        ">>> round(asp.Gamma(mean=1.0, std=0.5).var(), 6)\n0.25"
-    };
-    (Lognormal) => {
-        ">>> round(asp.Lognormal(mean=1.0, std=0.5).mean(), 6)\n1.0"
-    };
-    (Rectangular) => {
-        ">>> asp.Rectangular(min=0.5, max=1.5).pdf(1.0)\n1.0"
-    };
-    (Point) => {
-        ">>> asp.Point(at=1.0).mean()\n1.0"
-    };
-    (Exponential) => {
-        ">>> round(asp.Exponential(mean=2.0).median(), 6)\n1.386294"
-    };
-    (Weibull) => {
-        ">>> round(asp.Weibull(shape=2.0, scale=1.0).sf(1.0), 6)\n0.367879"
-    };
-}
-
-/// The values that a parametric distribution refuses.
-macro_rules! refused {
-    (Gaussian) => {
-        "For a mean below 0, and a std that is not above 0. Lengths are from 1e-150 to 1e150, a std below the mean\n    at least 1e-14 of it."
-    };
-    (Rectangular) => {
-        "For a min below 0, and a max that is not above min. Lengths are from 1e-150 to 1e150."
-    };
-    (Point) => {
-        "For an at below 0. Lengths are from 1e-150 to 1e150."
-    };
-    (Exponential) => {
-        "For a mean that is not above 0. Lengths are from 1e-150 to 1e150."
-    };
-    (Weibull) => {
-        "For a shape or a scale that is not above 0. Lengths are from 1e-150 to 1e150."
-    };
-    // Gamma and Lognormal.
-    ($name:ident) => {
-        "For a mean or a std that is not above 0. Lengths are from 1e-150 to 1e150, a std from 1e-14 to 1e6 means."
-    };
-}
-
 /// The classes of parametric distributions, from their declarations.
 macro_rules! parametric_classes {
     ($(
@@ -117,6 +69,8 @@ macro_rules! parametric_classes {
         $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
             $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
         }
+        refuses $refused:literal
+        shows $example:literal
     )+) => {
         $(with_attributes! {
             $name {
@@ -124,10 +78,10 @@ macro_rules! parametric_classes {
                 #[doc = "\nParameters\n----------"]
                 $(#[doc = concat!(stringify!($parameter), "\n   ", $($parameter_doc),+)])+
                 #[doc = concat!(
-                    "\nRaises\n------\nTypeError\n    For an argument of another type, which the message names.\nValueError\n    ",
-                    refused!($name)
+                    "\nRaises\n------\nTypeError\n    For an argument of another type, which the message names.\nValueError\n    For ",
+                    $refused
                 )]
-                #[doc = concat!("\nExamples\n--------\n>>> import asperity as asp\n", example!($name))]
+                #[doc = concat!("\nExamples\n--------\n>>> import asperity as asp\n", $example)]
                 $name($($parameter),+) { $($parameter: Real),+ } => scenario::Law::$name {
                     $($parameter: $parameter.get(stringify!($parameter))?),+
                 },

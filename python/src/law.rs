@@ -697,6 +697,8 @@ macro_rules! most_likely_members {
         $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
             $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
         }
+        refuses $refused:literal
+        shows $example:literal
     )+) => {
         /// The member of a class under which samples are most likely; `None` for classes without parameters.
         fn most_likely(class: &Bound<'_, PyType>, samples: Vec<f64>) -> Option<PyResult<scenario::Law>> {

@@ -43,6 +43,8 @@ macro_rules! define_law {
         $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
             $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
         }
+        refuses $refused:literal
+        shows $example:literal
     )+) => {
         /// A distribution of lengths x ≥ 0, such as `gaussian = { mean = 1.0, std = 0.05 }`.
         ///
