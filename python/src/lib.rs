@@ -20,6 +20,7 @@ mod fit;
 mod fit_steady;
 mod fitted_model;
 mod found;
+mod gradient;
 mod history;
 mod interface;
 mod lattice;
@@ -91,6 +92,8 @@ mod _core {
     #[pymodule_export]
     use crate::fit_steady::{SteadyEstimates, fit_steady};
     #[pymodule_export]
+    use crate::gradient::{FrictionGradient, Gradient, ThresholdResponse};
+    #[pymodule_export]
     use crate::history::pieces;
     #[pymodule_export]
     use crate::interface::Interface;
@@ -105,7 +108,7 @@ mod _core {
     #[pymodule_export]
     use crate::posterior::Posterior;
     #[pymodule_export]
-    use crate::pull::{FrictionGradient, Gradient, Pull, ThresholdResponse};
+    use crate::pull::Pull;
     #[pymodule_export]
     use crate::rate_state::{Healing, VelocityStep, read_healing, read_velocity_step};
     #[pymodule_export]
