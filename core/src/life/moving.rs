@@ -39,7 +39,7 @@ pub fn moving(
     let life = match (&rules.ageing, ThresholdFokkerPlanck::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
             let temperature = rules.temperature.filter(|_| thermal);
-            let diffusing = Arc::new(FokkerPlanckLife::new(contacts, maturing, temperature, velocity)?);
+            let diffusing = Arc::new(FokkerPlanckLife::new(contacts, maturing, temperature, velocity));
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional, &watch)?
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {

@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::breaking_model::{BreakingModel, Cohort, SurvivalMoments};
 use super::cells::{ROUNDING, scale};
+use super::thermal_hazard::blur;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::law::Breakpoint;
 use crate::monitor::Watch;
 use crate::numerics::diffusion::{Elements, Evolution, Field, Loss, Slope, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::Piecewise;
-use crate::{Error, Result};
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above the stretch of
 /// formation.
@@ -27,6 +27,8 @@ pub(super) struct FokkerPlanckLife {
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     resolution: f64,
+    /// The length over which temperature blurs the breaking of contacts.
+    blur: f64,
     /// The largest error of survival so far, as bits.
     largest_error: Arc<AtomicU64>,
 }
@@ -84,38 +86,24 @@ const LEAST: f64 = 1e-14;
 /// The same for a layer D/v above the stretch that elements have to resolve.
 const RESOLVED: f64 = 1e-10;
 
-/// The same for fresh thresholds with edges and thermal breaking.
-const RESOLVED_WITH_EDGES: f64 = 1e-5;
-
 impl FokkerPlanckLife {
     /// Contacts that move at a velocity.
-    ///
-    /// # Errors
-    /// Fresh thresholds with edges that diffuse so little that both the edges and thermal breaking at the
-    /// stretch would have to be resolved in a vanishing layer.
     pub(super) fn new(
         contacts: &Contacts,
         maturing: ThresholdFokkerPlanck,
         temperature: Option<Temperature>,
         velocity: f64,
-    ) -> Result<Self> {
-        let (low, high) = maturing.support;
-        let least = RESOLVED_WITH_EDGES * (high - low) * velocity;
-        if temperature.is_some() && maturing.has_edges() && maturing.diffusion < least {
-            let expected = format!(
-                "{least:.1e} or more at this velocity, where newborn thresholds have edges and temperature breaks contacts"
-            );
-            return Err(Error::invalid("ageing.smoluchowski.diffusion", expected, maturing.diffusion));
-        }
-        Ok(Self {
+    ) -> Self {
+        Self {
             slope: Arc::new(maturing.slope()),
             maturing,
             velocity,
             temperature,
             stiffness: contacts.stiffness.clone(),
             resolution: scale(contacts.thresholds.as_ref()),
+            blur: temperature.map_or(f64::INFINITY, |temperature| blur(contacts, &temperature)),
             largest_error: Arc::default(),
-        })
+        }
     }
 
     /// D, but at least that of a layer D/v of this fraction of the range of thresholds.
@@ -127,6 +115,22 @@ impl FokkerPlanckLife {
     /// w/v of a contact at a stretch.
     fn hazard(&self, temperature: Temperature, stretch: f64, threshold: f64) -> f64 {
         temperature.rate(stretch, threshold, self.stiffness.of(threshold)) / self.velocity
+    }
+
+    /// w of a contact at a stretch, continued beyond the threshold: as smooth there as the barrier allows, for densities
+    /// that go on below the stretch.
+    ///
+    /// It rises steeply there, and is cut off where no contact is left: w divided by the largest growth of ln w per time is
+    /// at most ∫w dt.
+    fn continued_rate(&self, temperature: &Temperature, stretch: f64, threshold: f64) -> f64 {
+        /// ∫w dt of contacts of which none is left, and w/ω so far below the stretch that diffusion does not bring them back.
+        const GONE: f64 = 100.0;
+        let barrier = |h: f64| 0.5 * self.stiffness.of(h) * h * h / temperature.energy;
+        let high = self.maturing.support.1;
+        let growth = 2.0 * barrier(high) / high * self.velocity;
+        let most = GONE * (growth / temperature.attempt_rate).max(1.0);
+        let exponent = barrier(threshold) * temperature.barrier.continued(stretch / threshold);
+        temperature.attempt_rate * (-exponent).exp().min(most)
     }
 
     /// How far fresh thresholds have spread when the stretch reaches them, or the width of P_cf if that is
@@ -201,7 +205,7 @@ impl FokkerPlanckLife {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
         let lost = self.temperature.map(|temperature| {
-            move |time: f64, h: f64| self.velocity * self.hazard(temperature, start + self.velocity * time, h)
+            move |time: f64, h: f64| self.continued_rate(&temperature, start + self.velocity * time, h)
         });
         let field = Field {
             slope: &|h| self.slope.at(h),
@@ -265,24 +269,26 @@ impl FokkerPlanckLife {
         Some(segments)
     }
 
-    /// Whether the layer above the stretch is so thin that two terms of its expansion give its mass. Not with
-    /// thermal breaking, where the density has a kink at the stretch.
+    /// Whether the layer above the stretch is so thin that two terms of its expansion give its mass.
     fn is_thin(&self, layer: f64) -> bool {
         /// In units of the length on which the distributions vary: the error is of third order, and of second
         /// order at edges, which have spread by √(2xD/v).
         const OF_DENSITY: f64 = 2e-5;
         /// In units of the lowest point mass, which has spread likewise.
         const OF_SHARED: f64 = 3e-7;
+        /// In units of the length over which temperature blurs breaking. The rate of breaking changes by this part within
+        /// the layer: the error is of second order, in units of the mass of the layer.
+        const OF_BLUR: f64 = 1e-3;
         let shared = self.maturing.lowest_atom().map_or(f64::INFINITY, |place| OF_SHARED * place);
-        self.temperature.is_none() && layer < shared.min(OF_DENSITY * self.maturing.resolution())
+        layer < shared.min(OF_DENSITY * self.maturing.resolution()).min(OF_BLUR * self.blur)
     }
 
     /// The curves of contacts whose density q evolves as if none were absorbed, with a boundary-layer
     /// correction above the stretch.
     ///
-    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at
-    /// an outflow, by matched asymptotic expansions. Its mass is −λQ + λ²(Q' + U'Q), around y = λ, with an
-    /// error of λ³Q''.
+    /// With λ = D/v, y = h − x and Q(x) = q(x; x), p = q − e^{−y/λ}[Q − y(Q' + U'Q + wQ/v) + …], w = ω that at the
+    /// stretch: a boundary layer at an outflow, by matched asymptotic expansions. Its mass is −λQ + λ²(Q' + U'Q + wQ/v),
+    /// around y = λ, with an error of λ³Q''. Below the stretch q goes on with w continued.
     fn free(
         &self,
         start: f64,
@@ -319,10 +325,11 @@ impl FokkerPlanckLife {
         let densities = times.map(|time| step.at(time));
         let stretches = times.map(|time| start + self.velocity * time);
         let met: Nodal = std::array::from_fn(|i| densities[i].value(stretches[i]));
+        let exposed = self.temperature.map_or(0.0, |temperature| temperature.attempt_rate / self.velocity);
         let slope = derivative(&RULE.coefficients(&met)).map(|c| c / (0.5 * self.velocity * (high - low)));
         let sums: [[f64; SUMS]; NODES] = std::array::from_fn(|i| {
             let (x, density) = (stretches[i], &densities[i]);
-            let bent = series(&slope, RULE.nodes[i]) + self.slope.at(x) * met[i];
+            let bent = series(&slope, RULE.nodes[i]) + (self.slope.at(x) + exposed) * met[i];
             let mass = -layer * met[i] + layer * layer * bent;
             let of_layer = self.weights(x, x + layer).map(|weight| mass * weight);
             self.record_error(layer * bent, met[i], layer);
@@ -417,7 +424,8 @@ impl BreakingModel for FokkerPlanckLife {
         let formed = DiffusingCohort { start, segments, onsets };
         let rough =
             DiffusingCohort { start, segments: self.segments(start, ROUGH, watch), onsets: Vec::new() };
-        let difference = formed.difference(&rough, watch) / self.maturing.survival(start);
+        let mean = self.maturing.newborn_law().mean();
+        let difference = formed.difference(&rough, mean, watch) / self.maturing.survival(start);
         // Positive numbers are in the order of their bits.
         self.largest_error.fetch_max(difference.to_bits(), Ordering::Relaxed);
         Arc::new(formed)
@@ -445,17 +453,29 @@ impl BreakingModel for FokkerPlanckLife {
 }
 
 impl DiffusingCohort {
-    /// The largest difference of the surviving fractions.
-    fn difference(&self, other: &Self, watch: &Watch<'_>) -> f64 {
+    /// How far this cohort and another solution for it are apart, as forces feel it: the largest difference of the surviving
+    /// fractions, or of the forces they carry per mean threshold where the stretch is shorter than that, or their mean
+    /// difference over the mean threshold.
+    ///
+    /// Contacts that break at a stretch of nearly 0 carry no force. Where the density of thresholds has a pole at 0, the
+    /// fraction that has broken by then is not small, and depends on how finely the pole is resolved.
+    fn difference(&self, other: &Self, mean: f64, watch: &Watch<'_>) -> f64 {
         let ends = |formed: &Self| -> Vec<f64> {
             let of = |segment: &LifeSegment| {
                 segment.curves[0].boundaries.iter().map(|u| segment.from + u).collect::<Vec<_>>()
             };
             formed.segments.iter().flat_map(of).collect()
         };
-        let places: Vec<f64> = ends(self).into_iter().chain(ends(other)).collect();
+        let mut places: Vec<f64> = ends(self).into_iter().chain(ends(other)).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
         let left = |formed: &Self, u: f64| formed.survival_moments(u, watch).unbroken[0];
-        places.iter().map(|&u| (left(self, u) - left(other, u)).abs()).fold(0.0, f64::max)
+        let apart: Vec<f64> = places.iter().map(|&u| (left(self, u) - left(other, u)).abs()).collect();
+        let felt = |(u, apart): (&f64, &f64)| ((self.start + u) / mean).min(1.0) * apart;
+        let most = places.iter().zip(&apart).map(felt).fold(0.0, f64::max);
+        let trapezoid = |(u, apart): (&[f64], &[f64])| 0.5 * (u[1] - u[0]) * (apart[0] + apart[1]);
+        let whole: f64 = places.windows(2).zip(apart.windows(2)).map(trapezoid).sum();
+        most.max(whole / mean)
     }
 }
 

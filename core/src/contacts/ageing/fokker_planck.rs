@@ -101,10 +101,13 @@ impl ThresholdFokkerPlanck {
 
     /// The density of fresh thresholds above `stretch`, without point masses, on elements up to the end of
     /// the support. The truncation error × half width of an element is at most `left_out` at its upper end;
-    /// elements narrow down to `finest` towards jumps of the density.
+    /// elements narrow down to `finest` towards jumps of the density, and to far less towards poles, beside which many
+    /// contacts have their thresholds.
     pub fn fresh_density(&self, stretch: f64, left_out: impl Fn(f64) -> f64, finest: f64) -> Elements {
         /// Initial width of elements in standard deviations of a Gaussian.
         const WIDTH: f64 = 4.0;
+        /// The narrowest element beside a pole, in units of that beside a jump.
+        const STEEP: f64 = 1e-4;
         let (low, high) = (self.support.0.max(stretch), self.support.1);
         let law = self.newborn.as_ref();
         let mut edges = self.kinks();
@@ -115,7 +118,8 @@ impl ThresholdFokkerPlanck {
         }
         let inside = |b: &Breakpoint| b.position >= low && b.position <= high;
         for edge in law.breakpoints().iter().filter(|b| inside(b)) {
-            let widths = std::iter::successors(Some(finest), |width| Some(4.0 * width));
+            let narrowest = if edge.is_steep() { STEEP * finest } else { finest };
+            let widths = std::iter::successors(Some(narrowest), |width| Some(4.0 * width));
             // Elements grow by a factor of four away from a jump, which diffusion spreads over ever
             // wider layers.
             let widths = widths.take_while(|&width| edge.exponent <= 0.0 && width < 0.1 * (high - low));
@@ -232,15 +236,6 @@ impl ThresholdFokkerPlanck {
     pub fn density(&self, threshold: f64, ageing: bool) -> f64 {
         let mature = if ageing { self.mature.density(threshold) } else { 0.0 };
         self.newborn.density(threshold).max(mature)
-    }
-
-    /// Whether the distribution of fresh thresholds has point masses, or jumps that are larger than that of a
-    /// tail cut off at 0.
-    pub fn has_edges(&self) -> bool {
-        const FAINT: f64 = 1e-4;
-        let mean = self.newborn.mean();
-        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > FAINT;
-        !self.newborn.atoms().is_empty() || self.newborn.breakpoints().iter().any(jumps)
     }
 
     /// The lowest point mass of fresh thresholds.
