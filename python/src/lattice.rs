@@ -92,6 +92,7 @@ impl Lattice {
             drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
             catalogue_from: 0.0,
             slip_rates: None,
+            main_shocks: None,
         };
         let disorder = convert::word("disorder", &disorder)?;
         let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });

@@ -18,6 +18,10 @@ const TASKS: [(&str, &str); 4] = [
         "[drive] with [interface], and [[protocol]] with [interface] over time-dependent contacts",
     ),
     ("interface_drive of contacts", "[drive] with [interface] of contacts coupled one by one"),
+    (
+        "interface_drive of contacts in time",
+        "[drive] or [[protocol]] with [interface] of time-dependent contacts coupled one by one",
+    ),
     ("protocol", "[[protocol]]"),
     ("block_protocol", "[[protocol]] with [block], and [drive] with [block] over time-dependent contacts"),
 ];

@@ -56,8 +56,13 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
     );
     driven.variables.extend(ensemble.variables);
     driven.variables.extend(Record::declared(&[&sliding::COLUMNS[5..]]).variables);
-    let [cells, contacts] = interface::columns();
-    vec![("drive", driven), ("interface_drive", cells), ("interface_drive of contacts", contacts)]
+    let [cells, contacts, in_time] = interface::columns();
+    vec![
+        ("drive", driven),
+        ("interface_drive", cells),
+        ("interface_drive of contacts", contacts),
+        ("interface_drive of contacts in time", in_time),
+    ]
 }
 
 /// Drives the slider as `task` says.
