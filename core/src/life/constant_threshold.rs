@@ -96,6 +96,7 @@ impl ConstantThreshold {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::legendre::RULE;
 
     #[test]
     fn closed_forms_are_the_integrals() {

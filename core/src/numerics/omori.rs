@@ -204,7 +204,8 @@ mod tests {
         {
             let deviation = |k: u64| {
                 let fit = fit_omori(&synthetic(law, counts, 100 * index as u64 + k), law.2).unwrap();
-                assert_eq!(fit.background > 0.0, counts[1] > 0);
+                // Akaike's criterion prefers a background where there is none once in ten times.
+                assert!(counts[1] == 0 || fit.background > 0.0);
                 (fit.exponent - law.0) / fit.error
             };
             let found: Vec<f64> = (0..40).map(deviation).collect();

@@ -44,7 +44,7 @@ const COLUMNS: [Column; 6] =
     [BRANCH_POSITION, BRANCH_DRIVE, BRANCH_FORCE, BRANCH_STABLE, POTENTIAL_DRIVE, POTENTIAL];
 
 /// Traces and slips have tables of their own kinds.
-pub(super) const TABLES: &[CsvTable] = &[];
+pub(super) const TABLES: &[CsvTable] = &interface::MAIN_SHOCK_TABLES;
 
 /// What a result may hold, without values: that of a slider, and those of an interface.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {

@@ -109,6 +109,9 @@ impl Lattice {
         let Self { grid, births, born, ends, front, following, released, alpha, drive, .. } = self;
         for (&place, released) in front[part.clone()].iter().zip(&released[part]) {
             let gain = *alpha * *released;
+            if gain == 0.0 {
+                continue;
+            }
             for mut near in grid.around(place as usize) {
                 if ends[near] == f64::INFINITY {
                     let Some(across) = grid.across(near) else {

@@ -1,6 +1,8 @@
 //! Thermal breaking of a contact whose stretch grows at a constant velocity below a constant threshold: its cumulative
 //! hazard in closed form, and the stretch at which that reaches a value.
 
+use std::sync::LazyLock;
+
 use crate::contacts::{Barrier, Temperature};
 use crate::numerics::incomplete::{cubic, dawson_by_table};
 
@@ -37,11 +39,11 @@ pub(super) struct CumulativeHazard {
 /// A contact that breaks nearer to its threshold than by this fraction breaks at it: cold contacts, but for rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// Largest number of Newton steps; three or four are taken.
+/// Largest number of Newton steps; one or two are taken.
 const MOST_STEPS: usize = 50;
 
-/// Relative change after which a Newton step is the last.
-const CONVERGED: f64 = 1e-9;
+/// Relative change after which a Newton step is the last: the method converges quadratically.
+const CONVERGED: f64 = 1e-6;
 
 impl ThermalActivation {
     /// w, the rate of breaking at rest.
@@ -106,15 +108,82 @@ impl CumulativeHazard {
     }
 }
 
-/// The ξ at which ln ∫₀^ξ e^{s²} ds = ξ² + ln D(ξ) is `level`, by Newton's method.
+/// A function of which values and derivatives are known on an even grid, by cubic Hermite interpolation.
+struct HermiteTable {
+    from: f64,
+    to: f64,
+    /// Values, and derivatives times the step.
+    nodes: Vec<[f64; 2]>,
+}
+
+/// Steps of a table per unit: it then is right to 1e-6, and one Newton step from there to 1e-12.
+const STEPS: f64 = 8.0;
+
+impl HermiteTable {
+    /// Tabulates a function from its value and derivative.
+    fn of(from: f64, to: f64, f: impl Fn(f64) -> [f64; 2]) -> Self {
+        let node = |i: usize| {
+            let [value, slope] = f((from + i as f64 / STEPS).min(to));
+            [value, slope / STEPS]
+        };
+        let steps = ((to - from) * STEPS) as usize;
+        Self { from, to: from + steps as f64 / STEPS, nodes: (0..=steps).map(node).collect() }
+    }
+
+    /// The function; `None` outside of the table.
+    #[inline]
+    fn value(&self, x: f64) -> Option<f64> {
+        if !(x >= self.from && x < self.to) {
+            return None;
+        }
+        let place = (x - self.from) * STEPS;
+        let (i, t) = (place as usize, place.fract());
+        let ([a, da], [b, db]) = (self.nodes[i], self.nodes[i + 1]);
+        let (up, down) = (b - a - da, db - (b - a));
+        Some(a + t * (da + t * (up + (t - 1.0) * (down - up))))
+    }
+}
+
+/// ξ by ln ∫₀^ξ e^{s²} ds.
+static DAWSON_INVERSE: LazyLock<HermiteTable> = LazyLock::new(|| {
+    HermiteTable::of(-3.0, 60.0, |level| {
+        let x = dawson_root(level, if level < 0.0 { level.exp() } else { far_dawson(level) });
+        [x, dawson_by_table(x)]
+    })
+});
+
+/// w by ln ∫_w^∞ e^{−s^{3/2}} ds.
+static CUBIC_INVERSE: LazyLock<HermiteTable> = LazyLock::new(|| {
+    let whole = cubic(0.0);
+    HermiteTable::of(-60.0, whole.ln(), |level| {
+        let w = cubic_root(level, if level < -1.0 { far_cubic(level) } else { whole - level.exp() });
+        [w, -cubic(w.sqrt())]
+    })
+});
+
+/// The ξ at which ln ∫₀^ξ e^{s²} ds = ξ² + ln D(ξ) is `level`.
+#[inline]
 fn inverse_of_dawson(level: f64) -> f64 {
-    // The integral is ξ near 0, and e^{ξ²}/2ξ far out.
-    let mut x = if level < 0.0 { level.exp() } else { (level + 0.5 * (4.0 * level).ln_1p()).sqrt() };
+    // The integral is ξ + ξ³/3 near 0, and e^{ξ²}/2ξ far out.
+    let start = DAWSON_INVERSE.value(level).unwrap_or_else(|| {
+        let near = level.exp();
+        if level < 0.0 { near * (1.0 - near * near / 3.0) } else { far_dawson(level) }
+    });
+    dawson_root(level, start)
+}
+
+/// The same far out.
+fn far_dawson(level: f64) -> f64 {
+    (level + 0.5 * (4.0 * level).ln_1p()).sqrt()
+}
+
+/// The same by Newton's method from `x`.
+#[inline]
+fn dawson_root(level: f64, mut x: f64) -> f64 {
     for _ in 0..MOST_STEPS {
         let dawson = dawson_by_table(x);
         let step = dawson * (level - x * x - dawson.ln());
         x = (x + step).max(0.25 * x);
-        // The method converges quadratically.
         if !(step.abs() > CONVERGED * x) {
             break;
         }
@@ -122,22 +191,30 @@ fn inverse_of_dawson(level: f64) -> f64 {
     x
 }
 
-/// The w ≥ 0 at which ln ∫_w^∞ e^{−s^{3/2}} ds = ln g(√w) − w^{3/2} is `level`, by Newton's method; below 0 if there is none.
+/// The w ≥ 0 at which ln ∫_w^∞ e^{−s^{3/2}} ds = ln g(√w) − w^{3/2} is `level`; below 0 if there is none.
+#[inline]
 fn inverse_of_cubic(level: f64) -> f64 {
-    let whole = cubic(0.0);
-    if level >= whole.ln() {
-        return -1.0;
-    }
     // The integral is g(0) − w near 0, and ⅔e^{−w^{3/2}}/√w far out.
-    let mut w = if level < -1.0 {
-        (-level - (1.5 * (-level).cbrt()).ln()).max(0.1).cbrt().powi(2)
-    } else {
-        whole - level.exp()
-    };
+    match CUBIC_INVERSE.value(level) {
+        Some(start) => cubic_root(level, start),
+        None if level < CUBIC_INVERSE.from => cubic_root(level, far_cubic(level)),
+        None if level < cubic(0.0).ln() => cubic_root(level, cubic(0.0) - level.exp()),
+        None => -1.0,
+    }
+}
+
+/// The same far out.
+fn far_cubic(level: f64) -> f64 {
+    (-level - (1.5 * (-level).cbrt()).ln()).max(0.1).cbrt().powi(2)
+}
+
+/// The same by Newton's method from `w`; the logarithm is concave, so that all iterates but the first lie above the root.
+#[inline]
+fn cubic_root(level: f64, mut w: f64) -> f64 {
     for _ in 0..MOST_STEPS {
-        let gain = cubic(w.sqrt());
-        let step = gain * (gain.ln() - w * w.sqrt() - level);
-        // The logarithm is concave, so that all iterates but the first lie above the root.
+        let root = w.max(0.0).sqrt();
+        let gain = cubic(root);
+        let step = gain * (gain.ln() - w * root - level);
         w = (w + step).max(0.0);
         if !(step.abs() > CONVERGED * w) {
             break;
@@ -171,6 +248,7 @@ mod tests {
                     (0..800).map(|k| RULE.integrate(edge(k), edge(k + 1), rate)).sum()
                 };
                 // The rate has a kink at 0.
+                let (from, to): (f64, f64) = (from, to);
                 let expected = sum(from.min(0.0), to.min(0.0)) + sum(from.max(0.0), to);
                 let found = hazard.value(to) - hazard.value(from);
                 // Rounding of exponents of up to 480.
@@ -206,6 +284,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Newton's method, from tables and beyond them.
+    #[test]
+    fn inverses_have_all_digits() {
+        for k in -4000..8000 {
+            let level = 0.01 * f64::from(k);
+            let x = inverse_of_dawson(level);
+            let dawson = crate::numerics::dawson::dawson(x);
+            // The level is rounded, and ξ with it.
+            let allowed = 1e-12 * x + 4.0 * f64::EPSILON * level.abs() * dawson;
+            assert!((dawson * (level - x * x - dawson.ln())).abs() < allowed, "{level}");
+            if k < -10 {
+                let w = inverse_of_cubic(level);
+                let gain = cubic(w.sqrt());
+                let allowed = 1e-12 * (1e-3 + w) + 4.0 * f64::EPSILON * level.abs() * gain;
+                assert!((gain * (gain.ln() - w * w.sqrt() - level)).abs() < allowed, "{level}");
+            }
+        }
+        assert!(inverse_of_cubic(cubic(0.0).ln()) < 0.0);
     }
 
     /// A hazard that the contact survives up to its threshold.

@@ -36,9 +36,12 @@ impl DrivenContactsInTime {
     ///
     /// # Errors
     /// A velocity that is not above 0; stopped by the monitor.
-    pub fn set_velocity(&mut self, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    pub fn set_velocity_with(&mut self, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         positive("velocity", velocity)?;
-        self.contacts.lattice.set_velocity_with(velocity, monitor)?;
+        // Next breaks are computed again at another velocity only, so that a restored state goes on bit for bit.
+        if self.contacts.lattice.velocity() != Some(velocity) {
+            self.contacts.lattice.set_velocity_with(velocity, monitor)?;
+        }
         self.motion = LoadPointMotion::Velocity(velocity);
         Ok(())
     }

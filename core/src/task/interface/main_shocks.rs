@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::numerics::omori::{OmoriFit, fit_omori};
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Interface, MainShocks};
 use crate::shape::Edges;
 use crate::task::summary::{Fitted, MainShockNumbers, OmoriLaw};
@@ -35,6 +35,16 @@ pub(super) const COLUMNS: [Column; 3] = [
 /// For contacts without time the first column is this one.
 pub(super) const SHOCK_DRIVE: Column =
     Column::new("shock_drive", "drive from the main shock", Quantity::Length, &["shock_drive"]);
+
+/// The rates around main shocks, along either of the two.
+pub(in crate::task) const TABLES: [CsvTable; 2] = [
+    CsvTable { file: "main_shocks.csv", columns: &COLUMNS, needed: COLUMNS[0] },
+    CsvTable {
+        file: "main_shocks.csv",
+        columns: &[SHOCK_DRIVE, COLUMNS[1], COLUMNS[2]],
+        needed: SHOCK_DRIVE,
+    },
+];
 
 /// Events, by the variable along which they follow each other.
 struct Events<'a> {

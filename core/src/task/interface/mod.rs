@@ -27,6 +27,7 @@ pub use contacts::DrivenContacts;
 pub use contacts_in_time::DrivenContactsInTime;
 use found::{CellColumns, Found};
 pub use in_time::{DrivenRateDependentCells, LoadPointMotion, cells_in_time};
+pub(super) use main_shocks::TABLES as MAIN_SHOCK_TABLES;
 pub use model::DrivenInterface;
 use output_points::{OutputPoint, output_points, points_in_time};
 use run::InterfaceRun;
