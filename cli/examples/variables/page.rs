@@ -12,7 +12,7 @@ CSV tables have the same names. What was not asked for is not there. Every varia
 ";
 
 /// The headings of tasks that are not called like their table.
-const TASKS: [(&str, &str); 4] = [
+const TASKS: [(&str, &str); 5] = [
     (
         "interface_drive",
         "[drive] with [interface], and [[protocol]] with [interface] over time-dependent contacts",

@@ -47,8 +47,11 @@ pub fn fit_omori(times: &[f64], window: f64) -> Option<OmoriFit> {
     inside.sort_by(f64::total_cmp);
     let kept = count.min(MOST);
     let quantile = |i: usize| inside[(2 * i + 1) * count / (2 * kept)];
-    let likelihood =
-        Likelihood { times: (0..kept).map(quantile).collect(), weight: count as f64 / kept as f64, window };
+    let likelihood = OmoriLikelihood {
+        times: (0..kept).map(quantile).collect(),
+        weight: count as f64 / kept as f64,
+        window,
+    };
     // Akaike's criterion: a parameter pays if the log-likelihood rises by more than 1.
     let alone = likelihood.maximum(&[1.0, (0.01 * window).ln()]);
     let with = likelihood.maximum(&[1.0, (0.01 * window).ln(), 1.0]);
@@ -57,13 +60,13 @@ pub fn fit_omori(times: &[f64], window: f64) -> Option<OmoriFit> {
 }
 
 /// Times, each of which stands for `weight` of them.
-struct Likelihood {
+struct OmoriLikelihood {
     times: Vec<f64>,
     weight: f64,
     window: f64,
 }
 
-impl Likelihood {
+impl OmoriLikelihood {
     /// The log-likelihood of p, ln c and, with a background, the logit of the fraction of aftershocks.
     fn value(&self, place: &[f64]) -> f64 {
         let (p, delay) = (place[0], place[1].exp());

@@ -88,7 +88,10 @@ pub fn read(
     let share = events.share(chosen);
     // Mean number of events within the distance, per unit of the variable, around all main shocks.
     let mean = stacked.mains as f64 * share * events.at.len() as f64 / span;
-    add_rates(&stacked, (window, mean), clock, record);
+    // Without main shocks there is no rate around them.
+    if stacked.mains > 0 {
+        add_rates(&stacked, (window, mean), clock, record);
+    }
     let law = |times: &[f64]| fit_omori(times, window).map(omori);
     Ok(Some(MainShockNumbers {
         size: chosen.size,
@@ -164,7 +167,7 @@ impl Events<'_> {
     fn share(&self, chosen: &MainShocks) -> f64 {
         let Some(distance) = chosen.distance else { return 1.0 };
         let cells = &self.interface.cells;
-        // On a lattice events are as frequent everywhere: the fraction of the cells, with edges or without.
+        // Events are taken to be as frequent everywhere.
         let mean = |side: usize| {
             let within = |at: usize| match self.interface.edges {
                 Edges::Periodic => side.min(2 * distance + 1),
