@@ -43,7 +43,7 @@ const ROUNDING: f64 = 1e-14;
 const MOST_STEPS: usize = 50;
 
 /// Relative change after which a Newton step is the last: the method converges quadratically.
-const CONVERGED: f64 = 1e-6;
+const CONVERGED: f64 = 1e-7;
 
 impl ThermalActivation {
     /// w, the rate of breaking at rest.
@@ -116,8 +116,8 @@ struct HermiteTable {
     nodes: Vec<[f64; 2]>,
 }
 
-/// Steps of a table per unit: it then is right to 1e-6, and one Newton step from there to 1e-12.
-const STEPS: f64 = 8.0;
+/// Steps of a table per unit: it then is right to 1e-7, and one Newton step from there to rounding.
+const STEPS: f64 = 16.0;
 
 impl HermiteTable {
     /// Tabulates a function from its value and derivative.
