@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 51] = shipped![
+const SHIPPED: [Shipped; 52] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -53,6 +53,7 @@ const SHIPPED: [Shipped; 51] = shipped![
     "sweep-stability.toml",
     "sweep-critical-stiffness.toml",
     "ofc.toml",
+    "aftershocks.toml",
     "front-chain.toml",
     "precursors-edge.toml",
     "half-space-512.toml",

@@ -42,7 +42,7 @@ enum Panels {
 }
 
 /// Pictures with the labels of their axes.
-const PICTURES: [(&str, Panels, &[&str]); 35] = [
+const PICTURES: [(&str, Panels, &[&str]); 36] = [
     ("catalogue", Free, &["Force F"]),
     ("corner", Steps, &["gaussian.mean", "count", "stiffness"]),
     ("correlation", Below, &["Displacement u", "Autocorrelation of the force"]),
@@ -60,6 +60,7 @@ const PICTURES: [(&str, Panels, &[&str]); 35] = [
     ("free_form", Below, &["Threshold", "Density of thresholds"]),
     ("hold_curve", Below, &["Hold time", "Static friction Fs"]),
     ("hysteresis", Below, &["Position X", "Friction force F"]),
+    ("main_shocks", Below, &["Time from the main shock", "Rate of events / mean rate"]),
     ("mean_drop", Beside, &["Mean drop of the force", "Stiffness of the spring K"]),
     ("period", Beside, &["Period of stick-slip", "Stiffness of the spring K"]),
     ("potential", Below, &["Position X", "Potential V(X)"]),

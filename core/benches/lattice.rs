@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial, Start};
+use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Start, Temperature};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape, Until};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
@@ -30,14 +30,48 @@ fn main() {
         row("Gaussian, c.v. 0.1", &gaussian, 512, share);
     }
     row("Gaussian, c.v. 0.1, uncoupled", &gaussian, 512, 0.0);
+    for (name, barrier, ageing) in in_time() {
+        for share in [0.2, 0.24] {
+            let mut contacts = Contacts::new(gaussian.clone(), Arc::new(Point::new(0.0).unwrap()));
+            contacts.rules.temperature =
+                barrier.map(|b| Temperature { energy: 0.02, attempt_rate: 1.0, barrier: b });
+            contacts.rules.ageing = ageing.clone();
+            let coupling = LatticeCoupling::with_alpha(Shape::Square([512, 512]), Edges::Open, share);
+            let lattice = Lattice::at(contacts, initial(), &coupling, 0.01, 1, Disorder::Annealed).unwrap();
+            timed(name, lattice, (512, share));
+        }
+    }
+}
+
+/// Rules of contacts in time.
+fn in_time() -> Vec<(&'static str, Option<Barrier>, Option<Ageing>)> {
+    let logarithmic = Ageing::Logarithmic { growth: 0.02, time: 1.0 };
+    let mature = Arc::new(Gaussian::new(1.2, 0.1).unwrap());
+    vec![
+        ("elastic barrier", Some(Barrier::Elastic), None),
+        ("Bell's barrier", Some(Barrier::Bell), None),
+        ("barrier of a catastrophe", Some(Barrier::Catastrophe), None),
+        ("logarithmic ageing", None, Some(logarithmic.clone())),
+        ("the same, elastic barrier", Some(Barrier::Elastic), Some(logarithmic)),
+        (
+            "frozen_rank, elastic barrier",
+            Some(Barrier::Elastic),
+            Some(Ageing::FrozenRank { mature, time: 1.0 }),
+        ),
+    ]
+}
+
+fn initial() -> Initial {
+    Initial { law: Arc::new(Rectangular::new(0.0, 0.6).unwrap()), start: Start::Conditional }
 }
 
 fn row(name: &str, thresholds: &SharedLaw, side: usize, share: f64) {
     let contacts = Contacts::new(thresholds.clone(), Arc::new(Point::new(0.0).unwrap()));
-    let stretches = Rectangular::new(0.0, 0.6).unwrap();
-    let initial = Initial { law: Arc::new(stretches), start: Start::Conditional };
     let coupling = LatticeCoupling::with_alpha(Shape::Square([side, side]), Edges::Open, share);
-    let mut lattice = Lattice::new(contacts, initial, &coupling, 1, Disorder::Annealed).unwrap();
+    timed(name, Lattice::new(contacts, initial(), &coupling, 1, Disorder::Annealed).unwrap(), (side, share));
+}
+
+fn timed(name: &str, mut lattice: Lattice, (side, share): (usize, f64)) {
     breaks(&mut lattice, SETTLED * (side * side) as u64);
     let begun = ThreadTime::now();
     let (size, events) = breaks(&mut lattice, BREAKS.max((side * side) as u64));

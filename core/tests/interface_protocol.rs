@@ -42,6 +42,7 @@ fn chain(scales: &[f64], connection: f64) -> Scenario {
         catalogue_from: 0.0,
         mass: None,
         slip_rates: None,
+        main_shocks: None,
     };
     let contacts = scenario::Contacts {
         thresholds: Some(scenario::Law::Gaussian { mean: 1.0, std: 0.25 }),

@@ -116,6 +116,8 @@ impl Plain {
         }
         Avalanche {
             drive: self.drive,
+            time: 0.0,
+            age: 0.0,
             epicentre: least,
             size: breaks.iter().sum(),
             area: breaks.iter().filter(|&&breaks| breaks > 0).count() as u64,

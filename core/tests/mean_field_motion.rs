@@ -394,6 +394,7 @@ fn alike_cells_of_an_interface_are_a_block_after_a_steady_start_and_a_hold() {
         catalogue_from: 0.0,
         mass: None,
         slip_rates: None,
+        main_shocks: None,
     };
     let described = scenario::Contacts {
         thresholds: Some(scenario::Law::Gaussian { mean: 0.6, std: 0.15 }),

@@ -146,6 +146,7 @@ fn table(shape: Shape, coupling: scenario::Elasticity) -> scenario::Interface {
         catalogue_from: 0.0,
         mass: None,
         slip_rates: None,
+        main_shocks: None,
     }
 }
 

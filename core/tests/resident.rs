@@ -92,6 +92,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         catalogue_from: 0.0,
         mass: None,
         slip_rates: None,
+        main_shocks: None,
     };
     table.fits(&contacts(&point(1.0), &point(0.0)), None, false, monitor.memory())?;
     let setting =

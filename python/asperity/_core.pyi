@@ -806,6 +806,7 @@ class Deformable(Description):
         maps: ArrayLike | None = None,
         catalogue_from: _Number = 0.0,
         slip_rates: SupportsIndex | None = None,
+        main_shocks: tuple[int, float] | tuple[int, float, int] | None = None,
         progress: _Progress = None,
         threads: SupportsIndex | None = None,
     ) -> Result:
@@ -831,6 +832,10 @@ class Deformable(Description):
         slip_rates
             The largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of shape
             (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
+        main_shocks
+            The size and the window of main shocks of a Lattice, around which foreshocks and aftershocks are counted: the
+            smallest number of breaks, and the length of the window on each side in mean intervals between events; as the third
+            number the largest distance of epicentres in cells. None for no statistics.
         progress
             As for MasterEquation.pull. Ctrl-C interrupts the computation.
         threads
@@ -848,7 +853,7 @@ class Deformable(Description):
         ------
         ValueError
             For a distance or a velocity that is not above 0, no velocity for time-dependent contacts or cells with a
-            mass, fewer than 2 points, a tolerance that is not from 1e-12 to 1e-2, maps that do not rise or lie beyond
+            mass, main_shocks of an Interface, fewer than 2 points, a tolerance that is not from 1e-12 to 1e-2, maps that do not rise or lie beyond
             the distance, a catalogue_from below 0, fewer than 2 slip_rates, or some for cells that do not move in
             time, a number of threads out of its range, and more results than fit in memory.
         """
@@ -865,6 +870,7 @@ class Deformable(Description):
         tolerance: _Number | None = None,
         catalogue_from: _Number = 0.0,
         slip_rates: SupportsIndex | None = None,
+        main_shocks: tuple[int, float] | tuple[int, float, int] | None = None,
         progress: _Progress = None,
         threads: SupportsIndex | None = None,
     ) -> Result:
@@ -875,7 +881,7 @@ class Deformable(Description):
         ----------
         steps
             A list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-        tolerance, catalogue_from, slip_rates, progress, threads
+        tolerance, catalogue_from, slip_rates, main_shocks, progress, threads
             As for drive.
 
         Returns
@@ -2205,7 +2211,8 @@ class Interface(Deformable):
 @final
 class Lattice(Deformable):
     """Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
-    Christensen, for any distribution of thresholds.
+    Christensen, for any distribution of thresholds. Time-dependent contacts, with a temperature, with ageing frozen_rank or
+    logarithmic, or with both, are driven at a velocity, by kinetic Monte Carlo.
 
     Parameters
     ----------
@@ -2229,14 +2236,19 @@ class Lattice(Deformable):
     ------
     ValueError
         For cells that are not one or two numbers of 1 or more, neighbours or a connection below 0, a connection of 0
-        where neighbours is 0, another word as edges, disorder or start, a seed that is not below 2^63, and
-        time-dependent contacts.
+        where neighbours is 0, another word as edges, disorder or start, a seed that is not below 2^63, a delay, and
+        thresholds that diffuse.
 
     Examples
     --------
     >>> import asperity as asp
     >>> lattice = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.1)), [16, 16], neighbours=0.2, connection=0.2)
     >>> len(lattice.drive(distance=3.0).events) > 0
+    True
+    >>> warm = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.02, 1.0))
+    >>> lattice = asp.Lattice(warm, [16, 16], neighbours=0.2, connection=0.2)
+    >>> events = lattice.drive(distance=3.0, velocity=0.01).events
+    >>> bool((events["time"] > 0).all())
     True
     """
 

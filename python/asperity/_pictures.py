@@ -509,6 +509,28 @@ def magnitudes(record: "Record", ax: "Axes", **style: Any) -> None:
     ax.set_ylabel("probability density")
 
 
+def main_shocks(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The rates of events after and before main shocks, over their mean rate, with the fitted Omori laws."""
+    along = "shock_time" if "shock_time" in record else "shock_drive"
+    found = getattr(record, "summary", {}).get("catalogue", {}).get("main_shocks", {})
+    dots: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 4}
+    for side, words in (("aftershock", "after main shocks"), ("foreshock", "before main shocks")):
+        held = record[f"{side}_rate"] > 0.0
+        at, rate = record[along][held], record[f"{side}_rate"][held]
+        (line,) = ax.plot(at, rate, **{**dots, "label": words, **style})
+        law = found.get(f"{side}_law")
+        if law is not None and held.any():
+            # Bins are equally wide on the logarithmic axis: events in a bin are in proportion to rate times time.
+            shape, events = (at + law["delay"]) ** -law["exponent"]["value"], float(np.sum(rate * at))
+            part = (1.0 - law["background"]) * events / float(np.sum(shape * at))
+            even = law["background"] * events / float(np.sum(at))
+            label = f"$p$ = {law['exponent']['value']:.2f}"
+            ax.plot(at, part * shape + even, color=line.get_color(), label=label)
+    ax.set(xscale="log", yscale="log", ylabel="rate of events / mean rate")
+    ax.set_xlabel(axis("", record.labels[along].units, f"{along.removeprefix('shock_')} from the main shock"))
+    ax.legend()
+
+
 def slips(record: "Record", ax: "Axes", **style: Any) -> None:
     """Events against the drive."""
     name = "event_size" if "event_size" in record else "event_drop"
@@ -589,6 +611,7 @@ KINDS: Mapping[str, Kind] = {
     "sizes": Kind(sizes, ("size", "size_events"), least=3),
     "events": Kind(slips, ("event_drive", "event_drop")),
     "magnitudes": Kind(magnitudes, ("event_drive", "event_epicentre"), least=30),
+    "main_shocks": Kind(main_shocks, ("aftershock_rate", "foreshock_rate")),
     "map": Kind(stress_map, ("map_drive", "row", "cell_force")),
     "space_time": Kind(space_time, ("map_drive", "cell", "cell_force")),
     "slip_rate": Kind(slip_rate, ("slip_rate_step", "cell", "slip_rate"), least=2),

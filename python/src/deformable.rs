@@ -1,6 +1,6 @@
 //! What deformable interfaces have in common: a drive of their load point.
 
-use asperity::scenario::{Drive, Edges, Elasticity, Renormalisation, Scenario};
+use asperity::scenario::{Drive, Edges, Elasticity, MainShocks, Renormalisation, Scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -80,6 +80,10 @@ impl Deformable {
     /// slip_rates
     ///     The largest number of steps in time at which the velocity of every cell is stored, as `slip_rate` of shape
     ///     (steps, cells) at `slip_rate_time`; None for none. Steps are short in events.
+    /// main_shocks
+    ///     The size and the window of main shocks of a Lattice, around which foreshocks and aftershocks are counted: the
+    ///     smallest number of breaks, and the length of the window on each side in mean intervals between events; as the third
+    ///     number the largest distance of epicentres in cells. None for no statistics.
     /// progress
     ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     /// threads
@@ -97,15 +101,15 @@ impl Deformable {
     /// ------
     /// ValueError
     ///     For a distance or a velocity that is not above 0, no velocity for time-dependent contacts or cells with a
-    ///     mass, fewer than 2 points, a tolerance that is not from 1e-12 to 1e-2, maps that do not rise or lie beyond
+    ///     mass, main_shocks of an Interface, fewer than 2 points, a tolerance that is not from 1e-12 to 1e-2, maps that do not rise or lie beyond
     ///     the distance, a catalogue_from below 0, fewer than 2 slip_rates, or some for cells that do not move in
     ///     time, a number of threads out of its range, and more results than fit in memory.
     #[pyo3(
         signature = (
             distance = Real::new(20.0), points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
-            catalogue_from = Real::new(0.0), slip_rates = None, progress: "_Progress" = None, threads = None
+            catalogue_from = Real::new(0.0), slip_rates = None, main_shocks: "tuple[int, float] | tuple[int, float, int] | None" = None, progress: "_Progress" = None, threads = None
         ),
-        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, slip_rates=None, main_shocks=None, progress=None, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn drive(
@@ -117,6 +121,7 @@ impl Deformable {
         maps: Option<&Bound<'_, PyAny>>,
         catalogue_from: Real,
         slip_rates: Option<Whole>,
+        main_shocks: Option<&Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
@@ -132,7 +137,7 @@ impl Deformable {
             py,
             Self::plain(slf).scenario(drive),
             tolerance,
-            (catalogue_from, slip_rates),
+            (catalogue_from, slip_rates, main_shocks),
             (threads, progress),
         )
     }
@@ -144,7 +149,7 @@ impl Deformable {
     /// ----------
     /// steps
     ///     A list of Step. With start="steady" all cells slide steadily at the velocity of the first one.
-    /// tolerance, catalogue_from, slip_rates, progress, threads
+    /// tolerance, catalogue_from, slip_rates, main_shocks, progress, threads
     ///     As for drive.
     ///
     /// Returns
@@ -158,8 +163,8 @@ impl Deformable {
     /// ValueError
     ///     For no steps, for time-independent contacts, and for more results than fit in memory.
     #[pyo3(
-        signature = (steps, *, tolerance = None, catalogue_from = Real::new(0.0), slip_rates = None, progress: "_Progress" = None, threads = None),
-        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, progress=None, threads=None)"
+        signature = (steps, *, tolerance = None, catalogue_from = Real::new(0.0), slip_rates = None, main_shocks: "tuple[int, float] | tuple[int, float, int] | None" = None, progress: "_Progress" = None, threads = None),
+        text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, main_shocks=None, progress=None, threads=None)"
     )]
     fn follow(
         slf: &Bound<'_, Self>,
@@ -167,6 +172,7 @@ impl Deformable {
         tolerance: Option<Real>,
         catalogue_from: Real,
         slip_rates: Option<Whole>,
+        main_shocks: Option<&Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
         threads: Option<Whole>,
     ) -> PyResult<Py<Result>> {
@@ -178,7 +184,8 @@ impl Deformable {
         protocol.0[0].start = Some(surface.contacts.start);
         let scenario =
             Scenario { drive: None, protocol: Some(protocol), ..surface.scenario(Drive::default()) };
-        outcome(slf.py(), scenario, tolerance, (catalogue_from, slip_rates), (threads, progress))
+        let recorded = (catalogue_from, slip_rates, main_shocks);
+        outcome(slf.py(), scenario, tolerance, recorded, (threads, progress))
     }
 
     /// The distribution of the drives at which contacts break for the first time: what renormalisation calls.
@@ -308,17 +315,30 @@ fn outcome(
     py: Python<'_>,
     mut scenario: Scenario,
     tolerance: Option<f64>,
-    (catalogue_from, slip_rates): (f64, Option<Whole>),
+    (catalogue_from, slip_rates, main_shocks): (f64, Option<Whole>, Option<&Bound<'_, PyAny>>),
     (threads, progress): (Option<Whole>, Option<Bound<'_, PyAny>>),
 ) -> PyResult<Py<Result>> {
     scenario.master_equation.tolerance = tolerance;
     if let Some(own) = &mut scenario.interface {
         own.catalogue_from = catalogue_from;
         own.slip_rates = slip_rates.map(|steps| steps.get("slip_rates")).transpose()?;
+        own.main_shocks = main_shocks.map(chosen).transpose()?;
     }
     let outcome = watched_on(threads, progress, py, |monitor| {
         scenario.build()?;
         asperity_runner::run(&scenario, monitor)
     })?;
     result::object(py, outcome)
+}
+
+/// The size and the window of main shocks, and the distance if it is given.
+fn chosen(main_shocks: &Bound<'_, PyAny>) -> PyResult<MainShocks> {
+    if let Ok((size, window)) = main_shocks.extract::<(u64, f64)>() {
+        return Ok(MainShocks { size, window, distance: None });
+    }
+    let expected = "a tuple of a size, a window and, if wanted, a distance";
+    let (size, window, distance) = main_shocks
+        .extract::<(u64, f64, usize)>()
+        .map_err(|_| error::wrong_type("main_shocks", expected, main_shocks))?;
+    Ok(MainShocks { size, window, distance: Some(distance) })
 }

@@ -170,6 +170,7 @@ impl Interface {
             drive_tolerance,
             catalogue_from: 0.0,
             slip_rates: None,
+            main_shocks: None,
         };
         let size = size.map(|size| size.get("size")).transpose()?;
         let ensemble = few(size, seed.0, quenched)?;

@@ -13,7 +13,8 @@ use crate::plain::Surface;
 use crate::typed;
 
 /// Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
-/// Christensen, for any distribution of thresholds.
+/// Christensen, for any distribution of thresholds. Time-dependent contacts, with a temperature, with ageing frozen_rank or
+/// logarithmic, or with both, are driven at a velocity, by kinetic Monte Carlo.
 ///
 /// Parameters
 /// ----------
@@ -37,14 +38,19 @@ use crate::typed;
 /// ------
 /// ValueError
 ///     For cells that are not one or two numbers of 1 or more, neighbours or a connection below 0, a connection of 0
-///     where neighbours is 0, another word as edges, disorder or start, a seed that is not below 2^63, and
-///     time-dependent contacts.
+///     where neighbours is 0, another word as edges, disorder or start, a seed that is not below 2^63, a delay, and
+///     thresholds that diffuse.
 ///
 /// Examples
 /// --------
 /// >>> import asperity as asp
 /// >>> lattice = asp.Lattice(asp.Contacts(asp.Gaussian(1.0, 0.1)), [16, 16], neighbours=0.2, connection=0.2)
 /// >>> len(lattice.drive(distance=3.0).events) > 0
+/// True
+/// >>> warm = asp.Contacts(asp.Gaussian(1.0, 0.1), temperature=asp.Temperature(0.02, 1.0))
+/// >>> lattice = asp.Lattice(warm, [16, 16], neighbours=0.2, connection=0.2)
+/// >>> events = lattice.drive(distance=3.0, velocity=0.01).events
+/// >>> bool((events["time"] > 0).all())
 /// True
 #[pyclass(frozen, extends = Deformable, module = "asperity")]
 pub struct Lattice;
@@ -92,6 +98,7 @@ impl Lattice {
             drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
             catalogue_from: 0.0,
             slip_rates: None,
+            main_shocks: None,
         };
         let disorder = convert::word("disorder", &disorder)?;
         let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });

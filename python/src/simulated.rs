@@ -11,7 +11,8 @@ use asperity::record::Record;
 use asperity::scenario::{self, Drive, PerCell};
 use asperity::task::Grid;
 use asperity::task::interface::{
-    DrivenCells, DrivenContacts, DrivenInterface, DrivenRateDependentCells, LoadPointMotion, cells_in_time,
+    DrivenCells, DrivenContacts, DrivenContactsInTime, DrivenInterface, DrivenRateDependentCells,
+    LoadPointMotion, cells_in_time,
 };
 use asperity::{Error, Result, block};
 use serde::Serialize;
@@ -115,6 +116,25 @@ impl MovedInTime for DrivenRateDependentCells {
 
     fn hold(&mut self, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         self.hold_with(duration, monitor).map(drop)
+    }
+}
+
+impl MovedInTime for DrivenContactsInTime {
+    fn velocity(&self) -> f64 {
+        self.velocity().unwrap_or(0.0)
+    }
+
+    fn set_velocity(&mut self, velocity: f64) -> Result<()> {
+        self.set_velocity_with(velocity, &mut ())
+    }
+
+    fn velocities(&self) -> Vec<f64> {
+        // Between avalanches all contacts are stretched as the drive moves.
+        vec![self.velocity().unwrap_or(0.0); self.forces().len()]
+    }
+
+    fn hold(&mut self, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.hold_with(duration, monitor)
     }
 }
 
@@ -285,7 +305,7 @@ pub fn unrelaxed_interface(
     scenario.master_equation.tolerance = tolerance;
     let model = scenario.build()?;
     if surface.own.contacts == PerCell::One {
-        return coupled_contacts(surface, model, monitor);
+        return coupled_contacts(surface, model, velocity, monitor);
     }
     match velocity.filter(|_| surface.own.moves_in_time(&model.contacts)) {
         Some(velocity) => rate_dependent_cells(surface, &model, velocity, monitor),
@@ -296,21 +316,32 @@ pub fn unrelaxed_interface(
 fn coupled_contacts(
     surface: &Surface,
     model: scenario::Model,
+    velocity: Option<f64>,
     monitor: &mut dyn Monitor,
 ) -> Result<Box<dyn Simulated>> {
     let (own, scenario::Model { contacts, initial, .. }) = (&surface.own, model);
+    let velocity = velocity.filter(|_| contacts.rules.are_time_dependent());
     let unit = contacts.stiffness.of(contacts.thresholds.mean());
     // Stiffness by which a contact adds to the force.
     let stiffness = unit * contacts.count / own.size() as f64;
-    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref(), monitor)?;
+    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref(), velocity, monitor)?;
+    let stretches = move |forces: Vec<f64>, grid: StretchGrid| {
+        grid.count(&points(forces.iter().map(|force| force / stiffness).collect(), forces.len()))
+    };
+    let model = DrivenContacts { lattice, chain: false };
+    let Some(velocity) = velocity else {
+        return Ok(Box::new(SimulatedInterface {
+            model,
+            cells: 1,
+            stretch_density: Box::new(move |model, _, grid, _| stretches(model.forces(), grid)),
+            in_time: |_| None,
+        }));
+    };
     Ok(Box::new(SimulatedInterface {
-        model: DrivenContacts { lattice, chain: false },
+        model: DrivenContactsInTime::new(model, LoadPointMotion::Velocity(velocity)),
         cells: 1,
-        stretch_density: Box::new(move |model, _, grid, _| {
-            let forces = model.forces();
-            grid.count(&points(forces.iter().map(|force| force / stiffness).collect(), forces.len()))
-        }),
-        in_time: |_| None,
+        stretch_density: Box::new(move |model, _, grid, _| stretches(model.forces(), grid)),
+        in_time: |model| Some(model),
     }))
 }
 

@@ -383,3 +383,50 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
         match=r"checkpoint: expected a scenario of \[drive\] or \[\[protocol\]\] with \[interface\]",
     ):
         asp.run(OFC.with_name("fig2.toml"), folder=tmp_path / "pull", checkpoint=10)
+
+
+def warm_lattice() -> asp.Lattice:
+    contacts = asp.Contacts(
+        asp.Gaussian(1.0, 0.1),
+        temperature=asp.Temperature(0.02, 1.0, "bell"),
+        ageing=asp.Logarithmic(growth=0.02, time=1.0),
+        count=400,
+    )
+    return asp.Lattice(contacts, [20, 20], asp.Rectangular(0.0, 0.5), neighbours=0.23, connection=0.08)
+
+
+def test_a_lattice_in_time_has_times_and_ages() -> None:
+    result = warm_lattice().drive(5.0, 51, velocity=1e-3, main_shocks=(20, 100.0, 5))
+    events = result.events
+    assert events is not None
+    # X = vt, to rounding.
+    np.testing.assert_allclose(events["drive"], 1e-3 * events["time"], rtol=1e-12)
+    np.testing.assert_allclose(result["drive"], 1e-3 * result["time"], rtol=1e-12, atol=1e-15)
+    assert (events["age"] <= events["time"]).all()
+    shocks = result.summary["catalogue"]["main_shocks"]
+    assert shocks["count"] > 0
+    assert shocks["size"] == 20
+    assert len(result["aftershock_rate"]) == len(result["foreshock_rate"]) == len(result["shock_time"])
+    with pytest.raises(ValueError, match="velocity"):
+        warm_lattice().drive(5.0)
+    with pytest.raises(TypeError, match="main_shocks: expected a tuple"):
+        warm_lattice().drive(5.0, velocity=1.0, main_shocks=20)  # type: ignore[arg-type]
+
+
+def test_a_lattice_in_time_follows_protocols_and_rests() -> None:
+    followed = warm_lattice().follow([asp.Step(1e-2, distance=2.0), asp.Step(hold=1e3)])
+    simulation = warm_lattice().simulation(velocity=1e-2)
+    simulation.advance(2.0)
+    kept = simulation.state
+    simulation.hold(1e3)
+    # Sums of a base and what follows it.
+    np.testing.assert_allclose(simulation.drive, 2.0, rtol=1e-15)
+    np.testing.assert_allclose(simulation.time, 1200.0, rtol=1e-12)
+    events = followed.events
+    assert events is not None
+    # Contacts break thermally at rest, too.
+    assert (events["time"] > 200.0).any()
+    np.testing.assert_allclose(simulation.force, followed["force"][-1], rtol=1e-9)
+    simulation.restore(kept)
+    np.testing.assert_allclose([simulation.time, simulation.velocity], [200.0, 1e-2], rtol=1e-12)
+    assert simulation.velocities.shape == (20, 20)

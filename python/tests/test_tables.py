@@ -129,6 +129,7 @@ XARRAY: dict[str, dict[str, Any]] = {
     "stick-slip-ageing": {},
     "front-chain": {},
     "ofc": {},
+    "aftershocks": {"drive.distance": 11.0},
     "fit-cycles": {},
     "fit-steady": {},
     "creep": {"creep.forces": [0.4, 0.65], "creep.duration": 1e3, "creep.points": 21},

@@ -12,12 +12,16 @@ CSV tables have the same names. What was not asked for is not there. Every varia
 ";
 
 /// The headings of tasks that are not called like their table.
-const TASKS: [(&str, &str); 4] = [
+const TASKS: [(&str, &str); 5] = [
     (
         "interface_drive",
         "[drive] with [interface], and [[protocol]] with [interface] over time-dependent contacts",
     ),
     ("interface_drive of contacts", "[drive] with [interface] of contacts coupled one by one"),
+    (
+        "interface_drive of contacts in time",
+        "[drive] or [[protocol]] with [interface] of time-dependent contacts coupled one by one",
+    ),
     ("protocol", "[[protocol]]"),
     ("block_protocol", "[[protocol]] with [block], and [drive] with [block] over time-dependent contacts"),
 ];

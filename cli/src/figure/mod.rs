@@ -23,6 +23,7 @@ mod grey;
 mod hold_curve;
 mod legend;
 mod letters;
+mod main_shocks;
 mod measured;
 mod png_file;
 mod potential;
@@ -101,6 +102,7 @@ fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String
         ("slip", fitted(page, |page| slip::scene(outcome, page))),
         ("sizes", fitted(page, |page| sizes::scene(outcome, page))),
         ("catalogue", fitted(page, |page| catalogue::scene(outcome, page))),
+        ("main_shocks", fitted(page, |page| main_shocks::scene(outcome, page))),
         ("stress_map", fitted(page, |page| stress_map::scene(outcome, page))),
         ("space_time", fitted(page, |page| space_time::scene(outcome, page))),
         ("slip_rate", fitted(page, |page| slip_rate::scene(outcome, page))),

@@ -1,7 +1,7 @@
 //! Text of the summary for the events of an interface.
 
 use asperity::record::Quantity;
-use asperity::task::summary::{Catalogue, Fitted, PowerLaw, Summary};
+use asperity::task::summary::{Catalogue, Fitted, OmoriLaw, PowerLaw, Summary};
 
 use super::{digits, with_error, with_unit};
 
@@ -31,6 +31,20 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
     }
     if let Some(law) = &catalogue.law {
         lines.push(("magnitudes", magnitudes_text(catalogue, law)));
+    }
+    if let Some(shocks) = &catalogue.main_shocks {
+        let law = |law: Option<&OmoriLaw>| {
+            law.map_or_else(
+                || "no Omori law".into(),
+                |law| format!("Omori exponent p = {}", with_error(law.exponent)),
+            )
+        };
+        let counted = format!("{} of size {} or more", shocks.count, shocks.size);
+        lines.push(("main shocks", counted));
+        let after = law(shocks.aftershock_law.as_ref());
+        lines.push(("aftershocks", format!("{after} ({} events)", shocks.aftershocks)));
+        let before = law(shocks.foreshock_law.as_ref());
+        lines.push(("foreshocks", format!("{before} ({} events)", shocks.foreshocks)));
     }
     if let Some(waves) = catalogue.wave_speed {
         let front = catalogue.front_speed.map_or(String::new(), |front| {

@@ -40,12 +40,13 @@ const SHOWN: [(&str, usize, &str); 27] = [
 type Values = fn(&Outcome) -> Option<Vec<f64>>;
 
 /// The same for axes that show what is computed from variables.
-const COMPUTED: [(&str, usize, Values); 9] = [
+const COMPUTED: [(&str, usize, Values); 10] = [
     ("corner", 1, |outcome| posterior(outcome, 1)),
     ("correlation", 0, |outcome| relative(outcome.record.values("autocovariance")?)),
     ("creep_curve", 0, |outcome| slip_since_loading(&outcome.record)),
     ("equilibrium", 0, |outcome| first_loading(&outcome.record, outcome.record.values("branch_drive")?)),
     ("evolution", 0, |outcome| first_density(&outcome.record)),
+    ("main_shocks", 0, |outcome| around_main_shocks(&outcome.record)),
     ("potential", 0, |outcome| potentials(&outcome.record)),
     ("space_time", 0, |outcome| advance(&outcome.record)),
     ("sizes", 0, |outcome| events_of_one_contact(&outcome.record)),
@@ -83,6 +84,12 @@ fn first_density(record: &Record) -> Option<Vec<f64>> {
 /// The time of the maps of an interface that follows a protocol, and the drive of others.
 fn advance(record: &Record) -> Option<Vec<f64>> {
     Some(record.values("map_time").or_else(|| record.values("map_drive"))?.to_vec())
+}
+
+/// The rates around main shocks that a logarithmic axis shows.
+fn around_main_shocks(record: &Record) -> Option<Vec<f64>> {
+    let rates = [record.values("aftershock_rate")?, record.values("foreshock_rate")?].concat();
+    Some(rates.into_iter().filter(|&rate| rate > 0.0).collect())
 }
 
 /// The draws of a number of a posterior.

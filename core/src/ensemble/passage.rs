@@ -162,6 +162,17 @@ impl KnownThreshold {
         f64::INFINITY
     }
 
+    /// Whether a contact that does not reach its threshold on a segment does not break thermally either; what it has left of its
+    /// hazard is then reduced.
+    pub(super) fn survives(
+        &self,
+        held: &AttachedContact,
+        segment: &Segment,
+        remaining_hazard: &mut f64,
+    ) -> bool {
+        self.thermal_break(held, segment, f64::INFINITY, remaining_hazard).is_none()
+    }
+
     /// When the contact breaks thermally, if on this segment and before its stretch reaches the threshold.
     ///
     /// Close to that time barriers are powers of √(time left), which is therefore the variable of

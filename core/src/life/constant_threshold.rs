@@ -1,11 +1,7 @@
 //! Thermal breaking of contacts with a constant threshold, in closed form.
 
-use std::sync::LazyLock;
-
 use crate::contacts::Barrier;
-use crate::numerics::dawson::dawson;
-use crate::numerics::legendre::RULE;
-use crate::numerics::table::Table;
+use crate::numerics::incomplete::{cubic, dawson_by_table};
 
 /// Contacts with one threshold h that formed at one stretch r.
 ///
@@ -30,11 +26,6 @@ pub(super) struct ConstantThreshold {
     /// G(r) e^{−ΔE(r)/T}.
     before: f64,
 }
-
-/// (1 + x)² D(x)/x.
-static DAWSON: LazyLock<Table> = LazyLock::new(|| Table::of(|x| (1.0 + x).powi(2) * dawson(x) / x));
-/// (1 + t) g(t).
-static CATASTROPHE: LazyLock<Table> = LazyLock::new(|| Table::of(|t| (1.0 + t) * catastrophe(t)));
 
 /// If the exponents differ by less, the closed form would cancel, and a Gauss rule is used.
 const ALIKE: f64 = 1.0 / 32.0;
@@ -81,15 +72,9 @@ impl ConstantThreshold {
     #[inline]
     fn gain(&self, stretch: f64) -> f64 {
         match self.barrier {
-            Barrier::Elastic => {
-                let x = stretch / self.length;
-                x / (1.0 + x).powi(2) * DAWSON.value(x)
-            }
+            Barrier::Elastic => dawson_by_table(stretch / self.length),
             Barrier::Bell => 1.0,
-            Barrier::Catastrophe => {
-                let t = ((self.threshold - stretch).max(0.0) / self.length).sqrt();
-                CATASTROPHE.value(t) / (1.0 + t)
-            }
+            Barrier::Catastrophe => cubic(((self.threshold - stretch).max(0.0) / self.length).sqrt()),
         }
     }
 
@@ -108,39 +93,10 @@ impl ConstantThreshold {
     }
 }
 
-/// g(t), up to e^{−40} of its integrand, in panels over which that falls by e⁻⁴.
-fn catastrophe(t: f64) -> f64 {
-    const PART: f64 = 4.0;
-    const PARTS: u32 = 10;
-    let cube = t.powi(3);
-    // τ − t from τ³ − t³, without cancellation.
-    let beyond = |excess: f64| {
-        let tau = (cube + excess).cbrt();
-        excess / (tau * tau + tau * t + t * t).max(f64::MIN_POSITIVE)
-    };
-    let part = |k: u32| {
-        let [low, high] = [k, k + 1].map(|k| beyond(PART * f64::from(k)));
-        RULE.integrate(low, high, |r| 2.0 * (t + r) * (-r * (3.0 * t * t + r * (3.0 * t + r))).exp())
-    };
-    (0..PARTS).map(part).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_incomplete_gamma_function_is_right_at_its_ends() {
-        // ∫2τ e^{−τ³} dτ = ⅔Γ(⅔), and 2/3t (1 − 1/3t³ + 4/9t⁶ − 28/27t⁹ …).
-        assert!((catastrophe(0.0) - 2.0 / 3.0 * libm::tgamma(2.0 / 3.0)).abs() < 2e-15);
-        let s = 1e-6;
-        let far = 2.0 / 300.0 * (1.0 - s / 3.0 + 4.0 / 9.0 * s * s);
-        assert!((catastrophe(100.0) / far - 1.0).abs() < 2e-15, "{}", catastrophe(100.0) / far - 1.0);
-        for k in 0..1000 {
-            let t = 1e-3 * 1.01_f64.powi(k);
-            assert!((CATASTROPHE.value(t) / (1.0 + t) / catastrophe(t) - 1.0).abs() < 3e-15, "{t}");
-        }
-    }
+    use crate::numerics::legendre::RULE;
 
     #[test]
     fn closed_forms_are_the_integrals() {

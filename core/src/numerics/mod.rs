@@ -6,10 +6,10 @@
 //!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent),
 //!   `nelder_mead` (minima in several variables).
 //! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
-//! * Statistics and sums: `least_squares`, `student` (quantiles), `powerlaw`, `cutoff`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
-//!   `accumulation` (the point at which an integral reaches a value), `sorting`, `dawson`, `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
+//! * Statistics and sums: `least_squares`, `student` (quantiles), `powerlaw`, `cutoff`, `omori`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
+//!   `accumulation` (the point at which an integral reaches a value), `sorting`, `dawson`, `incomplete` (integrals of exponentials from tables), `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
 //!
-//! Only the fits of [`powerlaw`] and [`cutoff`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
+//! Only the fits of [`powerlaw`], [`cutoff`] and [`omori`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
 //! tests and benches outside the crate hold them against other methods, or compute expected values with them.
 
 pub(crate) mod accumulation;
@@ -23,6 +23,7 @@ pub(crate) mod exponential;
 pub(crate) mod fourier;
 pub(crate) mod fractional;
 pub(crate) mod gauss;
+pub(crate) mod incomplete;
 pub(crate) mod least_squares;
 #[doc(hidden)]
 pub mod legendre;
@@ -32,6 +33,7 @@ pub(crate) mod logarithm;
 pub(crate) mod modes;
 pub(crate) mod motion;
 pub(crate) mod nelder_mead;
+pub mod omori;
 pub(crate) mod periodogram;
 pub(crate) mod piecewise;
 pub mod powerlaw;

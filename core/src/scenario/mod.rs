@@ -76,7 +76,7 @@ pub use fit::{Fit, FitDrift, FitNoise, FitThresholds, threshold_family};
 pub use fit_curve::{FitCompliance, FitCurve, FitSource};
 pub use fit_steady::FitSteady;
 pub use hold_curve::HoldCurve;
-pub use interface::{CellStart, Interface, PerCell, Scales};
+pub use interface::{CellStart, Interface, MainShocks, PerCell, Scales};
 pub use law::{Component, Law, ParametricFamily, Tabulated};
 pub use master_equation::MasterEquation;
 pub use model::Model;

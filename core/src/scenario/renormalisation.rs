@@ -76,6 +76,10 @@ impl Renormalisation {
         }
         self.check_size(interface)?;
         if interface.contacts == PerCell::One {
+            if let Some(rule) = contacts.rules.first() {
+                let expected = "none with [renormalisation]: contacts are followed along the drive alone";
+                return Err(Error::invalid(format!("contacts.{rule}"), expected, "one"));
+            }
             return interface.check_cells(contacts, ensemble.as_ref());
         }
         check_many(interface, model)?;

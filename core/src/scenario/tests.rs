@@ -256,6 +256,7 @@ fn cells() -> Interface {
         catalogue_from: 0.0,
         mass: None,
         slip_rates: None,
+        main_shocks: None,
     }
 }
 

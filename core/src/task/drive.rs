@@ -44,7 +44,7 @@ const COLUMNS: [Column; 6] =
     [BRANCH_POSITION, BRANCH_DRIVE, BRANCH_FORCE, BRANCH_STABLE, POTENTIAL_DRIVE, POTENTIAL];
 
 /// Traces and slips have tables of their own kinds.
-pub(super) const TABLES: &[CsvTable] = &[];
+pub(super) const TABLES: &[CsvTable] = &interface::MAIN_SHOCK_TABLES;
 
 /// What a result may hold, without values: that of a slider, and those of an interface.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
@@ -56,8 +56,13 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
     );
     driven.variables.extend(ensemble.variables);
     driven.variables.extend(Record::declared(&[&sliding::COLUMNS[5..]]).variables);
-    let [cells, contacts] = interface::columns();
-    vec![("drive", driven), ("interface_drive", cells), ("interface_drive of contacts", contacts)]
+    let [cells, contacts, in_time] = interface::columns();
+    vec![
+        ("drive", driven),
+        ("interface_drive", cells),
+        ("interface_drive of contacts", contacts),
+        ("interface_drive of contacts in time", in_time),
+    ]
 }
 
 /// Drives the slider as `task` says.

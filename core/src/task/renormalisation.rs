@@ -110,7 +110,7 @@ fn of_contacts(
     let ensemble = Ensemble { seed: first.seed + run as u64, ..first };
     let (contacts, initial) = (model.contacts.clone(), model.initial.clone());
     let mut lattice =
-        interface.lattice(contacts, initial, Some(&ensemble), &mut Aside { fraction: 0.0, monitor })?;
+        interface.lattice(contacts, initial, Some(&ensemble), None, &mut Aside { fraction: 0.0, monitor })?;
     Ok(FirstBreaks::of_contacts(&lattice.first_breaks(monitor)?))
 }
 

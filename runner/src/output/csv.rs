@@ -42,7 +42,7 @@ const SLIP: [&str; 11] = [
 ];
 
 /// Names of the columns of events of an interface.
-const EVENT: [&str; 20] = [
+const EVENT: [&str; 21] = [
     "drive",
     "position_before",
     "position_after",
@@ -63,6 +63,7 @@ const EVENT: [&str; 20] = [
     "duration",
     "front_speed_left",
     "front_speed_right",
+    "age",
 ];
 
 /// Names of further columns of slips in time.

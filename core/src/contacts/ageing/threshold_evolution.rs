@@ -251,6 +251,23 @@ impl ThresholdEvolution {
         self.at(age).threshold(newborn)
     }
 
+    /// A threshold that a contact with fresh threshold h_0 is never below from an age on.
+    pub(crate) fn lowest_from(&self, newborn: f64, age: f64) -> f64 {
+        match &self.kind {
+            Kind::Constant => newborn,
+            Kind::Logarithmic { .. } => self.threshold(newborn, age),
+            Kind::Gaussian { newborn: fresh, mature, time } => {
+                let (left, z) = ((-age / time).exp(), (newborn - fresh.mean) / fresh.std);
+                let mean = mature.mean + ((fresh.mean - mature.mean) * left).min(0.0);
+                // From s(t) now to σ_f, monotonically.
+                let excess = (fresh.std - mature.std) * (fresh.std + mature.std) * left * left;
+                let std = (mature.std * mature.std + excess).sqrt();
+                (mean + (z * std).min(z * mature.std)).max(0.0)
+            }
+            Kind::Ranked(_) => self.followed(newborn).lowest(),
+        }
+    }
+
     /// ∫ hⁿ dP(h_0) for n = 0, 1 and 2 over the contacts with fresh thresholds above h_0, h their thresholds
     /// at an age and P the distribution of fresh thresholds.
     pub(crate) fn moments_above(&self, law: &dyn Law, newborn: f64, age: f64) -> [f64; 3] {

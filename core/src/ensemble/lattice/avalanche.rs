@@ -9,6 +9,10 @@ use crate::record::{Quantity, Record};
 pub struct Avalanche {
     /// X, by which the drive has stretched every contact when the first one breaks.
     pub drive: f64,
+    /// The time at which that happens; 0 without a velocity.
+    pub time: f64,
+    /// The age of the contact that breaks first; 0 without a velocity.
+    pub age: f64,
     /// The contact that broke first, counted along rows; of several the one of the smallest number.
     pub epicentre: usize,
     /// Breaks.
@@ -36,6 +40,9 @@ impl Avalanche {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct OngoingAvalanche {
     pub(super) epicentre: usize,
+    /// Of the contact that broke first.
+    #[serde(default)]
+    pub(super) age: f64,
     pub(super) size: u64,
     pub(super) duration: u64,
     /// In units of the stiffness of a contact.
@@ -55,6 +62,17 @@ pub(super) struct OngoingGeneration {
     pub(super) outward: f64,
     /// Contacts that have passed the released force on.
     pub(super) distributed: usize,
+}
+
+/// Time and age of the avalanches of a lattice at a velocity as columns.
+pub fn record_in_time(avalanches: &[Avalanche]) -> Record {
+    let mut record = Record::default();
+    let mut column = |name: &str, long_name: &str, value: &dyn Fn(&Avalanche) -> f64| {
+        record.push(name, long_name, Quantity::Time, &["event"], avalanches.iter().map(value).collect());
+    };
+    column("time", "time of the avalanche", &|a| a.time);
+    column("age", "age of the contact that broke first", &|a| a.age);
+    record
 }
 
 /// A catalogue as columns.

@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use super::avalanche::{OngoingAvalanche, OngoingGeneration};
+use super::clocks::Timekeeping;
+use super::motion::site;
 use super::{ASK, Lattice};
 
 impl Lattice {
@@ -15,18 +17,37 @@ impl Lattice {
     pub(super) fn start_avalanche(&mut self) -> usize {
         self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
         self.front.clear();
-        self.minima.up_to(self.limit(), &self.ends, &mut self.front);
-        let end = |&place: &u32| self.ends[place as usize];
-        let first = self.front.iter().copied().min_by(|a, b| end(a).total_cmp(&end(b)));
-        self.grid.number(first.expect("the least end is below the limit") as usize)
+        let limit = self.limit();
+        match &self.clocks {
+            None => self.minima.up_to(limit, &self.ends, &mut self.front),
+            Some(clocks) => {
+                let now = clocks.progress(self.drive);
+                self.minima.up_to(now.max(clocks.progress(limit)), &clocks.due, &mut self.front);
+                // Thermal breaks are simultaneous only if their times are equal.
+                let Self { grid, births, born, ends, front, .. } = self;
+                front.retain(|&place| {
+                    let (place, number) = (place as usize, grid.number(place as usize));
+                    let risen = clocks.strengthening(number, births.threshold(born, number));
+                    clocks.due[place] <= now || ends[place] <= limit - risen
+                });
+            }
+        }
+        let keys = self.keys();
+        let key = |&place: &u32| keys[place as usize];
+        let first = self.front.iter().copied().min_by(|a, b| key(a).total_cmp(&key(b)));
+        self.grid.number(first.expect("the least key is below the limit") as usize)
     }
 
     /// Continues the generation by so many contacts that the monitor is asked in time, and completes the generation after its
     /// last contact.
-    pub(super) fn continue_generation(&mut self, event: &mut OngoingAvalanche) {
+    pub(super) fn continue_generation(
+        &mut self,
+        event: &mut OngoingAvalanche,
+        clocks: &mut impl Timekeeping,
+    ) {
         let part = self.released.len()..self.front.len().min(self.released.len() + ASK);
         self.unasked += part.len();
-        event.generation.released = self.break_contacts(part, event.generation.released);
+        event.generation.released = self.break_contacts(part, event.generation.released, clocks);
         // All force is released before any neighbour gains: parallel update, independent of the order of the sites.
         if self.released.len() < self.front.len() {
             return;
@@ -34,7 +55,7 @@ impl Lattice {
         let from = event.generation.distributed;
         let part = from..self.front.len().min(from + ASK);
         event.generation.distributed = part.end;
-        event.generation.outward = self.distribute(part, event.generation.outward);
+        event.generation.outward = self.distribute(part, event.generation.outward, clocks);
         if event.generation.distributed < self.front.len() {
             self.unasked += ASK;
             return;
@@ -57,7 +78,7 @@ impl Lattice {
     }
 
     /// Contacts of a part of the front break and re-form; returns the sum `all` plus the force that they release.
-    fn break_contacts(&mut self, part: Range<usize>, mut all: f64) -> f64 {
+    fn break_contacts(&mut self, part: Range<usize>, mut all: f64, clocks: &mut impl Timekeeping) -> f64 {
         let limit = self.limit();
         let Self { grid, births, born, ends, front, following, released, broken, scar, drive, .. } = self;
         for &at in &front[part] {
@@ -67,6 +88,7 @@ impl Lattice {
             let let_go = threshold + (*drive - ends[place]) - life.stretch;
             // A contact breaks once per generation.
             ends[place] = *drive + (life.threshold - life.stretch);
+            clocks.form(place, || grid.number(place));
             released.push(let_go);
             all += let_go;
             if ends[place] <= limit {
@@ -82,11 +104,14 @@ impl Lattice {
 
     /// Distributes the force released by a part of the front to the neighbours, which may reach their thresholds; returns
     /// the sum `outward` plus what open edges absorb.
-    fn distribute(&mut self, part: Range<usize>, mut outward: f64) -> f64 {
+    fn distribute(&mut self, part: Range<usize>, mut outward: f64, clocks: &mut impl Timekeeping) -> f64 {
         let limit = self.limit();
-        let Self { grid, ends, front, following, released, alpha, .. } = self;
+        let Self { grid, births, born, ends, front, following, released, alpha, drive, .. } = self;
         for (&place, released) in front[part.clone()].iter().zip(&released[part]) {
             let gain = *alpha * *released;
+            if gain == 0.0 {
+                continue;
+            }
             for mut near in grid.around(place as usize) {
                 if ends[near] == f64::INFINITY {
                     let Some(across) = grid.across(near) else {
@@ -97,6 +122,11 @@ impl Lattice {
                 }
                 let before = ends[near];
                 let after = before - gain;
+                let contact = || {
+                    let number = grid.number(near);
+                    (number, births.threshold(born, number))
+                };
+                let limit = limit - clocks.jump(near, before, *drive, contact);
                 ends[near] = after;
                 // Only the neighbour that pushes a contact beyond its threshold enters it in the
                 // list, so that it stands there once.
@@ -110,6 +140,16 @@ impl Lattice {
 
     /// Updates the tree of minima for broken contacts and their neighbours.
     pub(super) fn update_minima(&mut self) {
+        if let Some(clocks) = &mut self.clocks {
+            let changed = clocks.take_changed();
+            for &place in &changed {
+                clocks.schedule(site(&self.grid, &self.births, &self.born, &self.ends, place), self.drive);
+                self.minima.touch(place as usize);
+            }
+            clocks.keep(changed);
+            self.minima.update(&clocks.due);
+            return;
+        }
         for &place in &self.scar {
             self.minima.touch(place as usize);
             for near in self.grid.around(place as usize) {

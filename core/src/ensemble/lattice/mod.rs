@@ -3,14 +3,17 @@
 
 mod avalanche;
 mod births;
+mod clocks;
 mod coupling;
 mod first;
 mod generation;
 mod grid;
 mod minima;
+mod motion;
 mod state;
+mod thermal;
 
-pub use avalanche::{Avalanche, record};
+pub use avalanche::{Avalanche, record, record_in_time};
 use avalanche::{OngoingAvalanche, OngoingGeneration};
 pub use coupling::LatticeCoupling;
 pub use state::LatticeState;
@@ -18,6 +21,7 @@ pub use state::LatticeState;
 pub use crate::shape::{Edges, Shape};
 
 use self::births::{BirthRecord, LatticeBirths};
+use self::clocks::{Athermal, Clocks, Timekeeping};
 use self::grid::ContactGrid;
 use self::minima::Minima;
 use super::{Disorder, Ensemble};
@@ -50,6 +54,8 @@ pub enum Until {
     Drive(f64),
     /// For so many more avalanches.
     Events(u64),
+    /// To this time, counted from the start of all; of a lattice at a velocity only.
+    Time(f64),
 }
 
 /// Contacts of equal stiffness k, each connected by springs to the drive and to its neighbours, that re-form
@@ -98,6 +104,9 @@ pub struct Lattice {
     born: Vec<BirthRecord>,
     /// The drive since `base` at which the contact at a site breaks; infinite on the rim.
     ends: Vec<f64>,
+    /// Where contacts break in time, if they move at a velocity.
+    clocks: Option<Box<Clocks>>,
+    /// Minima of `ends`, or of the next breaks of `clocks`.
     minima: Minima,
     /// Origin of `drive`, so close that stretches keep their digits.
     base: f64,
@@ -168,6 +177,7 @@ impl Lattice {
             alpha: coupling.alpha(),
             dissipated: coupling.dissipated(),
             minima: Minima::new(&ends),
+            clocks: None,
             base: 0.0,
             drive: 0.0,
             stretch: Compensated::default(),
@@ -196,6 +206,10 @@ impl Lattice {
     /// The first thing refused.
     pub fn check(contacts: &Contacts, coupling: &LatticeCoupling) -> Result<()> {
         coupling.check()?;
+        if let Some(rule) = contacts.rules.first() {
+            let expected = format!("no {rule} where contacts coupled one by one have no velocity");
+            return Err(Error::invalid(rule, expected, "one"));
+        }
         stiffness(contacts).map(drop)
     }
 
@@ -216,11 +230,15 @@ impl Lattice {
     }
 
     /// X at which the next contact breaks.
-    pub fn next_drive(&self) -> f64 {
+    pub fn next_drive(&mut self) -> f64 {
         if self.ongoing.is_some() {
             return self.drive();
         }
-        self.base + self.minima.least().max(self.drive)
+        let next = self.next_key();
+        match &self.clocks {
+            Some(clocks) if clocks.velocity() == 0.0 => self.drive(),
+            _ => self.base + next,
+        }
     }
 
     /// Force of all contacts.
@@ -241,7 +259,7 @@ impl Lattice {
     /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
-    /// None: only a monitor can stop it.
+    /// A time without a velocity, and a drive at rest.
     pub fn run(&mut self, until: Until, each: &mut dyn FnMut(&Avalanche)) -> Result<()> {
         self.run_with(until, &mut (), each)
     }
@@ -249,19 +267,21 @@ impl Lattice {
     /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor, as [`Lattice::next_event_with`]; the lattice can continue.
+    /// As [`Lattice::run`]; stopped by the monitor, as [`Lattice::next_event_with`]: the lattice can continue.
     pub fn run_with(
         &mut self,
         until: Until,
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(&Avalanche),
     ) -> Result<()> {
-        let (start, mut events, mut fraction) = (self.drive(), 0, 0.0);
+        self.reaches(until)?;
+        let (start, begun, mut events, mut fraction) = (self.drive(), self.time(), 0, 0.0);
         while self.goes_on(until, events) {
             if events % REPORT == 0 {
                 let done = match until {
                     Until::Events(all) => events as f64 / all as f64,
                     Until::Drive(end) => (self.drive() - start) / (end - start),
+                    Until::Time(end) => (self.time() - begun) / (end - begun),
                 };
                 // Not a number for an empty interval.
                 fraction = done.max(0.0);
@@ -270,21 +290,27 @@ impl Lattice {
             each(&self.next_event_with(&mut Aside { fraction, monitor })?);
             events += 1;
         }
-        if let Until::Drive(end) = until {
-            self.drive = self.drive.max(end - self.base);
+        match until {
+            Until::Drive(end) => self.advance_to(self.drive.max(end - self.base)),
+            Until::Time(end) => self.advance_to_time(end),
+            Until::Events(_) => {}
         }
         report(monitor, 1.0)
     }
 
     /// Whether there is another avalanche after so many `events`.
-    fn goes_on(&self, until: Until, events: u64) -> bool {
+    fn goes_on(&mut self, until: Until, events: u64) -> bool {
         match until {
             Until::Drive(end) => self.next_drive() <= end,
             Until::Events(all) => events < all,
+            Until::Time(end) => self.next_time() <= end,
         }
     }
 
     /// Drives the contacts to the next break, and runs its avalanche.
+    ///
+    /// # Panics
+    /// Contacts at rest of which none will break.
     pub fn next_event(&mut self) -> Avalanche {
         self.next_event_with(&mut ()).expect("an avalanche that no monitor stops")
     }
@@ -292,21 +318,28 @@ impl Lattice {
     /// The same with a monitor, which hears of no progress.
     ///
     /// # Errors
-    /// Stopped by the monitor, maybe within the avalanche: it is then the next one, and goes on as if it had not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is that before it.
+    /// Contacts at rest of which none will break; stopped by the monitor, maybe within the avalanche: it is then the next one, and goes on as if it had not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is that before it.
     pub fn next_event_with(&mut self, monitor: &mut dyn Monitor) -> Result<Avalanche> {
-        let mut event = self.ongoing.take().unwrap_or_else(|| self.begin_event());
-        while !self.front.is_empty() {
-            if self.unasked >= ASK {
-                self.unasked = 0;
-                report(monitor, 0.0).inspect_err(|_| self.ongoing = Some(event))?;
+        let event = match self.ongoing.take() {
+            Some(event) => event,
+            None => self.begin_event()?,
+        };
+        // The loops of contacts without a velocity are compiled without clocks.
+        let event = match self.clocks.take() {
+            None => self.avalanche(event, &mut Athermal, monitor),
+            Some(mut clocks) => {
+                let event = self.avalanche(event, clocks.as_mut(), monitor);
+                self.clocks = Some(clocks);
+                event
             }
-            self.continue_generation(&mut event);
-        }
+        }?;
         self.update_minima();
         self.stretch.add(-event.lost);
-        let OngoingAvalanche { epicentre, size, duration, released, force_before, .. } = event;
+        let OngoingAvalanche { epicentre, age, size, duration, released, force_before, .. } = event;
         Ok(Avalanche {
             drive: self.drive(),
+            time: self.time(),
+            age,
             epicentre,
             size,
             area: self.scar.len() as u64,
@@ -317,34 +350,52 @@ impl Lattice {
         })
     }
 
+    /// Continues an avalanche to its end.
+    fn avalanche(
+        &mut self,
+        mut event: OngoingAvalanche,
+        clocks: &mut impl Timekeeping,
+        monitor: &mut dyn Monitor,
+    ) -> Result<OngoingAvalanche> {
+        while !self.front.is_empty() {
+            if self.unasked >= ASK {
+                self.unasked = 0;
+                report(monitor, 0.0).inspect_err(|_| self.ongoing = Some(event))?;
+            }
+            self.continue_generation(&mut event, clocks);
+        }
+        Ok(event)
+    }
+
     /// Drives the contacts to the next break.
-    fn begin_event(&mut self) -> OngoingAvalanche {
+    fn begin_event(&mut self) -> Result<OngoingAvalanche> {
         // Breaking positions are relative to `base`. They keep their digits because it follows the drive.
         if self.drive > self.span {
             self.rebase();
         }
-        self.drive = self.minima.least().max(self.drive);
+        let next = self.next_key();
+        if next == f64::INFINITY {
+            let expected = "a velocity above 0: at rest no contact breaks any more";
+            return Err(Error::invalid("velocity", expected, 0.0));
+        }
+        self.advance_to(next);
         let force_before = self.force();
         let epicentre = self.start_avalanche();
-        OngoingAvalanche {
+        Ok(OngoingAvalanche {
             epicentre,
+            age: self.clocks.as_ref().map_or(0.0, |clocks| clocks.age(epicentre)),
             size: 0,
             duration: 0,
             released: 0.0,
             lost: 0.0,
             force_before,
             generation: OngoingGeneration::default(),
-        }
+        })
     }
 }
 
 /// The stiffness of all contacts.
 fn stiffness(contacts: &Contacts) -> Result<f64> {
-    if let Some(rule) = contacts.rules.first() {
-        let expected =
-            format!("no {rule} where contacts are coupled one by one: these do not depend on time");
-        return Err(Error::invalid(rule, expected, "one"));
-    }
     let expected = "contacts of equal stiffness where they are coupled one by one";
     match &contacts.stiffness {
         Stiffness::Equal(unit) => Ok(*unit),

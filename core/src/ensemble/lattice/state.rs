@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::avalanche::OngoingAvalanche;
 use super::births::BirthRecord;
+use super::clocks::ClocksState;
 use super::{Lattice, Minima};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
@@ -20,6 +21,9 @@ pub struct LatticeState {
     /// An avalanche that goes on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ongoing: Option<StoppedAvalanche>,
+    /// The times of contacts that move at a velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    clocks: Option<ClocksState>,
 }
 
 /// An avalanche within which a lattice was stopped.
@@ -53,6 +57,9 @@ impl Lattice {
             ends,
             born: self.born.clone(),
             ongoing: self.ongoing.map(stopped),
+            clocks: self.clocks.as_ref().map(|clocks| {
+                clocks.state(|number| self.grid.place(number), |place| self.grid.number(place))
+            }),
         }
     }
 
@@ -60,14 +67,23 @@ impl Lattice {
     /// then empty, unless it goes on.
     ///
     /// # Errors
-    /// A state with another number of contacts, or with another kind of thresholds.
+    /// A state with another number of contacts, or with another kind of thresholds; one of contacts that move at a velocity
+    /// where these do not, and the other way round.
     pub fn restore(&mut self, state: LatticeState) -> Result<()> {
-        let LatticeState { base, drive, stretch, ends, born, ongoing } = state;
+        let LatticeState { base, drive, stretch, ends, born, ongoing, clocks } = state;
         if (ends.len(), born.len()) != (self.size(), self.born.len()) {
             let expected =
                 format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());
             let found = format!("{}, {} of them with thresholds drawn", ends.len(), born.len());
             return Err(Error::invalid("state", expected, found));
+        }
+        let in_time =
+            |with: bool| if with { "contacts at a velocity" } else { "contacts without a velocity" };
+        if clocks.is_some() != self.clocks.is_some() {
+            return Err(Error::invalid("state", in_time(self.clocks.is_some()), in_time(clocks.is_some())));
+        }
+        if clocks.as_ref().is_some_and(|clocks| !clocks.fits(self.size())) {
+            return Err(Error::invalid("state", format!("times of {} contacts", self.size()), "others"));
         }
         let known = |stopped: &StoppedAvalanche| {
             let StoppedAvalanche { sums, front, following, scar, released } = stopped;
@@ -83,7 +99,10 @@ impl Lattice {
             self.ends[self.grid.place(number)] = end;
         }
         (self.base, self.drive, self.stretch, self.born) = (base, drive, stretch, born);
-        self.minima = Minima::new(&self.ends);
+        if let (Some(own), Some(clocks)) = (&mut self.clocks, clocks) {
+            own.restore(clocks, |number| self.grid.place(number));
+        }
+        self.minima = Minima::new(self.keys());
         self.resume(ongoing);
         Ok(())
     }
@@ -108,8 +127,11 @@ impl Lattice {
     pub(super) fn rebase(&mut self) {
         self.base += self.drive;
         self.ends.iter_mut().for_each(|end| *end -= self.drive);
+        if let Some(clocks) = &mut self.clocks {
+            clocks.rebase(self.drive);
+        }
         self.drive = 0.0;
-        self.minima = Minima::new(&self.ends);
+        self.minima = Minima::new(self.keys());
         self.stretch = self.sum();
     }
 

@@ -29,19 +29,26 @@ pub enum CellStart<'a> {
 }
 
 impl Interface {
-    /// Contacts coupled one by one.
+    /// Contacts coupled one by one, in time if they have a velocity.
     ///
     /// # Errors
-    /// What [`Lattice::new_with`] refuses; stopped by the monitor.
+    /// What [`Lattice::new_with`] and [`Lattice::at_with`] refuse; stopped by the monitor.
     pub fn lattice(
         &self,
         contacts: Contacts,
         initial: Initial,
         ensemble: Option<&Ensemble>,
+        velocity: Option<f64>,
         monitor: &mut dyn Monitor,
     ) -> Result<Lattice> {
         let Ensemble { seed, disorder, .. } = ensemble.cloned().unwrap_or_default();
-        Lattice::new_with(contacts, initial, &self.springs()?, seed, disorder, monitor)
+        let springs = self.springs()?;
+        match velocity {
+            Some(velocity) => {
+                Lattice::at_with(contacts, initial, &springs, velocity, (seed, disorder), monitor)
+            }
+            None => Lattice::new_with(contacts, initial, &springs, seed, disorder, monitor),
+        }
     }
 
     /// Cells whose contacts move together. They follow the master equation, or are those of an `ensemble`: `size` contacts in

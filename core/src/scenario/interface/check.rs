@@ -11,6 +11,8 @@ use crate::{Error, Result};
 
 /// Bytes that a contact coupled one by one takes at most.
 const BYTES_PER_CONTACT: f64 = 72.0;
+/// The same in time, with its clock.
+const BYTES_PER_CONTACT_IN_TIME: f64 = 144.0;
 /// Bytes that a cell takes at most, with what it takes to couple it: on a half-space with open edges, some cells sliding.
 const BYTES_PER_CELL: f64 = 192.0;
 /// The same on a half-space with periodic edges, whose transforms are not padded.
@@ -72,12 +74,7 @@ impl Interface {
                 self.moving(rule, ensemble.is_some()).map_err(|e| e.under("interface"))?;
                 self.many(ensemble, BYTES_PER_ENSEMBLE_IN_TIME)
             }
-            (PerCell::One, None) => self.one(contacts, ensemble),
-            (PerCell::One, Some(rule)) => {
-                let expected = "contacts without time dependence beside interface.contacts = \"one\": single contacts are followed along the \
-                                drive, not in time";
-                Err(Error::invalid(format!("contacts.{rule}"), expected, "time-dependent contacts"))
-            }
+            (PerCell::One, _) => self.one(contacts, ensemble),
         }
     }
 
@@ -107,7 +104,8 @@ impl Interface {
     fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> f64 {
         let few = |[cell, contact]: [f64; 2], ensemble: &Ensemble| cell + contact * ensemble.size() as f64;
         match (self.contacts, self.moves_in_time(contacts), ensemble) {
-            (PerCell::One, ..) => BYTES_PER_CONTACT,
+            (PerCell::One, false, _) => BYTES_PER_CONTACT,
+            (PerCell::One, true, _) => BYTES_PER_CONTACT_IN_TIME,
             (PerCell::Many, false, None) => match (self.coupling, &self.cells[..]) {
                 (Elasticity::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
                 (Elasticity::HalfSpace { .. }, _) if self.edges == Edges::Periodic => BYTES_PER_PERIODIC_CELL,
@@ -149,7 +147,13 @@ impl Interface {
         self.viscosity.map(|viscosity| positive("viscosity", viscosity)).transpose()?;
         self.mass.map(|mass| positive("mass", mass)).transpose()?;
         positive("drive_tolerance", self.drive_tolerance)?;
-        not_negative("catalogue_from", self.catalogue_from).map(drop)
+        not_negative("catalogue_from", self.catalogue_from)?;
+        let Some(shocks) = &self.main_shocks else { return Ok(()) };
+        if self.contacts == PerCell::Many {
+            let expected = "none beside interface.contacts = \"many\": foreshocks and aftershocks are those of contacts coupled one by one";
+            return Err(Error::invalid("main_shocks", expected, "main shocks"));
+        }
+        shocks.check().map_err(|e| e.under("main_shocks"))
     }
 
     /// Checks the values that cells of many contacts need or exclude.
@@ -210,8 +214,9 @@ impl Interface {
     fn one(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
         let given = [
             ("slip", self.slip.is_some(), "re-form when the slide is over", "a rule of slip"),
-            ("viscosity", self.viscosity.is_some(), "do not depend on time", "one"),
-            ("mass", self.mass.is_some(), "do not move in time", "one"),
+            ("viscosity", self.viscosity.is_some(), "slide at once", "one"),
+            ("mass", self.mass.is_some(), "slide at once", "one"),
+            ("slip_rates", self.slip_rates.is_some(), "slide at once", "a number of steps"),
             ("disorder", self.disorder.is_some(), "draw their thresholds from contacts.thresholds", "one"),
             ("loading", self.loading == CellLoading::Edge, "are all pulled by the drive", "edge"),
         ];
@@ -225,6 +230,9 @@ impl Interface {
             return Err(Error::invalid("ensemble.size", expected, size));
         }
         let springs = self.springs().map_err(|e| e.under("interface"))?;
+        if contacts.rules.are_time_dependent() {
+            return Lattice::check_at(contacts, &springs).map_err(Error::of_scenario);
+        }
         Lattice::check(contacts, &springs).map_err(Error::of_scenario)
     }
 }

@@ -2,6 +2,7 @@
 
 mod build;
 mod check;
+mod main_shocks;
 mod scales;
 
 use schemars::JsonSchema;
@@ -14,6 +15,7 @@ use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
 pub use build::CellStart;
 pub(super) use build::no_steady_ensemble;
+pub use main_shocks::MainShocks;
 pub use scales::Scales;
 
 /// An interface of cells coupled by elasticity, or of contacts coupled one by one; `[drive]` moves its load point.
@@ -70,6 +72,9 @@ pub struct Interface {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-dimension" = "length"))]
     pub catalogue_from: f64,
+    /// Large events around which foreshocks and aftershocks are counted; only of contacts coupled one by one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub main_shocks: Option<MainShocks>,
     /// Largest number of steps in time at which the velocity of every cell is stored, 2 or more, evenly numbered among all steps,
     /// which are short in events; without it none is. Only with time-dependent contacts or a mass.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -46,6 +46,7 @@ pub fn read<M: DrivenInterface>(
             .map_or(Ok(None), |(at, _)| front_speed(found, at))?,
         dissipated_breaks: sum(found, "dissipated_breaks")?,
         dissipated_slip: sum(found, "dissipated_slip")?,
+        main_shocks: None,
     })
 }
 

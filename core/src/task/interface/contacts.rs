@@ -11,7 +11,7 @@ use super::model::DrivenInterface;
 /// An avalanche, and the contacts that broke in it.
 #[derive(Debug)]
 pub struct BrokenContacts {
-    avalanche: Avalanche,
+    pub(super) avalanche: Avalanche,
     scar: Vec<usize>,
 }
 
@@ -22,6 +22,15 @@ pub struct DrivenContacts {
     pub lattice: Lattice,
     /// Whether they form a chain, where the contacts that break in an event are recorded.
     pub chain: bool,
+}
+
+impl DrivenContacts {
+    /// Drives the contacts through the next avalanche.
+    pub(super) fn next(&mut self, monitor: &mut dyn Monitor) -> Result<BrokenContacts> {
+        let avalanche = self.lattice.next_event_with(monitor)?;
+        let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };
+        Ok(BrokenContacts { avalanche, scar })
+    }
 }
 
 impl DrivenInterface for DrivenContacts {
@@ -50,9 +59,7 @@ impl DrivenInterface for DrivenContacts {
             if self.lattice.next_drive() > to {
                 return self.lattice.run_with(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
             }
-            let avalanche = self.lattice.next_event_with(monitor)?;
-            let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };
-            each(BrokenContacts { avalanche, scar });
+            each(self.next(monitor)?);
         }
         Ok(false)
     }

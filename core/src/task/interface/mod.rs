@@ -3,8 +3,10 @@
 mod catalogue;
 mod cells;
 mod contacts;
+mod contacts_in_time;
 mod found;
 mod in_time;
+mod main_shocks;
 mod model;
 mod output_points;
 mod run;
@@ -15,14 +17,17 @@ use super::fits;
 use super::summary::{Catalogue, InterfaceNumbers};
 use super::{Output, Storage};
 use crate::elastic::{Event, SlipRates};
+use crate::ensemble::lattice::record_in_time;
 use crate::monitor::{Monitor, Preparation, Rising};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Drive, Model, PerCell, Protocol, Task, Units};
 use crate::{Error, Result};
 pub use cells::DrivenCells;
 pub use contacts::DrivenContacts;
+pub use contacts_in_time::DrivenContactsInTime;
 use found::{CellColumns, Found};
 pub use in_time::{DrivenRateDependentCells, LoadPointMotion, cells_in_time};
+pub(super) use main_shocks::TABLES as MAIN_SHOCK_TABLES;
 pub use model::DrivenInterface;
 use output_points::{OutputPoint, output_points, points_in_time};
 use run::InterfaceRun;
@@ -109,6 +114,13 @@ pub(super) fn run_protocol(
 ) -> Result<Output<InterfaceNumbers>> {
     let motion = task.build()?;
     fit_into_memory(model, interface, monitor)?;
+    if interface.contacts == PerCell::One {
+        let velocity = motion.pieces()[0].velocity;
+        let contacts = contacts_at(model, interface, Some(velocity), monitor)?;
+        let driven = DrivenContactsInTime::new(contacts, LoadPointMotion::History(motion.clone()));
+        let points = points_in_time(task, &motion, interface, driven.origin());
+        return drive(model, &points, (interface, units), driven, storage, monitor);
+    }
     let mut preparation = Preparation::new(monitor);
     let history = LoadPointMotion::History(motion.clone());
     let driven = DrivenRateDependentCells::of(model, interface, history, &mut preparation)?;
@@ -130,9 +142,14 @@ pub(super) fn run(
     let Model { contacts, initial, ensemble, .. } = model;
     fit_into_memory(model, interface, monitor)?;
     match interface.contacts {
+        PerCell::One if contacts.rules.are_time_dependent() => {
+            let contacts = contacts_at(model, interface, task.velocity, monitor)?;
+            let driven = DrivenContactsInTime::new(contacts, LoadPointMotion::of(task)?);
+            let points = output_points(task, interface, driven.origin());
+            drive(model, &points, (interface, units), driven, storage, monitor)
+        }
         PerCell::One => {
-            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref(), monitor)?;
-            let driven = DrivenContacts { lattice, chain: chain(interface) };
+            let driven = contacts_at(model, interface, None, monitor)?;
             let points = output_points(task, interface, driven.origin());
             drive(model, &points, (interface, units), driven, storage, monitor)
         }
@@ -155,6 +172,19 @@ pub(super) fn run(
     }
 }
 
+/// Contacts coupled one by one, at the velocity at which they begin if they are time-dependent.
+fn contacts_at(
+    model: &Model,
+    interface: &scenario::Interface,
+    velocity: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<DrivenContacts> {
+    let Model { contacts, initial, ensemble, .. } = model;
+    let lattice =
+        interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref(), velocity, monitor)?;
+    Ok(DrivenContacts { lattice, chain: chain(interface) })
+}
+
 fn drive<D: DrivenInterface>(
     model: &Model,
     output_points: &[OutputPoint],
@@ -170,12 +200,15 @@ fn drive<D: DrivenInterface>(
     run.follow(output_points, monitor)?;
     let mut found = run.finish()?;
     let error = found.error;
+    let mut rates = Record::default();
     let catalogue = Catalogue {
         from: if interface.catalogue_from > 0.0 { from } else { 0.0 },
+        main_shocks: main_shocks::read(interface, D::CLOCK, &mut found, &mut rates)?,
         ..catalogue::read::<D>(interface, units, &mut found)?
     };
     let numbers = InterfaceNumbers { catalogue };
     let mut record = record::<D>(interface, output_points, found);
+    record.variables.extend(rates.variables);
     model.add_background_of_cells(contacts_of_all(interface), &mut record);
     let output = Output { seed: seed(model, interface), sample: None, ..Output::new(model, numbers, record) };
     match error {
@@ -236,13 +269,28 @@ fn check_size<D: DrivenInterface>(
     fits(key, numbers, || format!("{maps} maps of the cells"), monitor)
 }
 
-/// The variables that the drive of an interface may record, without values: for cells, and for contacts coupled one by one.
+/// The variables that the drive of an interface may record, without values: for cells, for contacts coupled one by one, and for
+/// these in time.
 /// On a lattice the dimensions of the cells are `row` and `column`.
-pub(super) fn columns() -> [Record; 2] {
+pub(super) fn columns() -> [Record; 3] {
+    let lattice_columns = || contacts::event_columns(&[], 1);
+    let mut in_time = lattice_columns();
+    in_time.variables.extend(record_in_time(&[]).variables);
     [
         columns_of::<DrivenRateDependentCells>(Event::columns(), cells::slipped(&[], 1, true)),
-        columns_of::<DrivenContacts>(contacts::event_columns(&[], 1), contacts::broken_columns(&[], 1)),
+        of_contacts::<DrivenContacts>(lattice_columns(), main_shocks::SHOCK_DRIVE),
+        of_contacts::<DrivenContactsInTime>(in_time, main_shocks::COLUMNS[0]),
     ]
+}
+
+/// The variables of contacts coupled one by one, with the rates around main shocks along `along`.
+fn of_contacts<D: DrivenInterface>(events: Record, along: Column) -> Record {
+    let mut record = columns_of::<D>(events, contacts::broken_columns(&[], 1));
+    record.add(along, Vec::new());
+    for Column { name, long_name, quantity, .. } in &main_shocks::COLUMNS[1..] {
+        record.push(name, long_name, *quantity, &[along.name], Vec::new());
+    }
+    record
 }
 
 fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
@@ -251,7 +299,11 @@ fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
     record.variables.extend(slipped.variables);
     let cells = [coefficient(&["point"]), MAP_DRIVE, CELL, ROW, COLUMN];
     let is_in_time = D::TRACE.iter().any(|column| column.name == "time");
-    let in_time: &[Column] = if is_in_time { &IN_TIME } else { &[] };
+    let in_time: &[Column] = match D::TRACE.iter().any(|column| column.name == "velocity") {
+        true => &IN_TIME,
+        false if is_in_time => &IN_TIME[..1],
+        false => &[],
+    };
     for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(D::MAPS).chain(in_time) {
         record.add(*column, Vec::new());
     }

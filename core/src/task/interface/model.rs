@@ -19,6 +19,8 @@ pub trait DrivenInterface {
     const MAGNITUDE: &'static str;
     /// Whether magnitudes are whole numbers.
     const WHOLE: bool;
+    /// The column of events along which they follow each other, drive or time.
+    const CLOCK: &'static str = "drive";
     /// Columns of the whole interface.
     const TRACE: &'static [Column];
     /// Columns of every cell.

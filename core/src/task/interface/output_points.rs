@@ -83,6 +83,7 @@ mod tests {
             drive_tolerance: 1e-6,
             catalogue_from: 0.0,
             slip_rates: None,
+            main_shocks: None,
         }
     }
 

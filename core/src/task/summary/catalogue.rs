@@ -42,6 +42,41 @@ pub struct Catalogue {
     /// Energy dissipated in addition by the slips of all events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipated_slip: Option<f64>,
+    /// Foreshocks and aftershocks; absent without `interface.main_shocks`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub main_shocks: Option<MainShockNumbers>,
+}
+
+/// Foreshocks and aftershocks of the main shocks of a catalogue: the largest events of their windows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MainShockNumbers {
+    /// Lowest size of a main shock.
+    pub size: u64,
+    /// Length of the window on each side, a time, or a length for contacts without time.
+    pub window: f64,
+    /// Number of main shocks.
+    pub count: usize,
+    /// Events in the windows after main shocks.
+    pub aftershocks: usize,
+    /// Events in the windows before main shocks.
+    pub foreshocks: usize,
+    /// Omori's law for aftershocks; absent if there are too few, or none is found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aftershock_law: Option<OmoriLaw>,
+    /// The same law for foreshocks, in the time before the main shock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foreshock_law: Option<OmoriLaw>,
+}
+
+/// The modified Omori law n(t) = K/(t + c)^p + B, fitted by maximum likelihood.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OmoriLaw {
+    /// Exponent p, with its standard error for independent events.
+    pub exponent: Fitted,
+    /// Delay c, a time, or a length for contacts without time.
+    pub delay: f64,
+    /// Fraction of the events that belong to the background B.
+    pub background: f64,
 }
 
 /// p(x) ∝ x^{−τ} e^{−x/ξ} for magnitudes x from `from`, fitted by maximum likelihood.

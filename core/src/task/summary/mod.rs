@@ -16,7 +16,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use crate::rate_state::Fitted;
-pub use catalogue::{Catalogue, Largest, PowerLaw};
+pub use catalogue::{Catalogue, Largest, MainShockNumbers, OmoriLaw, PowerLaw};
 pub use creep::{CreepAtForce, CreepNumbers};
 pub use fit::{FitFixed, FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use posterior::{PosteriorNumber, PosteriorSummary};
