@@ -265,11 +265,16 @@ impl ThresholdFokkerPlanck {
     pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         /// Points between two checks whether the monitor has stopped.
         const MANY: usize = 1 << 12;
+        /// Fraction of thresholds at either end that rounding of all masses exceeds.
+        const NOTHING: f64 = 1e-18;
         let watch = Watch::new(monitor);
         let (low, high) = self.support;
         let law = self.newborn.as_ref();
         let atoms = law.atoms().into_iter().filter(|atom| atom.position > stretch);
-        let spread = points(law, middles, (low.max(stretch), high));
+        // Of a narrow density most cells hold nothing.
+        let (first, last) = (law.quantile(NOTHING), law.upper_quantile(NOTHING));
+        let from = low.max(stretch).max(first);
+        let spread = points(law, middles, (from, high.min(last).max(from)));
         let points = atoms.map(|atom| (atom.position, atom.weight)).chain(spread).enumerate();
         let points = points.take_while(|(number, _)| !(number.is_multiple_of(MANY) && watch.stops()));
         let masses = cloud_in_cell(middles, points.map(|(_, point)| point));

@@ -232,9 +232,10 @@ impl MovingGrid {
     }
 }
 
-/// The cells that hold masses; `None` if none does. Others hold a part of all that rounding exceeds.
+/// The cells that hold masses; `None` if none does. Others hold as much as rounding leaves in them: what central differences make of
+/// it goes through all cells.
 fn held(masses: &[f64]) -> Option<Range<usize>> {
-    const FAINT: f64 = 1e-20;
+    const FAINT: f64 = 1e-16;
     let least = FAINT * masses.iter().fold(0.0, |most: f64, mass| most.max(mass.abs()));
     let holds = |mass: &f64| mass.abs() > least;
     Some(masses.iter().position(holds)?..masses.iter().rposition(holds)? + 1)
