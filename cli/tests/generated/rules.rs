@@ -126,6 +126,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("interface", "mass") if walk.given("contacts.background_coefficient") => no,
         ("interface", "slip") if walk.given("interface.mass") => no,
         ("interface", "slip" | "viscosity") if in_time => Some(true),
+        ("interface", "main_shocks") if !walk.single() => no,
         ("interface", "slip_rates") if !in_time && !walk.given("interface.mass") => no,
         ("interface", "disorder") if task == "renormalisation" => Some(true),
         ("interface", "viscosity") if task == "renormalisation" => no,
@@ -180,6 +181,7 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
                 || ["per", "of"]
                     .iter()
                     .any(|word| walk.given(&format!("contacts.stiffness_{word}_threshold")));
+            // In time, hot contacts on a large lattice break more often than a test can wait for.
             !(in_time || unequal || walk.has_background())
         }
         ("interface.slip", "reset") => !in_time,
