@@ -41,7 +41,7 @@ fn contacts_one_by_one_make_the_avalanches_of_the_lattice() {
     let input = read(LATTICE);
     let Model { contacts, initial, .. } = input.scenario.build().unwrap();
     let mut lattice =
-        input.scenario.interface.as_ref().unwrap().lattice(contacts, initial, None, &mut ()).unwrap();
+        input.scenario.interface.as_ref().unwrap().lattice(contacts, initial, None, None, &mut ()).unwrap();
     let mut all: Vec<Avalanche> = Vec::new();
     lattice.run(Until::Drive(3.0), &mut |avalanche| all.push(*avalanche)).unwrap();
     let late: Vec<_> = all.iter().filter(|avalanche| avalanche.drive >= 1.5).collect();

@@ -463,6 +463,7 @@ fn lattice(events: usize) -> Outcome {
         dissipated_slip: None,
         wave_speed: None,
         front_speed: None,
+        main_shocks: None,
     };
     let mut outcome = timed(InterfaceNumbers { catalogue });
     let numbers = |count: usize| (1..=count).map(|i| i as f64).collect::<Vec<_>>();
