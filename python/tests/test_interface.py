@@ -388,7 +388,7 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
 def warm_lattice() -> asp.Lattice:
     contacts = asp.Contacts(
         asp.Gaussian(1.0, 0.1),
-        temperature=asp.Temperature(0.02, 1.0, "bell"),
+        temperature=asp.Temperature(0.02, 1.0, barrier="bell"),
         ageing=asp.Logarithmic(growth=0.02, time=1.0),
         count=400,
     )
@@ -417,7 +417,7 @@ def test_a_lattice_in_time_follows_protocols_and_rests() -> None:
     followed = warm_lattice().follow([asp.Step(1e-2, distance=2.0), asp.Step(hold=1e3)])
     simulation = warm_lattice().simulation(velocity=1e-2)
     simulation.advance(2.0)
-    kept = simulation.state
+    kept = simulation.state()
     simulation.hold(1e3)
     # Sums of a base and what follows it.
     np.testing.assert_allclose(simulation.drive, 2.0, rtol=1e-15)
