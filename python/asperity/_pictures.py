@@ -520,7 +520,7 @@ def main_shocks(record: "Record", ax: "Axes", **style: Any) -> None:
         (line,) = ax.plot(at, rate, **{**dots, "label": words, **style})
         law = found.get(f"{side}_law")
         if law is not None and held.any():
-            # Bins are equally wide on the logarithmic axis: they hold events in proportion to rate times time.
+            # Bins are equal on the logarithmic axis: they hold events in proportion to rate times time.
             shape, events = (at + law["delay"]) ** -law["exponent"]["value"], float(np.sum(rate * at))
             part = (1.0 - law["background"]) * events / float(np.sum(shape * at))
             even = law["background"] * events / float(np.sum(at))
