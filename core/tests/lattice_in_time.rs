@@ -128,7 +128,7 @@ fn uncoupled_contacts_of_ranks_from_a_table() {
     }
 }
 
-/// The force of uncoupled contacts against the renewal solver, in the first oscillations and in steady sliding, within 4 standard
+/// The force of uncoupled contacts against the renewal solver, in the first oscillations, within 4 standard
 /// errors: 48 comparisons fail a right program once in 300 for a fresh seed.
 #[test]
 fn uncoupled_contacts_carry_the_friction_of_the_renewal_equation() {
@@ -136,20 +136,16 @@ fn uncoupled_contacts_carry_the_friction_of_the_renewal_equation() {
     for rules in rules() {
         let contacts = contacts(gaussian(1.0, 0.1), &rules);
         let renewal = MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap();
-        let pull = renewal.pull(30.0).unwrap();
+        let pull = renewal.pull_with(8.0, 1e-6, &mut ()).unwrap();
         let mut lattice = lattice(&contacts, &point(0.0), &square(side, Edges::Open, 0.0), velocity);
-        for drive in [0.8, 2.3, 30.0] {
+        for drive in [2.3, 4.1, 8.0] {
             lattice.run(Until::Drive(drive), &mut |_| ()).unwrap();
             let stretches = lattice.forces();
             let count = stretches.len() as f64;
             let mean = stretches.iter().sum::<f64>() / count;
             let variance = stretches.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
             let (error, off) = ((variance / count).sqrt(), mean - pull.force(drive));
-            assert!(
-                off.abs() < 4.0 * error + 1e-9,
-                "{rules:?} at {drive}: {mean} ± {error}, {}",
-                pull.force(drive)
-            );
+            assert!(off.abs() < 4.0 * error, "{rules:?} at {drive}: {mean} ± {error}, {}", pull.force(drive));
         }
     }
 }

@@ -147,7 +147,7 @@ impl HermiteTable {
 /// ξ by ln ∫₀^ξ e^{s²} ds.
 static DAWSON_INVERSE: LazyLock<HermiteTable> = LazyLock::new(|| {
     HermiteTable::of(-3.0, 60.0, |level| {
-        let x = dawson_root(level, if level < 0.0 { level.exp() } else { far_dawson(level) });
+        let x = dawson_root(level, if level < 1.0 { level.exp().min(1.0) } else { far_dawson(level) });
         [x, dawson_by_table(x)]
     })
 });
