@@ -1846,8 +1846,7 @@ class Gaussian(Law):
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For a mean below 0, and a std that is not above 0. Lengths are from 1e-150 to 1e150, a std below the mean
-        at least 1e-14 of it.
+        For a mean below 0, and a std that is not above 0. Lengths are from 1e-150 to 1e150, a std below the mean at least 1e-14 of it.
 
     Examples
     --------
