@@ -129,11 +129,15 @@ fn uncoupled_contacts_of_ranks_from_a_table() {
 }
 
 /// The force of uncoupled contacts against the renewal solver, in the first oscillations, within 4 standard
-/// errors: 48 comparisons fail a right program once in 300 for a fresh seed.
+/// errors: 30 comparisons fail a right program once in 500 for a fresh seed. Lives of warm contacts whose ranks are frozen take the
+/// renewal equation minutes; the ensemble in time has them above.
 #[test]
 fn uncoupled_contacts_carry_the_friction_of_the_renewal_equation() {
     let (velocity, side) = (0.2, 60);
-    for rules in rules() {
+    let is_long = |(warm, ageing): &(Option<Temperature>, Option<Ageing>)| {
+        warm.is_some() && matches!(ageing, Some(Ageing::FrozenRank { .. }))
+    };
+    for rules in rules().into_iter().filter(|rules| !is_long(rules)) {
         let contacts = contacts(gaussian(1.0, 0.1), &rules);
         let renewal = MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap();
         let pull = renewal.pull_with(8.0, 1e-6, &mut ()).unwrap();

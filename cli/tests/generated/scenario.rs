@@ -363,7 +363,7 @@ impl<'a> Walk<'a> {
             "size" => 2000,
             "seed" => 1000,
             "pieces" | "runs" | "average" => 6,
-            "cells" => 8,
+            "cells" | "distance" => 8,
             "slip_rates" => 40,
             "kernels" => 40,
             "draws" | "chains" => 6,

@@ -106,7 +106,7 @@ impl Cohort {
         let place = Place { stretch, below, above, age: 0.0 };
         let state = model.newborn(seed, watch);
         let mut cohort = Self { mass, place, seed: number, state, left: 1.0, stiffness: 0.0, spread: 0.0 };
-        cohort.update(model);
+        cohort.update(model, watch);
         cohort
     }
 
@@ -202,7 +202,7 @@ impl Cohort {
         match plain {
             Some(Some(left)) => self.remain(left, left),
             Some(None) => {}
-            None => self.update(model),
+            None => self.update(model, context.watch),
         }
         (self.mass * (before - self.left), self.mass * aged)
     }
@@ -214,7 +214,7 @@ impl Cohort {
             return (0.0, 0.0);
         }
         let (before, energy) = (self.left, self.energy());
-        self.update(model);
+        self.update(model, &Watch::new(&mut ()));
         (self.mass * (before - self.left), energy - self.energy())
     }
 
@@ -229,8 +229,8 @@ impl Cohort {
     }
 
     /// Updates the surviving fraction, which never grows.
-    fn update(&mut self, model: &CohortModel) {
-        let (left, stiffness) = model.measure(&self.state, self.place.age);
+    fn update(&mut self, model: &CohortModel, watch: &Watch<'_>) {
+        let (left, stiffness) = model.measure(&self.state, self.place.age, watch);
         self.remain(left, stiffness);
     }
 

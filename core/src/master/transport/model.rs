@@ -75,7 +75,7 @@ impl CohortModel {
     ) -> f64 {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => {
-                ranks.advance(place, left, path, part.ends())
+                ranks.advance(place, left, path, part.ends(), context.watch)
             }
             (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => {
                 diffusing.advance(place, masses, path, part, context)
@@ -146,9 +146,9 @@ impl CohortModel {
     }
 
     /// The surviving fraction, and its stiffness per formed contact.
-    pub(super) fn measure(&self, state: &CohortThresholds, age: f64) -> (f64, f64) {
+    pub(super) fn measure(&self, state: &CohortThresholds, age: f64, watch: &Watch<'_>) -> (f64, f64) {
         match (self, state) {
-            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.measure(left, age),
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.measure(left, age, watch),
             (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => diffusing.measure(masses),
             (Self::Shared(_), CohortThresholds::Shared(left)) => (left.left(), left.left()),
             _ => unreachable!("cohorts are made by the model that moves them"),

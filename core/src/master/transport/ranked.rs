@@ -23,6 +23,7 @@ use crate::contacts::{
     Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge,
 };
 use crate::law::{Atom, SharedLaw};
+use crate::monitor::Watch;
 use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, Nodal, RULE, dot_in_lanes, series_at, sum_in_lanes};
 use crate::numerics::roots::{brent_minimum, brent_root};
@@ -259,31 +260,39 @@ impl RankedThresholds {
     }
 
     /// Advances in time: thermal breaking, and thresholds that are reached. Returns the stiffness that the
-    /// others gain by ageing.
+    /// others gain by ageing. After a stop of `watch` the state is invalid.
     pub(super) fn advance(
         &self,
         place: Place,
         left: &mut SurvivingRanks,
         path: &Path,
         ends: (f64, f64),
+        watch: &Watch<'_>,
     ) -> f64 {
         let older = place.age + path.duration * (ends.1 - ends.0);
-        let before = self.stiffening(left, place.age, older);
-        self.apply(place, left, path, ends);
+        let before = self.stiffening(left, place.age, older, watch);
+        self.apply(place, left, path, ends, watch);
         // The mean of those present before and after the step: second order in the step, as the
         // division between ageing and breaks is said to be.
-        0.5 * (before + self.stiffening(left, place.age, older))
+        0.5 * (before + self.stiffening(left, place.age, older, watch))
     }
 
     /// Stiffness that these contacts gain from one age to another.
-    fn stiffening(&self, left: &SurvivingRanks, age: f64, older: f64) -> f64 {
+    fn stiffening(&self, left: &SurvivingRanks, age: f64, older: f64, watch: &Watch<'_>) -> f64 {
         if self.evolution.is_constant() || self.stiffness.is_equal() {
             return 0.0;
         }
-        self.measure(left, older).1 - self.measure(left, age).1
+        self.measure(left, older, watch).1 - self.measure(left, age, watch).1
     }
 
-    fn apply(&self, place: Place, left: &mut SurvivingRanks, path: &Path, ends: (f64, f64)) {
+    fn apply(
+        &self,
+        place: Place,
+        left: &mut SurvivingRanks,
+        path: &Path,
+        ends: (f64, f64),
+        watch: &Watch<'_>,
+    ) {
         let passage =
             StepPassage { evolution: &self.evolution, stretch: place.stretch, age: place.age, path, ends };
         let (stretch, aged) = passage.at(ends.1);
@@ -293,7 +302,7 @@ impl RankedThresholds {
             *fraction = fraction.min(uncovered(aged.threshold(atom.position), stretch, below, above));
         }
         if let Some((thermal, grid)) = &self.thermal {
-            self.accumulate(thermal, grid, &passage, left);
+            self.accumulate(thermal, grid, &passage, left, watch);
         }
     }
 
@@ -329,9 +338,12 @@ impl RankedThresholds {
         grid: &LabelGrid,
         passage: &StepPassage<'_>,
         left: &mut SurvivingRanks,
+        watch: &Watch<'_>,
     ) {
         /// Panels above the first one whose rates decide on the rule where there is no band yet.
         const AHEAD: u64 = 4;
+        /// Nodes in time whose rates are added up between two checks whether to stop.
+        const MANY: usize = 1 << 10;
         self.accumulate_on_atoms(thermal, passage, left);
         let SurvivingRanks { met, band: Some(band), .. } = left else { return };
         // Panels are stored between the highest threshold met and the first panel that nothing has
@@ -361,9 +373,13 @@ impl RankedThresholds {
         if matches!(rule, StepRule::Nothing) {
             return;
         }
+        let is_fitted = matches!(rule, StepRule::Fitted);
         if !begun {
             // Panels at whose upper end everything has broken need not be stored.
             let mut gone = |number: u64| {
+                if is_fitted && watch.stops() {
+                    return true;
+                }
                 let panel = grid.kept(number);
                 let top = panel.label(GridPanel::HIGHEST);
                 nodes(top, &mut room);
@@ -371,9 +387,18 @@ impl RankedThresholds {
             };
             band.first = first_remaining(band.first, count - 1, &mut gone);
         }
+        let mut added_up = 0;
         for number in band.first..count {
             let panel = grid.kept(number);
             nodes(panel.label(GridPanel::MIDDLE), &mut room);
+            // A rule that is fitted to the panel takes far longer than the rates at its nodes.
+            added_up += if is_fitted { MANY } else { room.len() };
+            if added_up >= MANY {
+                added_up = 0;
+                if watch.stops() {
+                    return;
+                }
+            }
             let added = thermal.added(&room, &panel.labels);
             // The stronger a contact the lower its rate.
             if added[0] < thermal.nothing {
@@ -415,10 +440,10 @@ impl RankedThresholds {
     }
 
     /// The surviving fraction, and its stiffness.
-    pub(super) fn measure(&self, left: &SurvivingRanks, age: f64) -> (f64, f64) {
+    pub(super) fn measure(&self, left: &SurvivingRanks, age: f64, watch: &Watch<'_>) -> (f64, f64) {
         let top = self.top(left);
         let aged = (!self.stiffness.is_equal()).then(|| self.evolution.at(age));
-        let touched = self.touched(left, aged.as_ref());
+        let touched = self.touched(left, aged.as_ref(), watch);
         let count = (self.untouched(left, top) + touched[0]) / left.newborn;
         let stiffness = if aged.is_some() {
             (touched[1] + self.untouched_stiffness(left, top, age)) / left.newborn
@@ -429,7 +454,7 @@ impl RankedThresholds {
     }
 
     fn count(&self, left: &SurvivingRanks) -> f64 {
-        self.untouched(left, self.top(left)) + self.touched(left, None)[0]
+        self.untouched(left, self.top(left)) + self.touched(left, None, &Watch::new(&mut ()))[0]
     }
 
     /// The fraction of fresh contacts above the band, without point masses.
@@ -478,7 +503,14 @@ impl RankedThresholds {
 
     /// ∫ P_ci e^{−A} dh_0 over the band above c and over point masses; and the same with the present threshold as a factor, if
     /// thresholds are given.
-    fn touched(&self, left: &SurvivingRanks, aged: Option<&ThresholdsAtAge<'_>>) -> [f64; 2] {
+    fn touched(
+        &self,
+        left: &SurvivingRanks,
+        aged: Option<&ThresholdsAtAge<'_>>,
+        watch: &Watch<'_>,
+    ) -> [f64; 2] {
+        /// Panels between two checks whether to stop: those beyond the ones that are kept are made anew.
+        const MANY: usize = 1 << 8;
         let mut sums = [0.0; 2];
         for (atom, (fraction, exponent)) in self.atoms.iter().zip(&left.atoms) {
             let survivors = atom.weight * fraction * (-exponent).exp();
@@ -486,7 +518,10 @@ impl RankedThresholds {
             sums[1] += aged.map_or(0.0, |aged| survivors * aged.threshold(atom.position));
         }
         let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return sums };
-        for (exponents, number) in band.exponents.iter().zip(band.first..) {
+        for (place, (exponents, number)) in band.exponents.iter().zip(band.first..).enumerate() {
+            if place % MANY == MANY - 1 && watch.stops() {
+                break;
+            }
             let panel = grid.kept(number);
             let [count, stiffness] = vectorised(
                 #[inline(always)]
@@ -605,7 +640,7 @@ mod tests {
         let mut bands = Vec::new();
         for (by, duration) in [(0.9, 1.0), (0.01, 1e3), (0.0, 1e6), (0.01, 1.0), (0.0, 1e9), (0.1, 1e3)] {
             let path = Path { duration, by };
-            ranks.advance(place, &mut left, &path, (0.0, 1.0));
+            ranks.advance(place, &mut left, &path, (0.0, 1.0), &Watch::new(&mut ()));
             (place.stretch, place.age) = (place.stretch + by, place.age + duration);
             bands.push(left.band.as_ref().unwrap().exponents.len());
         }
