@@ -279,7 +279,7 @@ fn thin_layers_go_on_from_layers_that_are_resolved_at_a_temperature() {
         for x in (1..70).map(|k| 0.01 * f64::from(k)) {
             let left = |life: &Life| life.survival().curve().value(x);
             let expected = 3.0 * (left(first) - left(second)) + left(third);
-            let apart = (left(&thin) - expected).abs();
+            let apart = (left(thin) - expected).abs();
             // Seven times what resolved ones are off by, and the third difference of what diffusion changes: 1e-3 of it at an
             // edge, where it is 2√D/v = 4e-3 at most, and falls within ten of these lengths.
             let curved = if (x - 0.4).abs().min((x - 0.6).abs()) < 0.045 { 4e-6 } else { 0.0 };

@@ -121,7 +121,7 @@ impl OmoriLikelihood {
             return None;
         }
         // Where the times do not tell c from 0 its row is 0, and p is estimated for c = 0.
-        let flat = !(matrix[1][1] > 1e-6);
+        let flat = matrix[1][1].is_nan() || matrix[1][1] <= 1e-6;
         let known: Vec<usize> = (0..n).filter(|&i| i != 1 || !flat).collect();
         let variances = inverse_diagonal(&matrix, &known)?;
         let delay = place[1].exp();
@@ -150,7 +150,7 @@ fn inverse_diagonal(matrix: &[Vec<f64>], known: &[usize]) -> Option<Vec<f64>> {
     // Gauss–Jordan elimination; the pivots of a positive definite matrix are above 0.
     for pivot in 0..n {
         let by = rows[pivot][pivot];
-        if !(by > 0.0) {
+        if by.is_nan() || by <= 0.0 {
             return None;
         }
         rows[pivot].iter_mut().for_each(|value| *value /= by);

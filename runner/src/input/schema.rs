@@ -95,10 +95,15 @@ fn combinations() -> Vec<Value> {
             any(["contacts.stiffness_per_threshold", "contacts.areas"].map(key)),
         ),
         // Contacts that are coupled one by one, and cells of many.
+        refuses(all([single.clone(), key("renormalisation")]), timed.clone()),
+        implies(key("interface.main_shocks"), single.clone()),
         refuses(
             single,
             any([
-                timed.clone(),
+                key("contacts.delay"),
+                key("contacts.ageing.smoluchowski"),
+                key("contacts.ageing.mean_field"),
+                key("interface.slip_rates"),
                 key("interface.slip"),
                 key("interface.viscosity"),
                 key("interface.mass"),

@@ -184,7 +184,7 @@ fn dawson_root(level: f64, mut x: f64) -> f64 {
         let dawson = dawson_by_table(x);
         let step = dawson * (level - x * x - dawson.ln());
         x = (x + step).max(0.25 * x);
-        if !(step.abs() > CONVERGED * x) {
+        if step.is_nan() || step.abs() <= CONVERGED * x {
             break;
         }
     }
@@ -216,7 +216,7 @@ fn cubic_root(level: f64, mut w: f64) -> f64 {
         let gain = cubic(root);
         let step = gain * (gain.ln() - w * root - level);
         w = (w + step).max(0.0);
-        if !(step.abs() > CONVERGED * w) {
+        if step.is_nan() || step.abs() <= CONVERGED * w {
             break;
         }
     }
