@@ -32,7 +32,7 @@ TABLES = {
 HEADINGS = {
     "pull": ["`[pull]`"],
     "drive": ["`[drive]`\n", "`[[protocol]]`\n", "`[[protocol]] with [block]"],
-    "interface_drive": ["`[drive] with [interface]"],
+    "interface_drive": ["`[drive] with [interface]", "`[drive] or [[protocol]] with [interface]"],
     "protocol": ["`[[protocol]]`\n"],
     "block_protocol": ["`[[protocol]] with [block]"],
     "velocity_curve": ["`[velocity_curve]`"],
