@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use asperity::Error;
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Start, Temperature, ThresholdEvolution};
 use asperity::ensemble::lattice::{Avalanche, Edges, Lattice, LatticeCoupling, Shape, Until};
@@ -10,7 +12,9 @@ use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
 use asperity::master::MasterEquation;
+use asperity::monitor::Monitor;
 use asperity::random::{Purpose, Stream};
+use asperity::task::interface::{DrivenContacts, DrivenContactsInTime, DrivenInterface, LoadPointMotion};
 use common::{gaussian, initial, lognormal, point, rectangular};
 
 const SEED: u64 = 3;
@@ -516,6 +520,35 @@ fn what_cannot_be_followed_is_refused() {
 }
 
 /// A relaxed start breaks what is above its threshold at t = 0, together.
+/// Stops at the first question after some.
+struct StopsAfter(u32);
+
+impl Monitor for StopsAfter {
+    fn progress(&mut self, _: f64) -> ControlFlow<()> {
+        self.0 = self.0.saturating_sub(1);
+        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// After a hold that was stopped the load point moves on at its velocity: drive and time grow together again.
+#[test]
+fn a_stopped_hold_is_left_behind() {
+    let (velocity, to) = (0.1, 2.0);
+    let contacts = contacts(gaussian(1.0, 0.1), &(warm(0.05, 2.0, Barrier::Elastic), None));
+    let lattice = lattice(&contacts, &rectangular(0.0, 0.5), &square(8, Edges::Open, 0.2), velocity);
+    let driven = DrivenContacts { lattice, chain: false };
+    let mut driven = DrivenContactsInTime::new(driven, LoadPointMotion::Velocity(velocity));
+    assert!(driven.advance(1.0, u64::MAX, &mut (), &mut |_| ()).unwrap());
+    // The first question is that of the change of the velocity, the second that of the first event.
+    assert_eq!(driven.hold_with(1e6, &mut StopsAfter(2)), Err(Error::Stopped));
+    let begun = driven.time();
+    assert!(driven.advance(to, u64::MAX, &mut (), &mut |_| ()).unwrap());
+    assert_eq!(driven.drive(), to);
+    // Sums of times of some tens.
+    let apart = driven.time() - begun - (to - 1.0) / velocity;
+    assert!(apart.abs() < 1e-12 * driven.time(), "{apart:e}");
+}
+
 #[test]
 fn a_relaxed_start_breaks_at_once() {
     let contacts = contacts(point(1.0), &(warm(0.05, 1.0, Barrier::Bell), None));

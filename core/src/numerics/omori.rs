@@ -219,7 +219,7 @@ mod tests {
         }
     }
 
-    /// A pure power law has no delay: p follows from the window of the times alone.
+    /// Of fewer than 30 times, and of times without aftershocks.
     #[test]
     fn without_aftershocks_or_times_there_is_no_law() {
         assert_eq!(fit_omori(&[1.0; 29], 2.0), None);

@@ -8,8 +8,7 @@ use crate::{Error, Result};
 
 /// Ratio of the time of a step to that of the last one, per displacement, below which there is no balance.
 const LOST: f64 = 1e-6;
-/// Ratio between the first two times of the search for a balance, near the expected one, and the largest between later ones.
-const NEAR: f64 = 1.05;
+/// Ratio between times of the search for a balance.
 const LONGER: f64 = 8.0;
 /// Accuracy of the force in balance, in tolerances.
 const ACCURACY: f64 = 0.01;
@@ -59,26 +58,17 @@ impl CreepBalance<'_> {
     ) -> Result<Balance> {
         let left = self.ramp.end - time;
         let usual = (slowness * by).min(left);
-        // Steps are so short that the time of one differs little from that of the last: the search widens from there.
-        let (mut low, mut high, mut ratio) = (usual, usual, NEAR);
-        if self.excess(contacts, time, by, usual)? < 0.0 {
-            loop {
-                if low <= LOST * usual {
-                    return Ok(Balance::Lost);
-                }
-                (low, high) = ((low / ratio).max(LOST * usual), low);
-                ratio = (ratio * ratio).min(LONGER);
-                if self.excess(contacts, time, by, low)? >= 0.0 {
-                    break;
-                }
+        let (mut low, mut high) = (LOST * usual, usual);
+        if self.excess(contacts, time, by, high)? < 0.0 {
+            if self.excess(contacts, time, by, low)? < 0.0 {
+                return Ok(Balance::Lost);
             }
         } else {
             loop {
                 if high >= left {
                     return Ok(Balance::Later);
                 }
-                (low, high) = (high, (ratio * high).min(left));
-                ratio = (ratio * ratio).min(LONGER);
+                (low, high) = (high, (LONGER * high).min(left));
                 if self.excess(contacts, time, by, high)? < 0.0 {
                     break;
                 }

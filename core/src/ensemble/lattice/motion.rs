@@ -99,6 +99,11 @@ impl Lattice {
         self.clocks.as_ref().map(|clocks| clocks.velocity())
     }
 
+    /// Whether it was stopped within an avalanche, which is then the next event.
+    pub(crate) fn is_within_avalanche(&self) -> bool {
+        self.ongoing.is_some()
+    }
+
     /// The present time; 0 without a velocity.
     pub fn time(&self) -> f64 {
         self.clocks.as_ref().map_or(0.0, |clocks| clocks.time())

@@ -49,7 +49,8 @@ impl DrivenContactsInTime {
     /// Holds the load point for a duration, through the events in it.
     ///
     /// # Errors
-    /// A duration that is not a finite number, 0 or above; a load point along a history; stopped by the monitor.
+    /// A duration that is not a finite number, 0 or above; a load point along a history; stopped by the monitor, after which the load
+    /// point moves on from there.
     pub fn hold_with(&mut self, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         not_negative("duration", duration)?;
         let Some(velocity) = self.velocity() else {
@@ -116,7 +117,12 @@ impl DrivenInterface for DrivenContactsInTime {
     ) -> Result<bool> {
         for _ in 0..most {
             let history = match &self.motion {
-                LoadPointMotion::Velocity(_) => {
+                LoadPointMotion::Velocity(velocity) => {
+                    // A hold that was stopped has left the contacts at rest.
+                    let lattice = &mut self.contacts.lattice;
+                    if lattice.velocity() != Some(*velocity) && !lattice.is_within_avalanche() {
+                        lattice.set_velocity_with(*velocity, monitor)?;
+                    }
                     if self.next(Until::Drive(to), monitor, each)? {
                         return Ok(true);
                     }
