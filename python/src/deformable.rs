@@ -166,6 +166,7 @@ impl Deformable {
         signature = (steps, *, tolerance = None, catalogue_from = Real::new(0.0), slip_rates = None, main_shocks: "tuple[int, float] | tuple[int, float, int] | None" = None, progress: "_Progress" = None, threads = None),
         text_signature = "($self, steps, *, tolerance=None, catalogue_from=0.0, slip_rates=None, main_shocks=None, progress=None, threads=None)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn follow(
         slf: &Bound<'_, Self>,
         steps: Argument<Vec<Bound<'_, Step>>>,
