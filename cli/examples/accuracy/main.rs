@@ -30,8 +30,8 @@ const HEAD: &str = "\
 Each entry is for a pull over five mean thresholds without `master_equation.tolerance`. The first number is the estimated
 error of $F/(N_c\\langle k\\rangle \\bar x)$ (`accuracy` in `summary.json`), rounded up to a power of ten. The second is the cost,
 in units of a pull with Gaussian thresholds of coefficient of variation 0.05, measured in the same run. Costs have at most two
-significant digits and depend on the machine; accuracies do not. There is no entry for a pull that takes more than 20 000
-units or is refused.
+significant digits and depend on the machine; accuracies do not. No pull is refused, and none takes more than 20 000 units:
+`make accuracy` fails otherwise.
 ";
 
 /// What came of a scenario.
