@@ -70,6 +70,33 @@ viscosity = 0.3
 slip_rates = 100
 ";
 
+/// Avalanches of contacts that break thermally, at a velocity.
+const CONTACTS_IN_TIME: &str = "
+title = 'Avalanches with temperature'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.count = 4096
+contacts.temperature = { energy = 0.005, attempt_rate = 1.0, barrier = 'bell' }
+contacts.ageing.logarithmic = { growth = 0.01, time = 1.0 }
+initial.rectangular = { min = 0.0, max = 0.5 }
+interface = { cells = [64, 64], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2 }
+drive = { distance = 60.0, points = 11, maps = [20.0, 40.0], velocity = 1e-3 }
+";
+
+/// The same contacts along a protocol with a hold.
+const CONTACTS_HELD: &str = "
+title = 'Avalanches with temperature, and a hold'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.count = 4096
+contacts.temperature = { energy = 0.005, attempt_rate = 1.0, barrier = 'bell' }
+initial.rectangular = { min = 0.0, max = 0.5 }
+interface = { cells = [64, 64], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2 }
+protocol = [
+    { velocity = 1e-3, distance = 20.0, points = 11 },
+    { hold = 1e4, points = 3 },
+    { velocity = 1e-2, distance = 160.0, points = 11 },
+]
+";
+
 /// Cells of few contacts, many events.
 const FEW: &str = "
 [ensemble]
@@ -167,6 +194,17 @@ fn cells_in_time_that_are_killed_and_interrupted_give_the_same_bytes() {
         5,
         &[(5, "-KILL"), (15, "-KILL"), (20, "-INT"), (25, "-KILL")],
     );
+}
+
+#[test]
+fn contacts_in_time_that_are_killed_and_interrupted_give_the_same_bytes() {
+    for scenario in [CONTACTS_IN_TIME, CONTACTS_HELD] {
+        same_bytes_after(
+            scenario,
+            1000,
+            &[(1000, "-KILL"), (5000, "-INT"), (9000, "-KILL"), (12_000, "-INT")],
+        );
+    }
 }
 
 /// Ends a run with checkpoints every so many events by signals after numbers of them, and then lets it go on.

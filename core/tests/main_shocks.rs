@@ -1,5 +1,9 @@
 //! Lattices in time as a task: what is recorded, and foreshocks and aftershocks counted pair by pair.
 
+use std::ops::ControlFlow;
+
+use asperity::Error;
+use asperity::monitor::Monitor;
 use asperity::record::Record;
 use asperity::scenario::Scenario;
 use asperity::task::Output;
@@ -115,6 +119,35 @@ fn main_shocks_are_those_of_all_pairs() {
             assert!((sum * mean / shown - 1.0).abs() < 1e-10, "{name}: {} {shown}", sum * mean);
         }
     }
+}
+
+/// Counts how often it is asked once the drive is over, and stops the work after `most` times.
+struct Counted {
+    asked: usize,
+    most: usize,
+}
+
+impl Monitor for Counted {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        self.asked += usize::from(fraction >= 1.0);
+        if self.asked > self.most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Small events are compared with most of the others if main shocks are small and the window is long.
+#[test]
+fn looking_for_main_shocks_can_be_stopped() {
+    let mut asked = scenario([24, 24], "periodic", false);
+    asked["drive"] = json!({ "distance": 20.0, "points": 11 });
+    asked["interface"]["main_shocks"] = json!({ "size": 1, "window": 1000.0, "distance": 1 });
+    let scenario: Scenario = serde_json::from_value(asked).unwrap();
+    let (drive, model) = (scenario.drive.as_ref().unwrap(), scenario.build().unwrap());
+    let mut patient = Counted { asked: 0, most: usize::MAX };
+    drive.run_interface(&model, &mut patient).unwrap();
+    // The drive itself ends with one or two calls.
+    assert!(patient.asked > 5, "{}", patient.asked);
+    let mut impatient = Counted { asked: 0, most: patient.asked - 1 };
+    assert!(matches!(drive.run_interface(&model, &mut impatient), Err(Error::Stopped)));
 }
 
 /// A drive at a velocity, and the protocol of one step at that velocity, give the same events; a hold has events, too.

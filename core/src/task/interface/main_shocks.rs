@@ -1,6 +1,7 @@
 //! Foreshocks and aftershocks: the rate of events around main shocks, averaged over these, and Omori's law for it.
 
 use crate::Result;
+use crate::monitor::{Monitor, report};
 use crate::numerics::omori::{OmoriFit, fit_omori};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Interface, MainShocks};
@@ -14,6 +15,9 @@ const PER_DECADE: usize = 5;
 
 /// Decades below the window over which the rate is given.
 const DECADES: usize = 6;
+
+/// Pairs of events that are compared between two calls of the monitor: some milliseconds.
+const ASKED: usize = 1 << 20;
 
 /// Columns of the rate around main shocks; the first is a time, or for contacts without time a drive.
 pub(super) const COLUMNS: [Column; 3] = [
@@ -65,12 +69,13 @@ struct Stacked {
 /// each other.
 ///
 /// # Errors
-/// Columns that cannot be read.
+/// Columns that cannot be read; stopped by the monitor.
 pub fn read(
     interface: &Interface,
     clock: &str,
     found: &mut Found<'_>,
     record: &mut Record,
+    monitor: &mut dyn Monitor,
 ) -> Result<Option<MainShockNumbers>> {
     let Some(chosen) = &interface.main_shocks else { return Ok(None) };
     let mut column = |name: &str| -> Result<Vec<f64>> {
@@ -84,7 +89,7 @@ pub fn read(
     if !(window.is_finite() && window > 0.0) {
         return Ok(None);
     }
-    let stacked = events.around_mains(chosen, window);
+    let stacked = events.around_mains(chosen, window, monitor)?;
     let share = events.share(chosen);
     // Mean number of events within the distance, per unit of the variable, around all main shocks.
     let mean = stacked.mains as f64 * share * events.at.len() as f64 / span;
@@ -136,31 +141,36 @@ impl Events<'_> {
     }
 
     /// The main shocks, and the events around them.
-    fn around_mains(&self, chosen: &MainShocks, window: f64) -> Stacked {
+    fn around_mains(&self, chosen: &MainShocks, window: f64, monitor: &mut dyn Monitor) -> Result<Stacked> {
         let mut stacked = Stacked { mains: 0, after: Vec::new(), before: Vec::new() };
         let (first, last) = (self.at[0], self.at[self.at.len() - 1]);
+        let mut compared = 0;
         for main in 0..self.at.len() {
             let at = self.at[main];
             if self.size[main] < chosen.size as f64 || at - window < first || at + window > last {
                 continue;
             }
             let all = self.between(at - window, at + window);
-            let near: Vec<usize> =
-                all.filter(|&other| other != main && self.are_near(chosen, main, other)).collect();
+            compared += all.len();
+            if compared > ASKED {
+                compared = 0;
+                report(monitor, 1.0)?;
+            }
+            let near = |&other: &usize| other != main && self.are_near(chosen, main, other);
             // Of two that are equally large the first is the main shock.
             let larger = |&other: &usize| {
                 self.size[other] > self.size[main] || self.size[other] == self.size[main] && other < main
             };
-            if near.iter().any(larger) {
+            if all.clone().filter(near).any(|other| larger(&other)) {
                 continue;
             }
             stacked.mains += 1;
-            for other in near {
+            for other in all.filter(near) {
                 let apart = self.at[other] - at;
                 if other > main { stacked.after.push(apart) } else { stacked.before.push(-apart) }
             }
         }
-        stacked
+        Ok(stacked)
     }
 
     /// The fraction of all events within the distance of a place, on average over the places of events.

@@ -203,7 +203,7 @@ fn drive<D: DrivenInterface>(
     let mut rates = Record::default();
     let catalogue = Catalogue {
         from: if interface.catalogue_from > 0.0 { from } else { 0.0 },
-        main_shocks: main_shocks::read(interface, D::CLOCK, &mut found, &mut rates)?,
+        main_shocks: main_shocks::read(interface, D::CLOCK, &mut found, &mut rates, monitor)?,
         ..catalogue::read::<D>(interface, units, &mut found)?
     };
     let numbers = InterfaceNumbers { catalogue };
