@@ -6,12 +6,13 @@ use super::attached::{AttachedContact, Segment, segments};
 use super::contact::TOGETHER;
 use super::diffusion::ThresholdDiffusion;
 use crate::Result;
-use crate::contacts::{Ageing, Label, Stiffness, Temperature, ThresholdEvolution};
+use crate::contacts::{Ageing, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory};
 use crate::history::History;
 use crate::monitor::Monitor;
 use crate::numerics::accumulation::integral_reaches;
-use crate::numerics::legendre::RULE;
+use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::roots::brent_root;
+use crate::numerics::wide::vectorised;
 
 /// Parts into which e^{−t/τ} is divided where the thresholds of `frozen_rank` may be non-monotonic.
 const PARTS: u32 = 32;
@@ -95,8 +96,9 @@ impl KnownThreshold {
         segment: &Segment,
         remaining_hazard: &mut f64,
     ) -> Option<f64> {
-        let time_of_passage = self.time_of_passage(held, segment);
-        self.thermal_break(held, segment, time_of_passage, remaining_hazard)
+        let contact = self.evolution.followed(held.newborn);
+        let time_of_passage = self.time_of_passage(&contact, held, segment);
+        self.thermal_break(&contact, held, segment, time_of_passage, remaining_hazard)
             .or((time_of_passage <= segment.end).then_some(time_of_passage))
     }
 
@@ -116,8 +118,12 @@ impl KnownThreshold {
 
     /// When the stretch reaches the threshold, if the segment is long enough; if not, infinite, or for a
     /// constant threshold a time after its end.
-    fn time_of_passage(&self, held: &AttachedContact, segment: &Segment) -> f64 {
-        let contact = self.evolution.followed(held.newborn);
+    fn time_of_passage(
+        &self,
+        contact: &ThresholdTrajectory<'_>,
+        held: &AttachedContact,
+        segment: &Segment,
+    ) -> f64 {
         let gap = |time: f64| held.origin + contact.threshold(time - held.birth) - segment.position(time);
         let mut from = segment.start;
         if gap(from) <= 0.0 {
@@ -170,7 +176,8 @@ impl KnownThreshold {
         segment: &Segment,
         remaining_hazard: &mut f64,
     ) -> bool {
-        self.thermal_break(held, segment, f64::INFINITY, remaining_hazard).is_none()
+        let contact = self.evolution.followed(held.newborn);
+        self.thermal_break(&contact, held, segment, f64::INFINITY, remaining_hazard).is_none()
     }
 
     /// When the contact breaks thermally, if on this segment and before its stretch reaches the threshold.
@@ -179,32 +186,40 @@ impl KnownThreshold {
     /// integration.
     fn thermal_break(
         &self,
+        contact: &ThresholdTrajectory<'_>,
         held: &AttachedContact,
         segment: &Segment,
         time_of_passage: f64,
         remaining_hazard: &mut f64,
     ) -> Option<f64> {
         let temperature = self.temperature?;
-        let rank = self.evolution.rank(held.newborn);
-        let label = Label { newborn: held.newborn, rank: rank.as_ref() };
-        let constant = self.evolution.is_constant().then_some(held.newborn);
         let stretch = segment.position - held.origin;
-        let rate = |elapsed: f64| {
-            let aged = || self.evolution.at(segment.start + elapsed - held.birth);
-            let threshold = constant.unwrap_or_else(|| aged().threshold_of(label));
-            let own = self.stiffness.of(threshold);
-            temperature.rate(stretch + segment.velocity * elapsed, threshold, own)
+        let rates = |elapsed: &Nodal| {
+            let (mut ages, mut stretches) = (*elapsed, *elapsed);
+            for i in 0..NODES {
+                ages[i] = segment.start + elapsed[i] - held.birth;
+                stretches[i] = stretch + segment.velocity * elapsed[i];
+            }
+            temperature.rates(&stretches, &contact.thresholds(&ages), &self.stiffness)
         };
         let span = time_of_passage.min(segment.end) - segment.start;
         if time_of_passage.is_infinite() {
-            return integral_reaches(rate, span, remaining_hazard).map(|elapsed| segment.start + elapsed);
+            let end = integral_reaches(|elapsed| vectorised(|| rates(elapsed)), span, remaining_hazard);
+            return end.map(|elapsed| segment.start + elapsed);
         }
         // Substitution y = √T − √(T − t), T the time of passage, which removes the singularity of the rate at
         // T.
         let root = (time_of_passage - segment.start).sqrt();
         let length = span / (root + (time_of_passage - segment.start - span).sqrt());
         let elapsed = |y: f64| y * (2.0 * root - y);
-        let end = integral_reaches(|y| 2.0 * (root - y) * rate(elapsed(y)), length, remaining_hazard);
+        let substituted = |y: &Nodal| {
+            let mut out = rates(&y.map(elapsed));
+            for i in 0..NODES {
+                out[i] *= 2.0 * (root - y[i]);
+            }
+            out
+        };
+        let end = integral_reaches(|y| vectorised(|| substituted(y)), length, remaining_hazard);
         end.map(|y| segment.start + elapsed(y))
     }
 }

@@ -362,9 +362,10 @@ impl ThresholdTrajectory<'_> {
         match strength.kind {
             Kind::Logarithmic { growth, time } => {
                 for i in 0..NODES {
-                    out[i] = h * (1.0 + growth * ln(1.0 + ages[i] / time));
+                    out[i] = (h * (1.0 + growth * ln(1.0 + ages[i] / time))).max(0.0);
                 }
             }
+            Kind::Constant => out = [*h; NODES],
             Kind::Gaussian { newborn, mature, time } => {
                 let excess = (newborn.std - mature.std) * (newborn.std + mature.std);
                 let z = (h - newborn.mean) / newborn.std;
