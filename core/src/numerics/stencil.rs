@@ -1,5 +1,7 @@
 //! Lagrange interpolation between equally spaced points, of degree 9.
 
+use super::legendre::{NODES, Nodal};
+
 /// Number of points of a stencil.
 pub const POINTS: usize = 10;
 
@@ -35,8 +37,7 @@ impl Stencil {
     /// The stencil for a position `place` in units of the spacing, among `count` ≥ 10 points; not centred
     /// near the ends.
     pub fn at(place: f64, count: usize) -> Self {
-        let first = (place - 0.5 * (POINTS - 2) as f64).floor().clamp(0.0, (count - POINTS) as f64);
-        Self::from(first as usize, place)
+        Self::from(first(place, count) as usize, place)
     }
 
     /// The stencil of the ten points from `first` on.
@@ -91,6 +92,40 @@ impl Stencil {
     }
 }
 
+/// Index of the first point of a stencil.
+#[inline(always)]
+fn first(place: f64, count: usize) -> f64 {
+    (place - 0.5 * (POINTS - 2) as f64).floor().clamp(0.0, (count - POINTS) as f64)
+}
+
+/// The interpolated values of `known`(point) at sixteen positions, as those of [`Stencil::at`]; the weights are computed in
+/// loops that vectorise.
+#[inline(always)]
+pub fn interpolated(places: &Nodal, count: usize, known: impl Fn(usize) -> f64) -> Nodal {
+    let (mut firsts, mut from) = ([0.0; NODES], *places);
+    for i in 0..NODES {
+        firsts[i] = first(places[i], count);
+        from[i] -= firsts[i];
+    }
+    let mut weights = SCALES.map(|scale| [scale; NODES]);
+    let (mut below, mut above) = ([1.0; NODES], [1.0; NODES]);
+    for k in 0..POINTS {
+        let last = POINTS - 1 - k;
+        for i in 0..NODES {
+            weights[k][i] *= below[i];
+            below[i] *= from[i] - k as f64;
+        }
+        for i in 0..NODES {
+            weights[last][i] *= above[i];
+            above[i] *= from[i] - last as f64;
+        }
+    }
+    std::array::from_fn(|i| {
+        let first = firsts[i] as usize;
+        (0..POINTS).map(|k| weights[k][i] * known(first + k)).sum()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -105,5 +140,14 @@ mod tests {
             assert!((stencil.value(|i| f(i as f64)) - f(place)).abs() < 1e-11, "{place}");
             assert!((stencil.slope(|i| f(i as f64)) - slope(place)).abs() < 1e-10, "{place}");
         }
+    }
+
+    #[test]
+    fn sixteen_values_are_those_of_one_after_the_other() {
+        let f = |point: usize| (point as f64).sin();
+        let places: Nodal = std::array::from_fn(|i| 1.3 * i as f64);
+        let values = interpolated(&places, 21, f);
+        // The same operations.
+        assert_eq!(values, places.map(|place| Stencil::at(place, 21).value(f)));
     }
 }

@@ -9,8 +9,9 @@ use crate::law::{Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Part, Watch, report};
 use crate::numerics::diffusion::{Elements, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
+use crate::numerics::logarithm::ln;
 use crate::numerics::roots::brent_root;
-use crate::numerics::stencil::{POINTS, Stencil};
+use crate::numerics::stencil::{POINTS, Stencil, interpolated};
 
 /// Ranks q are tabulated as ψ = ln[q/(1 − q)] at equal steps from −23 to 23: all but 1e-10 of the contacts at
 /// either end.
@@ -92,6 +93,18 @@ pub(crate) struct RankTrajectory<'a> {
 impl RankTrajectory<'_> {
     pub(super) fn threshold(&self, age: f64) -> f64 {
         self.ranks.at(age).ages.value(|row| self.tabulated(row)) + self.rank.beyond
+    }
+
+    /// The thresholds at sixteen ages.
+    #[inline(always)]
+    pub(super) fn thresholds(&self, ages: &Nodal) -> Nodal {
+        let last = (self.ranks.rows.len() - 1) as f64;
+        let mut places = *ages;
+        for place in &mut places {
+            *place = (ln(1.0 + *place / self.ranks.time) / SPACING).min(last);
+        }
+        interpolated(&places, self.ranks.rows.len(), |row| self.tabulated(row))
+            .map(|h| (h + self.rank.beyond).max(0.0))
     }
 
     /// ∂h/∂t.

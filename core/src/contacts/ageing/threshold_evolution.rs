@@ -354,10 +354,13 @@ impl ThresholdTrajectory<'_> {
         if let Self::Ranked(followed) = self { followed.lowest() } else { 0.0 }
     }
 
-    /// h at sixteen ages; the loops of logarithmic ageing and of ranks of Gaussians vectorise.
+    /// h at sixteen ages; the loops vectorise.
     #[inline(always)]
     pub(crate) fn thresholds(&self, ages: &Nodal) -> Nodal {
-        let Self::Affine(strength, h) = self else { return ages.map(|age| self.threshold(age)) };
+        let (strength, h) = match self {
+            Self::Affine(strength, h) => (strength, h),
+            Self::Ranked(followed) => return followed.thresholds(ages),
+        };
         let (ages, mut out) = (*ages, [0.0; NODES]);
         match strength.kind {
             Kind::Logarithmic { growth, time } => {
