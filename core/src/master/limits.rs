@@ -65,7 +65,7 @@ fn athermal(contacts: &Contacts, thresholds: &SharedLaw, monitor: &mut dyn Monit
     Ok(MasterEquation::new_with(bare, &rest, monitor)?.steady_state())
 }
 
-/// The temperature, if there is a closed form for viscous flow: contacts do not age and re-form unstretched.
+/// The temperature, if there is a closed form for slow flow: contacts do not age and re-form unstretched.
 fn temperature_of_simple_contacts(contacts: &Contacts) -> Option<&Temperature> {
     let unstretched = contacts.reforming.survival(0.0) == 0.0;
     let ageless = contacts.rules.ageing.is_none();
