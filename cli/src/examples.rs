@@ -14,7 +14,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 52] = shipped![
+const SHIPPED: [Shipped; 53] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -35,6 +35,7 @@ const SHIPPED: [Shipped; 52] = shipped![
     "avalanches.toml",
     "laboratory.toml",
     "velocity-curve-thermal.toml",
+    "velocity-curve-additive.toml",
     "velocity-curve-delay.toml",
     "velocity-curve-ageing.toml",
     "velocity-curve-mean-field.toml",

@@ -34,7 +34,7 @@ fn main() {
         for share in [0.2, 0.24] {
             let mut contacts = Contacts::new(gaussian.clone(), Arc::new(Point::new(0.0).unwrap()));
             contacts.rules.temperature =
-                barrier.map(|b| Temperature { energy: 0.02, attempt_rate: 1.0, barrier: b });
+                barrier.map(|b| Temperature { barrier: b, ..Temperature::new(0.02, 1.0) });
             contacts.rules.ageing = ageing.clone();
             let coupling = LatticeCoupling::with_alpha(Shape::Square([512, 512]), Edges::Open, share);
             let lattice = Lattice::at(contacts, initial(), &coupling, 0.01, 1, Disorder::Annealed).unwrap();

@@ -28,7 +28,7 @@ fn diffusing() -> Contacts {
 }
 
 fn thermal() -> Contacts {
-    let temperature = Some(Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1.0) });
     contacts(gaussian(1.0, 0.1), Rules { temperature, ..Rules::default() })
 }
 
@@ -69,7 +69,7 @@ fn steps(criterion: &mut Criterion) {
 /// one thread.
 fn pairs(criterion: &mut Criterion) {
     let ageing = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
-    let temperature = |barrier| Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier });
+    let temperature = |barrier| Some(Temperature { barrier, ..Temperature::new(0.02, 1.0) });
     let elastic = temperature(Barrier::Elastic);
     let rows = [
         ("ageing", ageing(), None),
@@ -96,7 +96,7 @@ fn pairs(criterion: &mut Criterion) {
 /// A velocity step behind the spring of a machine over that of a rigid one, at the same tolerance, on one thread.
 fn springs(criterion: &mut Criterion) {
     let ageing = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
-    let temperature = Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.02, 1.0) });
     let mut group = criterion.benchmark_group("velocity step behind a spring");
     group.sample_size(10);
     let pool = pool(1);
@@ -136,7 +136,7 @@ fn steps_from_rest(contacts: &Contacts, tolerance: f64) -> f64 {
 fn points(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("points of a trace");
     group.sample_size(10);
-    let temperature = Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.02, 1.0) });
     let ageing = Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
     let pool = pool(1);
     for (name, temperature) in [("ageing", None), ("temperature and ageing", temperature)] {
@@ -166,7 +166,7 @@ fn lives(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("lives");
     group.sample_size(10);
     let pool = pool(1);
-    let temperature = Some(Temperature { energy: 0.02, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    let temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.02, 1.0) });
     let ageing = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
     let rows =
         [("temperature", None, temperature), ("ageing", ageing(), None), ("both", ageing(), temperature)];

@@ -40,7 +40,7 @@ fn main() {
 }
 
 fn temperature(barrier: Barrier) -> Temperature {
-    Temperature { energy: 0.05, attempt_rate: 1.0, barrier }
+    Temperature { barrier, ..Temperature::new(0.05, 1.0) }
 }
 
 /// CPU seconds of F_k from v = 1e-6 to 1.

@@ -42,7 +42,7 @@ fn diffusing() -> Ageing {
 }
 
 fn warm() -> Rules {
-    let temperature = Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let temperature = Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1.0) };
     Rules { temperature: Some(temperature), ..Rules::default() }
 }
 

@@ -224,8 +224,7 @@ fn contacts_in_time_have_a_covariance() {
     use asperity::contacts::{Ageing, AgeingRule, Barrier, Temperature};
     let plain = Contacts::new(gaussian(1.0, 0.25), gaussian(0.1, 0.03));
     let mut warm = plain.clone();
-    warm.rules.temperature =
-        Some(Temperature { energy: 0.02, attempt_rate: 10.0, barrier: Barrier::Elastic });
+    warm.rules.temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.02, 10.0) });
     let mut aged = plain;
     let rule: Ageing = AgeingRule::Logarithmic { growth: 0.05, time: 1.0 };
     aged.rules.ageing = Some(rule);

@@ -270,7 +270,7 @@ fn steps_are_of_second_order() {
 
 #[test]
 fn the_work_is_found_again() {
-    let temperature = Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let temperature = Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1.0) };
     let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
     let warm = Rules { temperature: Some(temperature), ..Rules::default() };
     let stiffening =

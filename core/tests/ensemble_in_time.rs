@@ -78,7 +78,7 @@ fn contacts_of_other_numbers_are_the_others_of_a_larger_ensemble() {
 }
 
 fn warm() -> Rules {
-    let temperature = Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let temperature = Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1.0) };
     Rules { temperature: Some(temperature), ..Rules::default() }
 }
 

@@ -127,7 +127,7 @@ impl Case {
 }
 
 fn heated(thresholds: SharedLaw, energy: f64, barrier: Barrier) -> Case {
-    let temperature = Temperature { energy, attempt_rate: 1.0, barrier };
+    let temperature = Temperature { barrier, ..Temperature::new(energy, 1.0) };
     Case::with(thresholds, |rules| rules.temperature = Some(temperature))
 }
 
@@ -416,11 +416,11 @@ fn first_passages_of_a_threshold_in_a_parabola() {
 fn diffusion_and_heat_together_have_the_limits_of_each() {
     let mut slow = diffusing(gaussian(1.0, 0.1), gaussian(1.0, 0.1), 1e-12);
     slow.contacts.rules.temperature =
-        Some(Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic });
+        Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1.0) });
     slow.lives(1e-2, 1.6, 0.44526255210);
     let mut cold = diffusing(gaussian(0.5, 0.1), gaussian(1.0, 0.05), 0.0025);
     cold.contacts.rules.temperature =
-        Some(Temperature { energy: 1e-3, attempt_rate: 1e-3, barrier: Barrier::Elastic });
+        Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(1e-3, 1e-3) });
     cold.lives(1.0, 1.4, 0.38468);
 }
 
@@ -436,7 +436,8 @@ fn heat_breaks_at_the_mean_rate_of_diffusing_thresholds() {
     case.initial = point(stretch);
     case.contacts.rules.delay = 1e9.into();
     let attempt_rate = rate / average;
-    case.contacts.rules.temperature = Some(Temperature { energy, attempt_rate, barrier: Barrier::Elastic });
+    case.contacts.rules.temperature =
+        Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(energy, attempt_rate) });
     // ∫(exp(e^{−t}) − 1) dt = 1.3179.
     let share = |time: f64| (-rate * time + rate * rate * 1.3179 * time).exp();
     let trace = case.follow(&pieces(&[(0.0, 100.0)]), &[30.0, 60.0, 100.0]);
@@ -487,7 +488,7 @@ fn same_bits_on_any_number_of_threads() {
     case.size = 2000;
     case.contacts.rules.delay = 0.1.into();
     case.contacts.rules.temperature =
-        Some(Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Bell });
+        Some(Temperature { barrier: Barrier::Bell, ..Temperature::new(0.05, 1.0) });
     let (ensemble, history) = (case.build().unwrap(), pieces(&[(1.0, 2.0), (0.0, 1.0), (2.0, 1.0)]));
     let follow = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

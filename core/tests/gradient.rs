@@ -271,8 +271,7 @@ fn derivatives_of_contacts_in_time_are_those_of_the_force() {
     let plain = Contacts { count: 3.0, ..Contacts::new(law.clone(), gaussian(0.1, 0.03)) };
     let mut warm = plain.clone();
     warm.stiffness = Stiffness::Equal(1.5);
-    warm.rules.temperature =
-        Some(Temperature { energy: 0.04, attempt_rate: 10.0, barrier: Barrier::Elastic });
+    warm.rules.temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.04, 10.0) });
     let mut aged = plain.clone();
     let rule: Ageing = AgeingRule::Logarithmic { growth: 0.05, time: 1.0 };
     aged.rules.ageing = Some(rule);

@@ -250,8 +250,7 @@ fn what_cannot_be_coupled_is_refused() {
     let areas = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts() };
     assert_eq!(make(areas, good), "stiffness.per_threshold");
     let mut warm = contacts();
-    warm.rules.temperature =
-        Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Default::default() });
+    warm.rules.temperature = Some(Temperature { barrier: Default::default(), ..Temperature::new(0.01, 1.0) });
     assert_eq!(make(warm, good), "temperature");
     let vast = square(1 << 20, Edges::Open, 0.2);
     let refused = make(contacts(), vast);

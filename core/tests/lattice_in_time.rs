@@ -21,7 +21,7 @@ const SEED: u64 = 3;
 const BARRIERS: [Barrier; 3] = [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe];
 
 fn warm(energy: f64, attempt_rate: f64, barrier: Barrier) -> Option<Temperature> {
-    Some(Temperature { energy, attempt_rate, barrier })
+    Some(Temperature { barrier, ..Temperature::new(energy, attempt_rate) })
 }
 
 fn logarithmic() -> Ageing {

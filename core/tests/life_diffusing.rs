@@ -229,7 +229,7 @@ fn slow_contacts_are_caught_in_the_lower_tail_of_the_mature_law() {
 
 #[test]
 fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_age() {
-    let temperature = Temperature { energy: 0.05, attempt_rate: 7.0, barrier: Barrier::Bell };
+    let temperature = Temperature { barrier: Barrier::Bell, ..Temperature::new(0.05, 7.0) };
     for stiffness in [Stiffness::Equal(1.3), Stiffness::PerThreshold(1.5)] {
         let mut ageing = contacts(gaussian(1.0, 0.1), gaussian(1.2, 0.1), 1e-12);
         ageing.stiffness = stiffness;
@@ -261,7 +261,7 @@ fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_
 fn warm_edges(barrier: Barrier, diffusion: f64) -> Contacts {
     let newborn = Arc::new(Rectangular::new(0.4, 0.6).unwrap());
     let mut contacts = contacts(newborn, gaussian(1.0, 0.3), diffusion);
-    contacts.rules.temperature = Some(Temperature { energy: 0.02, attempt_rate: 7.0, barrier });
+    contacts.rules.temperature = Some(Temperature { barrier, ..Temperature::new(0.02, 7.0) });
     contacts
 }
 
@@ -377,7 +377,7 @@ fn newborn_thresholds_with_edges_have_the_friction_of_a_finite_difference_soluti
 
 #[test]
 fn what_breaks_is_what_is_no_longer_left() {
-    let warm = Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let warm = Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1.0) };
     let mut hot = reference();
     hot.rules.temperature = Some(warm);
     let steep = contacts(Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.0, 0.2), 0.04);
@@ -489,7 +489,7 @@ fn few_starts_stand_for_narrow_ones_where_contacts_age_at_a_temperature() {
     let mut contacts = Contacts::new(gaussian(1.0, 0.2), Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
     contacts.rules.temperature =
-        Some(Temperature { energy: 0.05, attempt_rate: 10.0, barrier: Barrier::Elastic });
+        Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 10.0) });
     // What cells of a life leave out of it, 1e-13, and what lies beyond seven standard deviations, 1e-12.
     starts_spread_over_a_bell_are_the_mean_of_its_points(&contacts, 0.1, 1e-11);
 }

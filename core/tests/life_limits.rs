@@ -13,7 +13,7 @@ use asperity::population::{Direction, Population};
 use common::{contacts, exponential, gaussian, initial, lognormal, master, point, pulled, rectangular};
 
 fn thermal(energy: f64, barrier: Barrier) -> Rules {
-    Rules { temperature: Some(Temperature { energy, attempt_rate: 1.0, barrier }), ..Rules::default() }
+    Rules { temperature: Some(Temperature { barrier, ..Temperature::new(energy, 1.0) }), ..Rules::default() }
 }
 
 fn ageing(ageing: Ageing) -> Rules {

@@ -21,7 +21,7 @@ struct Case {
 const EQUAL: Stiffness = Stiffness::Equal(1.0);
 
 fn thermal(energy: f64, barrier: Barrier) -> Rules {
-    Rules { temperature: Some(Temperature { energy, attempt_rate: 1.0, barrier }), ..Rules::default() }
+    Rules { temperature: Some(Temperature { barrier, ..Temperature::new(energy, 1.0) }), ..Rules::default() }
 }
 
 fn ageing(ageing: Ageing) -> Rules {

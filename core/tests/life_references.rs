@@ -15,7 +15,7 @@ fn at(thresholds: SharedLaw, rules: Rules, velocity: f64) -> MasterEquation {
 
 /// Thermal breaking at the height E_0/T of the barrier at x̄ = 1, ω = 1.
 fn thermal(height: f64, barrier: Barrier) -> Rules {
-    let temperature = Temperature { energy: 0.5 / height, attempt_rate: 1.0, barrier };
+    let temperature = Temperature { barrier, ..Temperature::new(0.5 / height, 1.0) };
     Rules { temperature: Some(temperature), ..Rules::default() }
 }
 

@@ -11,7 +11,7 @@ use common::{
 };
 
 fn thermal(thresholds: &SharedLaw, energy: f64, barrier: Barrier) -> Contacts {
-    let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
+    let temperature = Some(Temperature { barrier, ..Temperature::new(energy, 1.0) });
     Contacts { rules: Rules { temperature, ..Rules::default() }, ..contacts(thresholds, &point(0.0)) }
 }
 
@@ -107,7 +107,7 @@ fn heat_and_ageing_at_low_temperature_are_ageing() {
     };
     let cold = aged(None).kinetic_friction();
     for energy in [1e-4, 1e-5, 1e-7, 4e-9] {
-        let temperature = Temperature { energy, attempt_rate: 1.0, barrier: Barrier::Elastic };
+        let temperature = Temperature { barrier: Barrier::Elastic, ..Temperature::new(energy, 1.0) };
         let friction = aged(Some(temperature)).kinetic_friction();
         // x_s − x_b ≈ T ln(1 + ωT/v)/x.
         assert!((friction - cold).abs() < 3.0 * energy * (100.0 * energy).ln_1p() + 1e-12, "{energy}");

@@ -31,7 +31,7 @@ impl Monitor for Steps {
 }
 
 fn with(thresholds: SharedLaw, ageing: Option<Ageing>, energy: f64, delay: FreeTime) -> Contacts {
-    let heat = Temperature { energy, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let heat = Temperature { barrier: Barrier::Elastic, ..Temperature::new(energy, 1.0) };
     let temperature = Some(heat).filter(|_| energy > 0.0);
     let free = !matches!(delay, FreeTime::Fixed(0.0));
     let free_friction = FreeFriction { force: if free { 0.1 } else { 0.0 }, viscosity: 0.0 };

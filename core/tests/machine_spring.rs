@@ -23,7 +23,7 @@ fn ageing() -> Contacts {
 
 /// Thermally activated breaking is a direct effect, and ageing an evolution effect that exceeds it.
 fn warm() -> Contacts {
-    let temperature = Some(Temperature { energy: 0.05, attempt_rate: 1e3, barrier: Barrier::default() });
+    let temperature = Some(Temperature { barrier: Barrier::default(), ..Temperature::new(0.05, 1e3) });
     let ageing = Some(Ageing::Logarithmic { growth: 0.2, time: 1.0 });
     contacts(Rules { temperature, ageing, ..Rules::default() })
 }

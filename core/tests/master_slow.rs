@@ -10,7 +10,7 @@ use common::{contacts, gaussian, initial, point};
 /// cells of the solution are as many as there are doublings of X, not as there are lives.
 #[test]
 fn a_pull_over_many_lives_is_solved_in_cells_that_grow() {
-    let temperature = Temperature { energy: 0.21, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let temperature = Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.21, 1.0) };
     let rules = Rules { temperature: Some(temperature), ..Rules::default() };
     let warm = Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let equation = MasterEquation::at(warm, &initial(&point(0.0)), 1e-12).unwrap();

@@ -26,7 +26,7 @@ fn with(rules: Rules, contacts: Contacts) -> Contacts {
 }
 
 fn warm(energy: f64) -> Option<Temperature> {
-    Some(Temperature { energy, attempt_rate: 1.0, barrier: Barrier::Elastic })
+    Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(energy, 1.0) })
 }
 
 fn diffusing(diffusion: f64) -> Option<Ageing> {

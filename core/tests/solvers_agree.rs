@@ -42,7 +42,7 @@ fn laws() -> Vec<(&'static str, SharedLaw)> {
 
 fn rules() -> Vec<(&'static str, Rules)> {
     let warm = |barrier, energy| Rules {
-        temperature: Some(Temperature { energy, attempt_rate: 1.0, barrier }),
+        temperature: Some(Temperature { barrier, ..Temperature::new(energy, 1.0) }),
         ..Rules::default()
     };
     let ageing = |rule| Rules { ageing: Some(rule), ..Rules::default() };

@@ -23,7 +23,7 @@ fn contacts(thresholds: SharedLaw, rules: Rules) -> Contacts {
 }
 
 fn rules(ageing: Option<Ageing>, temperature: f64, delay: f64) -> Rules {
-    let heat = Temperature { energy: temperature, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let heat = Temperature { barrier: Barrier::Elastic, ..Temperature::new(temperature, 1.0) };
     Rules {
         ageing,
         temperature: Some(heat).filter(|_| temperature > 0.0),

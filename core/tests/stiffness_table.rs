@@ -234,7 +234,7 @@ fn what_needs_equal_stiffnesses_is_refused() {
         other => panic!("{other}"),
     };
     let mut warm = table.clone();
-    warm.rules.temperature = Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    warm.rules.temperature = Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.01, 1.0) });
     assert_eq!(key(warm.check(&Initial::default()).unwrap_err()), "stiffness.of_threshold");
     let mut delayed = table.clone();
     delayed.rules.delay = 0.5.into();

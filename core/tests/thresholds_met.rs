@@ -12,7 +12,7 @@ fn at(contacts: Contacts, velocity: f64) -> MasterEquation {
 }
 
 fn warm(energy: f64) -> Rules {
-    let temperature = Temperature { energy, attempt_rate: 1.0, barrier: Barrier::Elastic };
+    let temperature = Temperature { barrier: Barrier::Elastic, ..Temperature::new(energy, 1.0) };
     Rules { temperature: Some(temperature), ..Rules::default() }
 }
 

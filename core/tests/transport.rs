@@ -16,7 +16,7 @@ fn conditional(law: SharedLaw) -> Initial {
 }
 
 fn thermal(barrier: Barrier, energy: f64) -> Rules {
-    let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
+    let temperature = Some(Temperature { barrier, ..Temperature::new(energy, 1.0) });
     Rules { temperature, ..Rules::default() }
 }
 
@@ -349,7 +349,7 @@ fn rules_that_fade_leave_athermal_contacts() {
     };
     let athermal = force(Rules::default());
     let slow = |diffusion| ageing(Ageing::Smoluchowski { mature: gaussian(1.2, 0.1), diffusion });
-    let faint = Temperature { energy: 0.05, attempt_rate: 1e-7, barrier: Barrier::Elastic };
+    let faint = Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 1e-7) };
     for (rules, left) in [
         // Contacts broken at the rate 1e-7 at most; strengthened by 1e-7 ln 4.3; spread by √(2·3.3e-9), times slopes of 1.
         (Rules { temperature: Some(faint), ..Rules::default() }, 1e-6),

@@ -30,7 +30,7 @@ fn rectangular() -> SharedLaw {
 }
 
 fn contacts(thresholds: SharedLaw, barrier: Barrier, energy: f64) -> Contacts {
-    let temperature = Some(Temperature { energy, attempt_rate: RATE, barrier });
+    let temperature = Some(Temperature { barrier, ..Temperature::new(energy, RATE) });
     let rules = Rules { temperature, ..Rules::default() };
     Contacts { rules, ..Contacts::new(thresholds, point(0.0)) }
 }

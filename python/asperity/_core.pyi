@@ -4720,13 +4720,16 @@ class Temperature(Description):
     barrier
         ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
         E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+    hazard
+        "joint", each contact breaks at the rate of its own threshold; "additive", all of one stretch break at the rate
+        of the average contact (O. M. Braun and M. Peyrard, 2010).
 
     Raises
     ------
     TypeError
         For an argument of another type, which the message names.
     ValueError
-        For an energy or an attempt_rate that is not above 0, and another word as barrier.
+        For an energy or an attempt_rate that is not above 0, and another word as barrier or hazard.
 
     Examples
     --------
@@ -4745,6 +4748,7 @@ class Temperature(Description):
         attempt_rate: _Number,
         *,
         barrier: Literal["elastic", "bell", "catastrophe"] = "elastic",
+        hazard: Literal["joint", "additive"] = "joint",
     ) -> Temperature: ...
     @property
     def attempt_rate(self, /) -> float:
@@ -4757,6 +4761,10 @@ class Temperature(Description):
     @property
     def energy(self, /) -> float:
         """The temperature T, an energy."""
+
+    @property
+    def hazard(self, /) -> Literal["joint", "additive"]:
+        """Which contacts break thermally, "joint" or "additive"."""
 
 @final
 class ThresholdResponse:

@@ -231,7 +231,9 @@ fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'_, P
     into.set_item("energy", temperature.energy)?;
     into.set_item("attempt_rate", temperature.attempt_rate)?;
     let other = temperature.barrier != scenario::Barrier::Elastic;
-    given(into, "barrier", other.then(|| convert::barrier(temperature.barrier)))
+    given(into, "barrier", other.then(|| convert::barrier(temperature.barrier)))?;
+    let additive = temperature.hazard != asperity::contacts::Hazard::Joint;
+    given(into, "hazard", additive.then(|| convert::hazard(temperature.hazard)))
 }
 
 /// The arguments that create a model of ageing.

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroU64;
 
+use asperity::contacts::Hazard;
 use asperity::monitor::Monitor;
 use asperity::scenario::{Barrier, Disorder, TaskStart};
 use asperity::task::summary::SlidingKind;
@@ -391,6 +392,15 @@ pub fn disorder(disorder: Disorder) -> &'static str {
     match disorder {
         Disorder::Annealed => "annealed",
         Disorder::Quenched => "quenched",
+    }
+}
+
+/// The word for a hazard.
+pub fn hazard(hazard: Hazard) -> &'static str {
+    match hazard {
+        Hazard::Joint => "joint",
+        Hazard::Additive => "additive",
+        _ => unreachable!("a hazard without a word"),
     }
 }
 

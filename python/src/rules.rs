@@ -29,13 +29,16 @@ fn above_zero(key: &str, value: f64) -> PyResult<f64> {
 /// barrier
 ///     ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
 ///     E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+/// hazard
+///     "joint", each contact breaks at the rate of its own threshold; "additive", all of one stretch break at the rate
+///     of the average contact (O. M. Braun and M. Peyrard, 2010).
 ///
 /// Raises
 /// ------
 /// TypeError
 ///     For an argument of another type, which the message names.
 /// ValueError
-///     For an energy or an attempt_rate that is not above 0, and another word as barrier.
+///     For an energy or an attempt_rate that is not above 0, and another word as barrier or hazard.
 ///
 /// Examples
 /// --------
@@ -51,19 +54,25 @@ pub struct Temperature;
 #[pymethods]
 impl Temperature {
     #[new]
-    #[pyo3(signature = (energy, attempt_rate, *, barrier: "Literal['elastic', 'bell', 'catastrophe']" = Argument::text("elastic")), text_signature = "(energy, attempt_rate, *, barrier='elastic')")]
+    #[pyo3(signature = (energy, attempt_rate, *, barrier: "Literal['elastic', 'bell', 'catastrophe']" = Argument::text("elastic"), hazard: "Literal['joint', 'additive']" = Argument::text("joint")), text_signature = "(energy, attempt_rate, *, barrier='elastic', hazard='joint')")]
     fn new(
         energy: Real,
         attempt_rate: Real,
         barrier: Argument<String>,
+        hazard: Argument<String>,
     ) -> PyResult<PyClassInitializer<Self>> {
         let barrier = barrier.get("barrier")?;
         let energy = energy.get("energy")?;
         let attempt_rate = attempt_rate.get("attempt_rate")?;
         let barrier = convert::word("barrier", &barrier)?;
+        let hazard = convert::word("hazard", &hazard.get("hazard")?)?;
         above_zero("energy", energy)?;
         above_zero("attempt_rate", attempt_rate)?;
-        let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });
+        let plain = Plain::Temperature(scenario::Temperature {
+            barrier,
+            hazard,
+            ..scenario::Temperature::new(energy, attempt_rate)
+        });
         Ok(Description::new(plain).add_subclass(Self))
     }
 
@@ -83,6 +92,12 @@ impl Temperature {
     #[getter]
     fn barrier(slf: &Bound<'_, Self>) -> typed::BarrierWord {
         typed::BarrierWord(convert::barrier(Self::plain(slf).barrier))
+    }
+
+    /// Which contacts break thermally, "joint" or "additive".
+    #[getter]
+    fn hazard(slf: &Bound<'_, Self>) -> typed::HazardWord {
+        typed::HazardWord(convert::hazard(Self::plain(slf).hazard))
     }
 }
 

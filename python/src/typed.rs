@@ -129,6 +129,7 @@ words! {
     StartWord: "Literal['conditional', 'relaxed', 'steady']",
     DisorderWord: "Literal['annealed', 'quenched']",
     BarrierWord: "Literal['elastic', 'bell', 'catastrophe']",
+    HazardWord: "Literal['joint', 'additive']",
     EdgesWord: "Literal['open', 'periodic']",
     LoadingWord: "Literal['uniform', 'edge']",
     CellSlipWord: "Literal['reset', 'overdamped']",

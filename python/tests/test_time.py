@@ -112,6 +112,7 @@ def test_free_contacts_carry_nothing() -> None:
 def test_rules_are_described() -> None:
     for rule in [
         asp.Temperature(0.05, 2.0, barrier="bell"),
+        asp.Temperature(0.05, 2.0, hazard="additive"),
         asp.Smoluchowski(asp.Gaussian(1.0, 0.05), 0.0025),
         asp.FrozenRank(asp.Gaussian(1.0, 0.05), 1.0),
         asp.Logarithmic(0.02, 1.0),
@@ -133,6 +134,7 @@ def test_rules_are_described() -> None:
             r"step\.velocity: expected a finite number, 0 or above, got -1",
         ),
         (lambda: asp.Temperature(1.0, 1.0, barrier="high"), "barrier"),  # type: ignore[arg-type]
+        (lambda: asp.Temperature(1.0, 1.0, hazard="none"), "hazard"),  # type: ignore[arg-type]
         (lambda: asp.Transport(THERMAL).follow([]), "steps: expected at least one step"),
     ],
 )

@@ -17,9 +17,10 @@ pub struct Key {
 const HEAD: &str = "| key | default | meaning |";
 
 /// Where the page explains a key further.
-const LINKS: [(&str, &str); 6] = [
+const LINKS: [(&str, &str); 7] = [
     ("contacts.background_force", "[theory](theory.md#background-force)"),
     ("contacts.temperature.barrier", "[theory](theory.md#time)"),
+    ("contacts.temperature.hazard", "[theory](theory.md#temperature)"),
     ("pull.start", "[theory](theory.md#conventions)"),
     ("block.slip", "[theory](theory.md#a-block-of-finite-stiffness)"),
     ("interface.contacts", "[theory](theory.md#contacts-coupled-one-by-one)"),

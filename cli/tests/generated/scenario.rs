@@ -127,6 +127,7 @@ impl Schema {
             ("Law", "initial"),
             ("Ageing", "contacts.ageing"),
             ("Barrier", "contacts.temperature.barrier"),
+            ("Hazard", "contacts.temperature.hazard"),
             ("Slip", "block.slip"),
             ("CellSlip", "interface.slip"),
             ("PerCell", "interface.contacts"),

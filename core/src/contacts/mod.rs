@@ -2,6 +2,7 @@
 //! rules.
 
 mod ageing;
+mod averaged_rate;
 mod free_time;
 mod stiffness;
 mod temperature;
@@ -14,9 +15,10 @@ pub(crate) use ageing::{
 pub use ageing::{
     Ageing, AgeingRule, Closure, SharedRanks, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge,
 };
+pub(crate) use averaged_rate::AveragedRate;
 pub use free_time::FreeTime;
 pub use stiffness::{Stiffness, StiffnessTable};
-pub use temperature::{Barrier, Temperature};
+pub use temperature::{Barrier, Hazard, Temperature};
 
 use std::sync::Arc;
 
@@ -42,7 +44,7 @@ pub struct Contacts {
 }
 
 /// The microscopic rules that make contacts time-dependent. All can be combined, except [`Ageing::MeanField`]
-/// with temperature.
+/// with temperature, and [`Hazard::Additive`] with ageing.
 #[derive(Debug, Clone, Default)]
 pub struct Rules {
     /// Thermally activated breaking below the threshold.
@@ -84,6 +86,15 @@ impl Rules {
                     format!("an energy of {}", temperature.energy),
                 ));
             }
+        }
+        if let (Some(temperature), Some(ageing)) = (&self.temperature, &self.ageing)
+            && temperature.is_additive()
+        {
+            let expected = format!(
+                "hazard = \"joint\" beside ageing.{}: the average over thresholds is that of P_c, which ageing changes",
+                ageing.name()
+            );
+            return Err(Error::invalid("temperature.hazard", expected, "additive"));
         }
         if let Some(ageing) = &self.ageing {
             ageing.check(newborn).map_err(|e| e.under(ageing.name()).under("ageing"))?;
@@ -154,6 +165,16 @@ impl Contacts {
         }
         let expected = "no table where contacts are followed in time: stiffness or stiffness_per_threshold, equal or proportional to the threshold";
         Err(Error::invalid("stiffness.of_threshold", expected, "a table"))
+    }
+
+    /// Refuses thermal breaking at the rate of the average contact, where a solver follows how many contacts of each threshold
+    /// break.
+    pub(crate) fn break_by_own_threshold(&self) -> Result<()> {
+        if !self.rules.temperature.is_some_and(|temperature| temperature.is_additive()) {
+            return Ok(());
+        }
+        let expected = "hazard = \"joint\" where each contact breaks by its own threshold: where the velocity varies, and where contacts are coupled one by one";
+        Err(Error::invalid("temperature.hazard", expected, "additive"))
     }
 
     /// Refuses stiffnesses that depend on the threshold.

@@ -22,6 +22,20 @@ pub enum Barrier {
     Catastrophe,
 }
 
+/// Which contacts break thermally: those with low barriers, or any.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Hazard {
+    /// Each contact breaks at the rate w(x; x_s) of its own threshold, for as long as it holds: weak contacts break first, and
+    /// strong ones remain.
+    #[default]
+    Joint,
+    /// All contacts of one stretch break thermally at one rate, that of the average contact, r_T(x) = ⟨w(x; x_s) | x_s > x⟩, which
+    /// is added to the athermal hazard: P(x) + r_T(x)/v (O. M. Braun and M. Peyrard, Phys. Rev. E 82, 036117 (2010)).
+    Additive,
+}
+
 /// Thermal breaking at the rate w = ω e^{−ΔE/T} below the threshold, and at once at the threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -36,6 +50,10 @@ pub struct Temperature {
     /// The barrier ΔE: `"elastic"`, `"bell"` or `"catastrophe"`.
     #[serde(default)]
     pub barrier: Barrier,
+    /// Which contacts break thermally: `"joint"`, each at the rate of its own threshold, or `"additive"`, all of one stretch at the
+    /// rate of the average contact, as O. M. Braun and M. Peyrard (2010) have it.
+    #[serde(default)]
+    pub hazard: Hazard,
 }
 
 impl Barrier {
@@ -77,7 +95,7 @@ impl Barrier {
 impl Temperature {
     /// Breaking over the elastic barrier.
     pub fn new(energy: f64, attempt_rate: f64) -> Self {
-        Self { energy, attempt_rate, barrier: Barrier::Elastic }
+        Self { energy, attempt_rate, barrier: Barrier::Elastic, hazard: Hazard::Joint }
     }
 
     /// Breaking rate w of a contact of stretch x below its threshold x_s, per time; `stiffness` is its own k.
@@ -116,6 +134,11 @@ impl Temperature {
         let whole = 0.5 * stiffness * threshold * threshold / self.energy;
         let rate = self.attempt_rate * (-whole * self.barrier.height_at(stretch, threshold)).exp();
         (rate, -rate * whole * self.barrier.slope(stretch / threshold) / threshold)
+    }
+
+    /// Whether the rate is that of the average contact.
+    pub(crate) fn is_additive(&self) -> bool {
+        self.hazard == Hazard::Additive
     }
 
     /// Checks the parameters.
@@ -158,7 +181,7 @@ mod tests {
         let thresholds: Nodal = std::array::from_fn(|i| if i == 3 { 0.0 } else { 0.7 + 0.05 * i as f64 });
         for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
             for stiffness in [Stiffness::Equal(2.0), Stiffness::PerThreshold(1.5)] {
-                let temperature = Temperature { energy: 0.05, attempt_rate: 3.0, barrier };
+                let temperature = Temperature { barrier, ..Temperature::new(0.05, 3.0) };
                 let rates = temperature.rates(&stretches, &thresholds, &stiffness);
                 for ((rate, x), h) in rates.iter().zip(stretches).zip(thresholds) {
                     let expected = temperature.rate(x, h, stiffness.of(h));

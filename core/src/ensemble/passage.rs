@@ -1,14 +1,18 @@
 //! The end of a life in time: the stretch reaches the present threshold (first passage), or the contact
 //! breaks thermally before.
 
+use std::sync::Arc;
+
 use super::Ensemble;
 use super::attached::{AttachedContact, Segment, segments};
 use super::contact::TOGETHER;
 use super::diffusion::ThresholdDiffusion;
 use crate::Result;
-use crate::contacts::{Ageing, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory};
+use crate::contacts::{
+    Ageing, AveragedRate, Contacts, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory,
+};
 use crate::history::History;
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::accumulation::integral_reaches;
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::roots::brent_root;
@@ -47,9 +51,21 @@ impl Passage {
             extrema: extrema(contacts.rules.ageing.as_ref(), &evolution),
             evolution,
             temperature: contacts.rules.temperature,
+            averaged: averaged(contacts, monitor)?,
             stiffness: contacts.stiffness.clone(),
         }))
     }
+}
+
+/// The rate of the average contact, where that is the rate at which contacts break.
+///
+/// # Errors
+/// Stopped by the monitor.
+fn averaged(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Arc<AveragedRate>>> {
+    let watch = Watch::new(monitor);
+    let additive = contacts.rules.temperature.filter(Temperature::is_additive);
+    let rate = additive.map(|temperature| Arc::new(AveragedRate::new(contacts, temperature, &watch)));
+    watch.check().map(|()| rate)
 }
 
 /// Ages between which the rate of change of a threshold changes sign at most once, from falling to rising.
@@ -66,6 +82,8 @@ fn extrema(ageing: Option<&Ageing>, evolution: &ThresholdEvolution) -> Vec<f64> 
 pub(super) struct KnownThreshold {
     evolution: ThresholdEvolution,
     temperature: Option<Temperature>,
+    /// The rate that takes the place of that of the contact's own threshold.
+    averaged: Option<Arc<AveragedRate>>,
     stiffness: Stiffness,
     extrema: Vec<f64>,
 }
@@ -192,6 +210,10 @@ impl KnownThreshold {
         time_of_passage: f64,
         remaining_hazard: &mut f64,
     ) -> Option<f64> {
+        if let Some(averaged) = &self.averaged {
+            let end = time_of_passage.min(segment.end);
+            return averaged_break(averaged, segment, held, end, remaining_hazard);
+        }
         let temperature = self.temperature?;
         let stretch = segment.position - held.origin;
         let rates = |elapsed: &Nodal| {
@@ -222,4 +244,28 @@ impl KnownThreshold {
         let end = integral_reaches(|y| vectorised(|| substituted(y)), length, remaining_hazard);
         end.map(|y| segment.start + elapsed(y))
     }
+}
+
+/// When a contact breaks that does so at the rate of the average contact of its stretch, if before `end`: by inversion of the
+/// integral of the rate over the stretch.
+fn averaged_break(
+    rate: &AveragedRate,
+    segment: &Segment,
+    held: &AttachedContact,
+    end: f64,
+    remaining_hazard: &mut f64,
+) -> Option<f64> {
+    let (stretch, span) = (segment.position - held.origin, end - segment.start);
+    let passed = |time: f64| match segment.velocity {
+        0.0 => rate.at(stretch) * time,
+        velocity => rate.integral(stretch, velocity * time) / velocity,
+    };
+    let whole = passed(span);
+    if whole < *remaining_hazard {
+        *remaining_hazard -= whole;
+        return None;
+    }
+    let left = *remaining_hazard;
+    let elapsed = brent_root(|time| passed(time) - left, 0.0, span, 0.0).unwrap_or(span);
+    Some(segment.start + elapsed)
 }

@@ -3,6 +3,7 @@
 //!
 //! All solvers use only these curves. They are the same type for every kind of contact, athermal or time-dependent.
 
+mod additive;
 mod athermal;
 mod births;
 mod breaking;

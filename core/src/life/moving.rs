@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::Life;
+use super::additive::AdditiveHazard;
 use super::athermal::athermal_within;
+use super::breaking_model::BreakingModel;
 use super::cohorts::of_cohorts;
 use super::smoluchowski::FokkerPlanckLife;
 use super::thermal_hazard::blur;
@@ -36,6 +38,7 @@ pub fn moving(
     // Thermal breaking that is lost in rounding is left out: fast sliding has the athermal life,
     // which is cheaper and exact.
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
+    let additive = rules.temperature.filter(Temperature::is_additive);
     let life = match (&rules.ageing, ThresholdFokkerPlanck::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
             let temperature = rules.temperature.filter(|_| thermal);
@@ -49,8 +52,11 @@ pub fn moving(
         }
         (None, _) if !thermal => athermal_within(contacts, starts, conditional, &watch),
         _ => {
-            let timed = Arc::new(Timed::new(contacts, velocity, thermal, &watch)?);
-            of_cohorts(contacts, timed, starts.as_ref(), conditional, &watch)?
+            let model: Arc<dyn BreakingModel> = match additive {
+                Some(temperature) => Arc::new(AdditiveHazard::new(contacts, temperature, velocity, &watch)),
+                None => Arc::new(Timed::new(contacts, velocity, thermal, &watch)?),
+            };
+            of_cohorts(contacts, model, starts.as_ref(), conditional, &watch)?
         }
     };
     watch.check()?;

@@ -136,7 +136,7 @@ const BLURRED: f64 = 1e-6;
 
 /// A length on which survival varies with the stretch of formation: that of P_c; if P_c has edges, that over
 /// which temperature blurs them.
-fn resolution(contacts: &Contacts, hazards: &[Breakpoint]) -> f64 {
+pub(super) fn resolution(contacts: &Contacts, hazards: &[Breakpoint]) -> f64 {
     /// The finest blur that is resolved, per mean threshold.
     const FINEST: f64 = 1e-3;
     let law = contacts.thresholds.as_ref();

@@ -104,6 +104,7 @@ impl DynamicStiffness {
         positive("velocity", velocity)?;
         contacts.check(&crate::contacts::Initial::default())?;
         contacts.have_no_stiffness_table()?;
+        contacts.break_by_own_threshold()?;
         let law = contacts.thresholds.as_ref();
         if contacts.reforming.upper_quantile(0.0) > 0.0 {
             let found = format!("up to {}", contacts.reforming.upper_quantile(0.0));

@@ -29,7 +29,7 @@ impl Limits {
     ///
     /// With ω₀ = w(0; x_s) the breaking rate of an unstretched contact, F_k/v → N_c⟨k ω₀⁻²⟩/(⟨ω₀⁻¹⟩ + τ). For
     /// Gaussian thresholds and the elastic barrier this is finite for T > 2⟨k⟩σ²; otherwise the average is
-    /// dominated by ever fewer, stronger contacts.
+    /// dominated by ever fewer, stronger contacts. With the additive hazard ω₀ is its average ⟨ω₀⟩, and the limit is finite.
     ///
     /// # Errors
     /// Those of [`MasterEquation::new`] for the same contacts without rules.
@@ -77,8 +77,13 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
     let stiffness = |h: f64| contacts.stiffness.of(h);
     let life = |h: f64| temperature.exponent(0.0, h, stiffness(h)) - temperature.attempt_rate.ln();
     let law = contacts.thresholds.as_ref();
-    let carried = ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?;
-    let mean = ln_average(law, life)?;
+    let [carried, mean] = if temperature.is_additive() {
+        // All break at one rate, whatever their threshold.
+        let mean = -ln_average(law, |h| -life(h))?;
+        [ln_average(law, |h| stiffness(h).ln())? + 2.0 * mean, mean]
+    } else {
+        [ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?, ln_average(law, life)?]
+    };
     // ln(⟨ω₀⁻¹⟩ + τ)
     let Rules { ref delay, free_friction, .. } = contacts.rules;
     let free = (delay.mean().ln() - mean).exp().ln_1p();
@@ -101,10 +106,11 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
 /// identical thresholds F_k is right to 1 % wherever `creep` returns it, x_b g' ≥ 6 and ΔE(x_b) ≥ 3T, and
 /// mostly to 0.3 %.
 ///
-/// `None` for contacts that age or re-form stretched, and at velocities outside this regime for the mean
-/// threshold.
+/// `None` for contacts that age or re-form stretched, for the additive hazard, and at velocities outside this regime for the
+/// mean threshold.
 pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
-    let temperature = temperature_of_simple_contacts(contacts)?;
+    let temperature =
+        temperature_of_simple_contacts(contacts).filter(|temperature| !temperature.is_additive())?;
     let law = contacts.thresholds.as_ref();
     let thermal = |h: f64| Thermal::new(temperature, h, contacts.stiffness.of(h), velocity);
     if !thermal(law.mean()).creeps() {

@@ -1,6 +1,6 @@
 //! Checks of tasks with time-dependent contacts.
 
-use super::{Model, Scenario, Task, VelocityCurve};
+use super::{Model, Scenario, Task, TaskStart, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
@@ -13,6 +13,7 @@ impl Task<'_> {
         if matches!(model.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
             self.shared_thresholds(model)?;
         }
+        model.contacts.break_by_own_threshold().or_else(|refused| self.at_one_velocity(model, refused))?;
         if matches!(self, Task::Protocol(_) | Task::HoldCurve(_) | Task::Creep(_))
             && model.interface.is_none()
         {
@@ -32,6 +33,16 @@ impl Task<'_> {
             | Task::Renormalisation(_) => Ok(()),
         }
         .map_err(|e| e.under(self.name()))
+    }
+
+    /// Refuses, with this error, tasks in which the velocity varies, or the response of sliding to such a variation is sought.
+    fn at_one_velocity(self, model: &Model, refused: Error) -> Result<()> {
+        match self {
+            Task::Pull(pull) if pull.start != TaskStart::Steady => Ok(()),
+            Task::VelocityCurve(curve) if !curve.stability => Ok(()),
+            Task::Spectrum(_) | Task::Fit(_) if model.interface.is_none() => Ok(()),
+            _ => Err(refused.of_scenario()),
+        }
     }
 
     /// Refuses tasks that do not follow the distribution of thresholds that contacts share, and contacts for which it is not

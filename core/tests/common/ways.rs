@@ -32,7 +32,7 @@ pub fn contacts(thresholds: SharedLaw, rules: Rules) -> Contacts {
 
 /// Breaking at a temperature, attempted at the rate 1.
 pub fn thermal(barrier: Barrier, energy: f64) -> Rules {
-    let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
+    let temperature = Some(Temperature { barrier, ..Temperature::new(energy, 1.0) });
     Rules { temperature, ..Rules::default() }
 }
 

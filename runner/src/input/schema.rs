@@ -38,7 +38,7 @@ fn combinations() -> Vec<Value> {
             "block",
             any(["pull", "hold_curve", "creep", "spectrum", "fit", "renormalisation", "interface"].map(key)),
         ),
-        implies(all([key("block"), key("velocity_curve")]), stability),
+        implies(all([key("block"), key("velocity_curve")]), stability.clone()),
         never(
             "interface",
             any(["pull", "velocity_curve", "hold_curve", "creep", "spectrum", "stability", "fit"].map(key)),
@@ -93,6 +93,17 @@ fn combinations() -> Vec<Value> {
         refuses(
             all([mean_field, any(["protocol", "protocol_file", "hold_curve", "interface"].map(key))]),
             any(["contacts.stiffness_per_threshold", "contacts.areas"].map(key)),
+        ),
+        // Contacts that do not break by their own thresholds have no state where the velocity varies.
+        refuses(
+            having("contacts.temperature.hazard", json!({ "const": "additive" })),
+            any([
+                key("contacts.ageing"),
+                any(["block", "interface", "drive", "protocol", "protocol_file"].map(key)),
+                any(["hold_curve", "creep", "stability", "renormalisation"].map(key)),
+                having("pull.start", json!({ "const": "steady" })),
+                stability.clone(),
+            ]),
         ),
         // Contacts that are coupled one by one, and cells of many.
         refuses(all([single.clone(), key("renormalisation")]), timed.clone()),

@@ -154,6 +154,7 @@ impl Clocks {
                 "no delay where contacts are coupled one by one: these re-form when the slide is over";
             return Err(Error::invalid("delay", expected, "one"));
         }
+        contacts.break_by_own_threshold()?;
         match &contacts.rules.ageing {
             Some(Ageing::Smoluchowski { .. }) => Err(no_diffusion()),
             Some(Ageing::MeanField { .. }) => {

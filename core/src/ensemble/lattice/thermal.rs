@@ -54,7 +54,7 @@ impl ThermalActivation {
     /// The cumulative hazard of a contact with this threshold.
     #[inline]
     pub(super) fn at(&self, threshold: f64, velocity: f64) -> CumulativeHazard {
-        let Temperature { energy, attempt_rate, barrier } = self.temperature;
+        let Temperature { energy, attempt_rate, barrier, .. } = self.temperature;
         // For tiny thresholds it would round to 0.
         let whole = (0.5 * self.stiffness * threshold * threshold / energy).max(f64::MIN_POSITIVE);
         let length = match barrier {
@@ -229,7 +229,10 @@ mod tests {
     use crate::numerics::legendre::RULE;
 
     fn breaking(barrier: Barrier, energy: f64) -> ThermalActivation {
-        ThermalActivation { temperature: Temperature { energy, attempt_rate: 3.0, barrier }, stiffness: 2.0 }
+        ThermalActivation {
+            temperature: Temperature { barrier, ..Temperature::new(energy, 3.0) },
+            stiffness: 2.0,
+        }
     }
 
     /// Differences of the closed form are integrals of the rate, by a Gauss rule on cells that shrink towards the threshold,

@@ -350,7 +350,7 @@ mod tests {
                     stiffness: stiffness.clone(),
                     ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap()))
                 };
-                let temperature = Temperature { energy: 1e-6, attempt_rate: 1.0, barrier };
+                let temperature = Temperature { barrier, ..Temperature::new(1e-6, 1.0) };
                 let evolution = ThresholdEvolution::of(&contacts).unwrap();
                 let grid = LabelGrid::new(&contacts, &temperature, evolution, 1e-6);
                 let ln_rate = |x: f64, h: f64| -temperature.exponent(x, h, stiffness.of(h));

@@ -172,6 +172,7 @@ impl Transport {
     ) -> Result<Self> {
         contacts.check(initial)?;
         contacts.have_no_stiffness_table()?;
+        contacts.break_by_own_threshold()?;
         let rule = ThresholdRule::of(&contacts, monitor)?;
         let mut starting = |tolerance| Self::starting(&contacts, rule.clone(), initial, tolerance, monitor);
         // The two solutions share the ranks of thresholds, whose table is expensive.

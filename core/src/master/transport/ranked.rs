@@ -630,7 +630,7 @@ mod tests {
 
     /// The panels of the band after each of some steps at a stretch of about 1, with holds between them.
     fn bands(law: SharedLaw, barrier: Barrier, energy: f64) -> Vec<usize> {
-        let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
+        let temperature = Some(Temperature { barrier, ..Temperature::new(energy, 1.0) });
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
         let ranks = RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts).unwrap(), 1e-6);

@@ -54,6 +54,7 @@ impl Transport {
         super::positive("velocity", velocity)?;
         contacts.check(&relaxed())?;
         contacts.have_no_stiffness_table()?;
+        contacts.break_by_own_threshold()?;
         let mut preparation = Preparation::new(monitor);
         let rule = ThresholdRule::of(contacts, &mut preparation)?;
         let mut rest = preparation.rest();
