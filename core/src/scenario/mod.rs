@@ -17,6 +17,35 @@
 //! # Ok::<(), asperity::Error>(())
 //! ```
 
+/// Hands all tasks to the macro `$list`: the name of the table, the type, and what the task is. All lists of tasks are made of this
+/// one.
+macro_rules! each_task {
+    ($list:ident) => {
+        $list! {
+            /// `[pull]`: the base of the slider is moved.
+            pull: Pull,
+            /// `[drive]`: the top of the slider is moved, or a force is imposed.
+            drive: Drive,
+            /// `[[protocol]]`: the slider is moved in time, step by step.
+            protocol: Protocol,
+            /// `[velocity_curve]`: kinetic friction against velocity.
+            velocity_curve: VelocityCurve,
+            /// `[hold_curve]`: static friction against hold time.
+            hold_curve: HoldCurve,
+            /// `[creep]`: slip under a constant force, and the time to failure.
+            creep: Creep,
+            /// `[spectrum]`: the noise of steady sliding.
+            spectrum: Spectrum,
+            /// `[stability]`: whether a slider sticks and slips.
+            stability: Stability,
+            /// `[fit]`: numbers of the contacts from a measured curve.
+            fit: Fit,
+            /// `[renormalisation]`: the distribution of first breaks of coupled contacts.
+            renormalisation: Renormalisation,
+        }
+    };
+}
+
 mod block;
 mod compare;
 mod contacts;
@@ -102,19 +131,7 @@ use crate::{Error, Result};
 /// A scenario: contacts, their initial state, and the task to compute.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneOf" = [
-    { "required": ["pull"] },
-    { "required": ["drive"] },
-    { "required": ["protocol"] },
-    { "required": ["protocol_file"] },
-    { "required": ["velocity_curve"] },
-    { "required": ["hold_curve"] },
-    { "required": ["creep"] },
-    { "required": ["spectrum"] },
-    { "required": ["stability"] },
-    { "required": ["fit"] },
-    { "required": ["renormalisation"] }
-]))]
+#[schemars(extend("oneOf" = task::exactly_one()))]
 pub struct Scenario {
     /// Heading of the summary and the figures.
     #[serde(default)]
