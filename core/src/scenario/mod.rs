@@ -17,30 +17,30 @@
 //! # Ok::<(), asperity::Error>(())
 //! ```
 
-/// Hands all tasks to the macro `$list`: the name of the table, the type, and what the task is. All lists of tasks are made of this
+/// Hands all tasks to the macro `$list`: what the task does, in one sentence, the name of its table, and its type. All lists of tasks are made of this
 /// one.
 macro_rules! each_task {
     ($list:ident) => {
         $list! {
-            /// `[pull]`: the base of the slider is moved.
+            /// `[pull]` displaces the base of the slider.
             pull: Pull,
-            /// `[drive]`: the top of the slider is moved, or a force is imposed.
+            /// `[drive]` displaces its top, the load point, or imposes a force.
             drive: Drive,
-            /// `[[protocol]]`: the slider is moved in time, step by step.
+            /// `[[protocol]]` moves the base, or the load point of a `[block]` or of an `[interface]`, in time.
             protocol: Protocol,
-            /// `[velocity_curve]`: kinetic friction against velocity.
+            /// `[velocity_curve]` computes kinetic friction against velocity.
             velocity_curve: VelocityCurve,
-            /// `[hold_curve]`: static friction against hold time.
+            /// `[hold_curve]` computes static friction against hold time.
             hold_curve: HoldCurve,
-            /// `[creep]`: slip under a constant force, and the time to failure.
+            /// `[creep]` computes slip in time under constant forces, and the times to failure.
             creep: Creep,
-            /// `[spectrum]`: the noise of steady sliding.
+            /// `[spectrum]` computes the noise of the force in steady sliding.
             spectrum: Spectrum,
-            /// `[stability]`: whether a slider sticks and slips.
+            /// `[stability]` reports whether the slider of a `[block]` sticks and slips.
             stability: Stability,
-            /// `[fit]`: numbers of the contacts from a measured curve.
+            /// `[fit]` finds numbers of the contacts, with their errors, from a measured curve or a record of steady sliding.
             fit: Fit,
-            /// `[renormalisation]`: the distribution of first breaks of coupled contacts.
+            /// `[renormalisation]` measures the drives at which the contacts of an `[interface]` first break.
             renormalisation: Renormalisation,
         }
     };

@@ -6,17 +6,19 @@ use super::Scenario;
 use crate::{Error, Result};
 
 macro_rules! declare {
-    ($($(#[$meaning:meta])* $table:ident: $task:ident,)*) => {
+    ($(#[doc = $meaning:literal] $table:ident: $task:ident,)*) => {
         /// The task of a scenario.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[non_exhaustive]
         pub enum Task<'a> {
-            $($(#[$meaning])* $task(&'a super::$task),)*
+            $(#[doc = $meaning] $task(&'a super::$task),)*
         }
 
         impl Task<'_> {
             /// The names of the tables that are tasks.
             pub const NAMES: &'static [&'static str] = &[$(stringify!($table)),*];
+            /// What each of them does: a sentence that begins with its table.
+            pub const MEANINGS: &'static [&'static str] = &[$($meaning),*];
 
             /// The name of its table.
             pub fn name(self) -> &'static str {
