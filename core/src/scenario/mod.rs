@@ -17,8 +17,8 @@
 //! # Ok::<(), asperity::Error>(())
 //! ```
 
-/// Hands all tasks to the macro `$list`: what the task does, in one sentence, the name of its table, and its type. All lists of tasks are made of this
-/// one.
+/// Hands all tasks to the macro `$list`: what the task does, in one sentence, the name of its table, and its type. All lists of
+/// tasks are made of this one.
 macro_rules! each_task {
     ($list:ident) => {
         $list! {
