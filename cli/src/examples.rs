@@ -7,67 +7,59 @@ use asperity_runner::input;
 /// A shipped file: its name and its text.
 type Shipped = (&'static str, &'static str);
 
-macro_rules! shipped {
-    ($($name:literal),* $(,)?) => {
-        [$(($name, include_str!(concat!(env!("ASPERITY_SHIPPED"), "/scenarios/", $name)))),*]
-    };
-}
+/// All files, in the order of their names.
+const SHIPPED: &[Shipped] = include!(concat!(env!("OUT_DIR"), "/shipped.rs"));
 
-/// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 53] = shipped![
-    "fig2.toml",
-    "fig3.toml",
-    "rectangular.toml",
-    "identical.toml",
-    "weibull.toml",
-    "lognormal.toml",
-    "quenched.toml",
-    "areas.toml",
-    "commensurate.toml",
-    "compared.toml",
-    "stick-slip-reset.toml",
-    "stick-slip-overdamped.toml",
-    "stick-slip-arrest.toml",
-    "stick-slip-inertial.toml",
-    "smooth-sliding.toml",
-    "hysteresis.toml",
-    "imposed-force.toml",
-    "avalanches.toml",
-    "laboratory.toml",
-    "velocity-curve-thermal.toml",
-    "velocity-curve-additive.toml",
-    "velocity-curve-delay.toml",
-    "velocity-curve-ageing.toml",
-    "velocity-curve-mean-field.toml",
-    "velocity-step.toml",
-    "velocity-step-mean-field.toml",
-    "slide-hold-slide.toml",
-    "healing.toml",
-    "creep.toml",
-    "spectrum.toml",
-    "fit.toml",
-    "fit-cycles.toml",
-    "fit-steady.toml",
-    "stick-slip-ageing.toml",
-    "slow-slip.toml",
-    "stability.toml",
-    "sweep-stability.toml",
-    "sweep-critical-stiffness.toml",
-    "ofc.toml",
-    "aftershocks.toml",
-    "front-chain.toml",
-    "precursors-edge.toml",
-    "half-space-512.toml",
-    "front-ageing.toml",
-    "front-waves.toml",
-    "hold-chain.toml",
-    "renormalised.toml",
-    "renormalised-cells.toml",
-    "first_loading.csv",
-    "front-chain.csv",
-    "measured-pull.csv",
-    "measured-cycles.csv",
-    "measured-noise.csv",
+/// Scenarios in the order in which they are listed, simple ones first. Others follow, then the tables that scenarios read.
+const ORDER: &[&str] = &[
+    "fig2",
+    "fig3",
+    "rectangular",
+    "identical",
+    "weibull",
+    "lognormal",
+    "quenched",
+    "areas",
+    "commensurate",
+    "compared",
+    "stick-slip-reset",
+    "stick-slip-overdamped",
+    "stick-slip-arrest",
+    "stick-slip-inertial",
+    "smooth-sliding",
+    "hysteresis",
+    "imposed-force",
+    "avalanches",
+    "laboratory",
+    "velocity-curve-thermal",
+    "velocity-curve-additive",
+    "velocity-curve-delay",
+    "velocity-curve-ageing",
+    "velocity-curve-mean-field",
+    "velocity-step",
+    "velocity-step-mean-field",
+    "slide-hold-slide",
+    "healing",
+    "creep",
+    "spectrum",
+    "fit",
+    "fit-cycles",
+    "fit-steady",
+    "stick-slip-ageing",
+    "slow-slip",
+    "stability",
+    "sweep-stability",
+    "sweep-critical-stiffness",
+    "ofc",
+    "aftershocks",
+    "front-chain",
+    "precursors-edge",
+    "half-space-512",
+    "front-ageing",
+    "front-waves",
+    "hold-chain",
+    "renormalised",
+    "renormalised-cells",
 ];
 
 /// The first line of scenarios, by which editors find their schema.
@@ -82,14 +74,27 @@ pub fn find(name: &str) -> Option<String> {
 
 /// The name of the example that is most similar to `name`, if one is similar at all.
 pub fn nearest(name: &str) -> Option<&'static str> {
-    let names = SHIPPED.iter().map(|(file, _)| file.strip_suffix(".toml").unwrap_or(file));
+    let names = shipped().into_iter().map(|(file, _)| file.strip_suffix(".toml").unwrap_or(file));
     input::nearest(name, names)
+}
+
+/// All files in the order of the list.
+fn shipped() -> Vec<Shipped> {
+    let mut shipped = SHIPPED.to_vec();
+    shipped.sort_by_key(|(file, _)| place(file));
+    shipped
+}
+
+/// Where a file is in the list: those of equal places are in the order of their names.
+fn place(file: &str) -> usize {
+    let Some(name) = file.strip_suffix(".toml") else { return usize::MAX };
+    ORDER.iter().position(|listed| *listed == name).unwrap_or(ORDER.len())
 }
 
 /// Names and titles of the examples.
 pub fn list() -> String {
     let mut list = String::new();
-    for (file, text) in SHIPPED {
+    for (file, text) in shipped() {
         let name = file.strip_suffix(".toml").unwrap_or(file);
         let title = text.lines().find_map(|line| line.strip_prefix("title = "));
         let title = title.map_or("a table that a scenario reads", |title| title.trim_matches('"'));
@@ -103,15 +108,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_shipped_file_is_listed() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios");
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let entry = entry.unwrap();
-            if entry.file_type().unwrap().is_file() {
-                let name = entry.file_name().into_string().unwrap();
-                assert!(find(&name).is_some(), "{name} is not among the examples");
-            }
-        }
+    fn every_scenario_of_the_order_is_shipped() {
+        ORDER.iter().for_each(|name| assert!(find(name).is_some(), "{name}"));
+        assert!(list().ends_with("a table that a scenario reads\n"));
     }
 
     #[test]

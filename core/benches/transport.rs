@@ -118,7 +118,7 @@ fn step_behind_spring(contacts: &Contacts, velocity: f64, tolerance: f64) -> f64
     let (history, times) = slower(velocity);
     let transport = Transport::steady_with(contacts, velocity, tolerance, &mut ()).unwrap();
     let block = Block::new(Loading::Spring(1.0), Slip::Reset, None).unwrap();
-    let run = block.follow(&transport, &history, &times, tolerance).unwrap();
+    let run = block.follow_with(&transport, &history, &times, tolerance, &mut ()).unwrap();
     run.trace.iter().map(|moment| moment.force).sum()
 }
 

@@ -173,7 +173,9 @@ fn followed(slip: Slip, background: f64, velocity: f64, tolerance: f64) -> asper
     let pieces = pieces.map(|(velocity, duration)| Piece { velocity, duration });
     let history = History::new(pieces.to_vec()).unwrap();
     let times: Vec<f64> = (0..=60).map(|i| history.duration() * f64::from(i) / 60.0).collect();
-    slider(Loading::Spring(SOFT), slip, background).follow(&transport, &history, &times, tolerance).unwrap()
+    slider(Loading::Spring(SOFT), slip, background)
+        .follow_with(&transport, &history, &times, tolerance, &mut ())
+        .unwrap()
 }
 
 /// A damped slider does not overshoot, so that everything is shifted.

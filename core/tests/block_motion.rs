@@ -56,9 +56,10 @@ fn it_moves_as_along_a_history() {
             let history =
                 History::new(pieces.map(|(velocity, duration)| Piece { velocity, duration }).to_vec());
             let history = history.unwrap();
-            let whole =
-                block(slip).follow(contacts.as_ref(), &history, &[history.duration()], TOLERANCE).unwrap();
-            let mut slider = block(slip).motion(contacts.as_ref(), TOLERANCE).unwrap();
+            let whole = block(slip)
+                .follow_with(contacts.as_ref(), &history, &[history.duration()], TOLERANCE, &mut ())
+                .unwrap();
+            let mut slider = block(slip).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
             let mut found = slips(&mut slider, 4.0);
             found.extend(slider.hold(30.0).unwrap());
             while let Some(slip) = slider.next(7.0, 0.5).unwrap() {
@@ -75,7 +76,7 @@ fn it_moves_as_along_a_history() {
 #[test]
 fn energies_are_in_balance_at_every_stop() {
     let [contacts, _] = moved();
-    let mut slider = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+    let mut slider = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
     for stop in 1..=20 {
         let drive = 0.2 * f64::from(stop);
         slips(&mut slider, drive);
@@ -91,8 +92,8 @@ fn energies_are_in_balance_at_every_stop() {
 #[test]
 fn it_continues_from_its_state_bit_for_bit() {
     for contacts in moved() {
-        let mut whole = block(INERTIAL).motion(contacts.as_ref(), TOLERANCE).unwrap();
-        let mut other = block(INERTIAL).motion(contacts.as_ref(), TOLERANCE).unwrap();
+        let mut whole = block(INERTIAL).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
+        let mut other = block(INERTIAL).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
         for (drive, then) in [(0.7, 1.8), (2.2, 3.1), (3.3, 4.0)] {
             slips(&mut whole, drive);
             whole.hold(2.0).unwrap();
@@ -109,9 +110,9 @@ fn it_continues_from_its_state_bit_for_bit() {
 #[test]
 fn an_interruption_changes_nothing_that_follows() {
     let [contacts, _] = moved();
-    let mut whole = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+    let mut whole = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
     let expected = slips(&mut whole, 4.0);
-    let mut slider = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+    let mut slider = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
     let (mut found, mut stops) = (Vec::new(), 0);
     loop {
         match slider.next_with(4.0, VELOCITY, &mut Impatient(100 * (stops + 1))) {
@@ -135,10 +136,10 @@ fn a_slip_may_end_where_the_load_point_stops() {
     let mut ended_there = 0;
     // Drives and velocities whose quotients and products are rounded, so that the last time times the velocity is not the drive.
     for (i, velocity) in [0.1, 0.07, 0.13, 0.03].into_iter().enumerate() {
-        let mut whole = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+        let mut whole = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
         whole.next(4.0, velocity).unwrap().expect("the first slip");
         let end = whole.moment().drive + 1e-4 * i as f64;
-        let mut slider = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+        let mut slider = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
         while slider.next(end, velocity).unwrap().is_some() {
             ended_there += usize::from(slider.moment().drive == end);
         }
@@ -150,7 +151,7 @@ fn a_slip_may_end_where_the_load_point_stops() {
 #[test]
 fn wrong_motions_are_refused_and_change_nothing() {
     let [contacts, others] = moved();
-    let mut slider = block(DAMPED).motion(contacts.as_ref(), TOLERANCE).unwrap();
+    let mut slider = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
     slips(&mut slider, 1.0);
     let state = slider.state();
     for (drive, velocity, key) in
@@ -163,10 +164,10 @@ fn wrong_motions_are_refused_and_change_nothing() {
         let error = slider.hold(duration).unwrap_err();
         assert!(error.to_string().starts_with("duration"), "{error}");
     }
-    let foreign = block(DAMPED).motion(others.as_ref(), TOLERANCE).unwrap().state();
+    let foreign = block(DAMPED).motion_with(others.as_ref(), TOLERANCE).unwrap().state();
     assert!(slider.restore(foreign).is_err());
     assert_eq!(slider.state(), state);
     let rigid = Block::new(Loading::Rigid, Slip::Reset, None).unwrap();
-    let error = rigid.motion(contacts.as_ref(), TOLERANCE).unwrap_err();
+    let error = rigid.motion_with(contacts.as_ref(), TOLERANCE).unwrap_err();
     assert!(error.to_string().starts_with("stiffness"), "{error}");
 }

@@ -8,6 +8,7 @@ use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
 use asperity::master::{MasterEquation, Transport};
+use asperity::rate_dependent::PopulationInTime;
 use asperity::{Error, Result};
 use common::pulled::{UNDAMPED, near};
 use common::{contacts, gamma, gaussian, initial, master, point};
@@ -45,7 +46,7 @@ fn logarithmic() -> Contacts {
 fn first_slip(slip: Slip, velocity: f64, tolerance: f64) -> Slide {
     let transport = Transport::new_with(athermal(), &initial(&point(0.0)), 0.1 * tolerance, &mut ()).unwrap();
     let drive = steady(velocity, 2.0);
-    block(1.0, slip).follow(&transport, &drive, &times(&drive, 50), tolerance).unwrap()
+    block(1.0, slip).follow_with(&transport, &drive, &times(&drive, 50), tolerance, &mut ()).unwrap()
 }
 
 #[test]
@@ -121,7 +122,7 @@ fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
             // A viscous force of a thousandth shifts K_c by next to nothing.
             let slip = Slip::Damped { damping: 1e-3 / velocity };
             let drive = steady(velocity, 200.0);
-            block(stiffness, slip).follow(&sliding, &drive, &[], 1e-3).unwrap().regime
+            block(stiffness, slip).follow_with(&sliding, &drive, &[], 1e-3, &mut ()).unwrap().regime
         };
         let (below, above) = (regime(0.8 * critical), regime(1.2 * critical));
         assert!(matches!(below, Regime::Persistent { .. }), "{below}");
@@ -159,7 +160,8 @@ fn feels_the_same_force(contacts: &Contacts, slip: Slip, moments: u32, size: usi
     let relaxed = initial(&point(0.0));
     let transport = Transport::new_with(contacts.clone(), &relaxed, 1e-5, &mut ()).unwrap();
     let drive = steady(1e-2, 12.0);
-    let run = block(0.2, slip).follow(&transport, &drive, &times(&drive, moments), 1e-4).unwrap();
+    let run =
+        block(0.2, slip).follow_with(&transport, &drive, &times(&drive, moments), 1e-4, &mut ()).unwrap();
     assert!(!run.slips.is_empty());
     assert!(run.trace.is_sorted_by_key(|moment| moment.position));
     let history = way(&run);
@@ -193,7 +195,8 @@ fn a_drive_at_rest_ages_a_block_at_rest() {
     ]);
     let transport = Transport::new_with(logarithmic(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
     let slip = Slip::Inertial { mass: 1e-4, damping: 0.1 };
-    let run = block(1.0, slip).follow(&transport, &drive.unwrap(), &[5.0, 13.0, 1e4], 1e-4).unwrap();
+    let run =
+        block(1.0, slip).follow_with(&transport, &drive.unwrap(), &[5.0, 13.0, 1e4], 1e-4, &mut ()).unwrap();
     assert_eq!(run.slips, []);
     let forces: Vec<f64> = run.trace.iter().map(|moment| moment.force).collect();
     // Nothing that holds lets go at rest; the spring, which lagged by γ × velocity, finds its balance.
@@ -211,14 +214,43 @@ fn what_limits_no_velocity_is_refused() {
         other => panic!("{other:?}"),
     };
     for slip in [Slip::Overdamped, Slip::Arrest] {
-        assert_eq!(key(block(1.0, slip).follow(&transport, &drive, &[], 1e-3)), "slip");
+        assert_eq!(key(block(1.0, slip).follow_with(&transport, &drive, &[], 1e-3, &mut ())), "slip");
     }
     // In balance until X_T = 1.67, where the slider slips.
-    assert!(block(1.0, Slip::Reset).follow(&transport, &drive, &[], 1e-3).is_ok());
-    assert_eq!(key(block(1.0, Slip::Reset).follow(&transport, &steady(1.0, 2.0), &[], 1e-3)), "slip");
+    assert!(block(1.0, Slip::Reset).follow_with(&transport, &drive, &[], 1e-3, &mut ()).is_ok());
+    assert_eq!(
+        key(block(1.0, Slip::Reset).follow_with(&transport, &steady(1.0, 2.0), &[], 1e-3, &mut ())),
+        "slip"
+    );
     let rigid = Block::new(Loading::Rigid, UNDAMPED, None).unwrap();
-    assert_eq!(key(rigid.follow(&transport, &drive, &[], 1e-3)), "stiffness");
+    assert_eq!(key(rigid.follow_with(&transport, &drive, &[], 1e-3, &mut ())), "stiffness");
     let good = block(1.0, UNDAMPED);
-    assert_eq!(key(good.follow(&transport, &drive, &[1.5], 1e-3)), "times");
-    assert_eq!(key(good.follow(&transport, &drive, &[], 0.0)), "tolerance");
+    assert_eq!(key(good.follow_with(&transport, &drive, &[1.5], 1e-3, &mut ())), "times");
+    assert_eq!(key(good.follow_with(&transport, &drive, &[], 0.0, &mut ())), "tolerance");
+}
+
+#[test]
+fn the_default_tolerance_is_relative_to_the_mean_threshold() {
+    let contacts = ageing((3.0, 0.3), Ageing::Logarithmic { growth: 0.02, time: 1.0 });
+    let transport = Transport::new(contacts.clone(), &initial(&point(0.0))).unwrap();
+    let ensemble = Ensemble::new(contacts, initial(&point(0.0)), 200, 1, Disorder::Annealed).unwrap();
+    let drive = steady(0.1, 6.0);
+    let block = block(0.5, Slip::Damped { damping: 0.1 });
+    let tolerance = 3.0 * Block::TOLERANCE_IN_TIME;
+    let followed = block.follow(&transport, &drive, &[60.0]).unwrap();
+    assert_eq!(followed, block.follow_with(&transport, &drive, &[60.0], tolerance, &mut ()).unwrap());
+    assert_ne!(followed, block.follow_with(&transport, &drive, &[60.0], 0.5 * tolerance, &mut ()).unwrap());
+    let drawn = ensemble.in_time().unwrap();
+    let run = block.follow(&drawn, &drive, &[60.0]).unwrap();
+    assert_eq!(run, block.follow_with(&drawn, &drive, &[60.0], tolerance, &mut ()).unwrap());
+    let mut motion = [block.motion(&transport), block.motion_with(&transport, tolerance)].map(Result::unwrap);
+    for slider in &mut motion {
+        slider.next(6.0, 0.1).unwrap();
+    }
+    assert_eq!(motion[0].moment(), motion[1].moment());
+    // Athermal contacts in time do not know their thresholds.
+    let population = MasterEquation::new(athermal(), &initial(&point(0.0))).unwrap().population().unwrap();
+    let unknown = PopulationInTime::new(Box::new(population), 1.0);
+    let refused = block.follow(&unknown, &drive, &[]);
+    assert!(matches!(refused, Err(Error::Invalid { key, .. }) if key == "tolerance"));
 }

@@ -22,7 +22,7 @@ const INERTIAL: Slip = Slip::Inertial { mass: 1.0, damping: 0.1 };
 fn slide(stiffness: f64, slip: Slip, contacts: &dyn RateDependentContacts, velocity: f64) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
     let drive = History::new(vec![Piece { velocity, duration: WAY / velocity }]).unwrap();
-    block.follow(contacts, &drive, &[], TOLERANCE).unwrap()
+    block.follow_with(contacts, &drive, &[], TOLERANCE, &mut ()).unwrap()
 }
 
 fn of(rules: Rules) -> Contacts {

@@ -77,7 +77,7 @@ fn block(contacts: &dyn RateDependentContacts, stiffness: f64, damping: f64, way
     let slip = block::Slip::Damped { damping };
     let drive = History::new(vec![Piece { velocity: way.1, duration: way.0 / way.1 }]).unwrap();
     let block = Block::new(block::Loading::Spring(stiffness), slip, None).unwrap();
-    block.follow(contacts, &drive, &[], TOLERANCE).unwrap()
+    block.follow_with(contacts, &drive, &[], TOLERANCE, &mut ()).unwrap()
 }
 
 /// The events are the slips of a slider block, lengths to an accuracy.

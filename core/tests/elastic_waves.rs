@@ -124,7 +124,7 @@ fn one_cell_over_ageing_contacts_is_the_block_in_time() {
     let drive = History::new(vec![Piece { velocity, duration: way / velocity }]).unwrap();
     let slip = block::Slip::Inertial { mass, damping: viscosity };
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
-    let run = block.follow(contacts.as_ref(), &drive, &[], tolerance).unwrap();
+    let run = block.follow_with(contacts.as_ref(), &drive, &[], tolerance, &mut ()).unwrap();
     let setting = setting(stiffness, mass, viscosity, tolerance);
     let mut cell = RateDependentInterface::new(vec![contacts], chain(1, 1.0), setting).unwrap();
     let slip = &run.slips[0];

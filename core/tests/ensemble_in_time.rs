@@ -164,7 +164,7 @@ fn slide(
     tolerance: f64,
 ) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), slip, Some(0.05)).unwrap();
-    block.follow(contacts, drive, &[], tolerance).unwrap()
+    block.follow_with(contacts, drive, &[], tolerance, &mut ()).unwrap()
 }
 
 #[test]

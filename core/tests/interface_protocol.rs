@@ -152,7 +152,7 @@ fn a_uniform_chain_is_one_cell_and_that_a_block() {
     let transport = Transport::steady_with(&ageing(), velocity, TOLERANCE, &mut ()).unwrap();
     let block = Block::new(Loading::Spring(connection), Slip::Damped { damping: VISCOSITY }, None).unwrap();
     let times = protocol.times();
-    let run = block.follow(&transport, &protocol.build().unwrap(), &times, TOLERANCE).unwrap();
+    let run = block.follow_with(&transport, &protocol.build().unwrap(), &times, TOLERANCE, &mut ()).unwrap();
     let at = |time: &f64| run.trace.iter().find(|moment| moment.time == *time).unwrap();
     let off = farthest(values(&one, "force"), times.iter().map(|time| at(time).force));
     // Two solvers of the same equation, each within some tolerances; slips amplify what they differ by.

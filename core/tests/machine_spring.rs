@@ -51,7 +51,7 @@ fn sliding(contacts: &Contacts, tolerance: f64) -> Transport {
 /// The motion behind a spring of contacts that slide steadily.
 fn follow(contacts: &Contacts, stiffness: f64, drive: &History, wanted: &[f64], tolerance: f64) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), Slip::Reset, None).unwrap();
-    block.follow(&sliding(contacts, tolerance), drive, wanted, tolerance).unwrap()
+    block.follow_with(&sliding(contacts, tolerance), drive, wanted, tolerance, &mut ()).unwrap()
 }
 
 fn response(contacts: &Contacts) -> DynamicStiffness {
@@ -171,7 +171,7 @@ fn nonlinear(contacts: &Contacts, stiffness: f64, change: f64, tolerance: f64) -
     let wanted = times(&drive, 50);
     let linear = response(contacts).after_velocity_change(stiffness, &wanted, &mut ()).unwrap();
     let block = Block::new(Loading::Spring(stiffness), Slip::Reset, None).unwrap();
-    let run = block.follow(&sliding(contacts, tolerance), &drive, &wanted, tolerance).unwrap();
+    let run = block.follow_with(&sliding(contacts, tolerance), &drive, &wanted, tolerance, &mut ()).unwrap();
     let before = run.trace[0].force;
     let off = |(moment, force): (&asperity::block::Moment, &f64)| {
         (moment.force - before - change * VELOCITY * force).abs()
@@ -225,7 +225,7 @@ fn steps_are_of_second_order() {
     let contacts = sliding(&contacts, 1e-7);
     let run = |tolerance: f64| {
         let block = Block::new(Loading::Spring(0.2), Slip::Reset, None).unwrap();
-        block.follow(&contacts, &drive, &[drive.duration()], tolerance).unwrap()
+        block.follow_with(&contacts, &drive, &[drive.duration()], tolerance, &mut ()).unwrap()
     };
     let finest = run(1e-7).trace[0].force;
     let [rough, fine] = [1e-3, 1e-5].map(|tolerance| (run(tolerance).trace[0].force - finest).abs());
@@ -246,12 +246,12 @@ fn contacts_followed_one_by_one_feel_the_same_spring() {
     let wanted: Vec<f64> = (1..=10).map(|k| 2.0 * f64::from(k)).chain([30.0, drive.duration()]).collect();
     let block = Block::new(Loading::Spring(stiffness), Slip::Reset, None).unwrap();
     let begun = Transport::new_with(contacts.clone(), &Initial::default(), 1e-4, &mut ()).unwrap();
-    let master = block.follow(&begun, &drive, &wanted, 1e-4).unwrap();
+    let master = block.follow_with(&begun, &drive, &wanted, 1e-4, &mut ()).unwrap();
     let singles: Vec<Slide> = (0..RUNS)
         .map(|seed| {
             let drawn =
                 Ensemble::new(contacts.clone(), Initial::default(), SIZE, seed, Disorder::Annealed).unwrap();
-            block.follow(&drawn.in_time().unwrap(), &drive, &wanted, 1e-3).unwrap()
+            block.follow_with(&drawn.in_time().unwrap(), &drive, &wanted, 1e-3, &mut ()).unwrap()
         })
         .collect();
     for (i, moment) in master.trace.iter().enumerate() {
@@ -272,7 +272,8 @@ fn a_spring_too_soft_for_balance_asks_for_a_damping_or_a_mass() {
     let critical = critical_stiffness(&contacts).0;
     let block = Block::new(Loading::Spring(0.5 * critical), Slip::Reset, None).unwrap();
     let drive = moving(&[(2.0 * VELOCITY, 4000.0)]);
-    let error = block.follow(&sliding(&contacts, 1e-4), &drive, &[], 1e-4).unwrap_err().to_string();
+    let error =
+        block.follow_with(&sliding(&contacts, 1e-4), &drive, &[], 1e-4, &mut ()).unwrap_err().to_string();
     assert!(
         error.starts_with("slip: expected damped or inertial") && error.contains("no balance"),
         "{error}"

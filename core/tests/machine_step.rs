@@ -159,7 +159,7 @@ fn contacts_behind_a_spring_leave_a_misfit() {
     let times: Vec<f64> =
         (0..5).map(|i| 10.0 * f64::from(i)).chain((0..=200).map(|i| 50.0 + 0.5 * f64::from(i))).collect();
     let block = Block::new(Loading::Spring(2.0), Slip::Reset, None).unwrap();
-    let run = block.follow(&sliding, &history, &times, 1e-5).unwrap();
+    let run = block.follow_with(&sliding, &history, &times, 1e-5, &mut ()).unwrap();
     let start = run.trace[0].drive + 0.5;
     let at: Vec<f64> = run.trace.iter().map(|moment| moment.drive - start).collect();
     let force: Vec<f64> = run.trace.iter().map(|moment| moment.force).collect();

@@ -365,7 +365,7 @@ fn a_block_moves_as_in_finite_differences() {
         [(velocity, driven / velocity), (0.0, held)].map(|(velocity, duration)| Piece { velocity, duration });
     let motion = History::new(pieces.into()).unwrap();
     let times = [driven / velocity, driven / velocity + held];
-    let run = block.follow(&transport, &motion, &times, 1e-7).unwrap();
+    let run = block.follow_with(&transport, &motion, &times, 1e-7, &mut ()).unwrap();
     for (k, time) in times.iter().enumerate() {
         let moment = run.trace.iter().find(|moment| moment.time == *time).unwrap();
         let extrapolated = |of: fn(&(f64, f64)) -> f64| (4.0 * of(&fine[k]) - of(&coarse[k])) / 3.0;
@@ -427,7 +427,7 @@ fn alike_cells_of_an_interface_are_a_block_after_a_steady_start_and_a_hold() {
     let record = protocol.run_interface(&unchecked, &mut ()).unwrap().record;
     let block = Block::new(Loading::Spring(connection), Slip::Damped { damping: viscosity }, None).unwrap();
     let times = protocol.times();
-    let run = block.follow(&transport, &protocol.build().unwrap(), &times, tolerance).unwrap();
+    let run = block.follow_with(&transport, &protocol.build().unwrap(), &times, tolerance, &mut ()).unwrap();
     let forces = record.values("force").unwrap();
     assert_eq!(forces.len(), times.len());
     for (time, force) in times.iter().zip(forces) {

@@ -102,7 +102,7 @@ fn blocks_in_time() {
     let taken = most(|| {
         let contacts = model.in_time().unwrap();
         let block = Block::new(Loading::Spring(0.3), Slip::Damped { damping: 0.1 }, None).unwrap();
-        block.follow(&contacts, &slide, &[], 1e-3).unwrap();
+        block.follow_with(&contacts, &slide, &[], 1e-3, &mut ()).unwrap();
     });
     holds("a block in time", taken, said);
 }

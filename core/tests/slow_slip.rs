@@ -37,7 +37,7 @@ fn slow_slip_follows_from_re_forming() {
     let transport = Transport::new(contacts, &initial(&point(0.0))).unwrap();
     let times: Vec<f64> = (1..=1600).map(|k| 10.0 * f64::from(k)).collect();
     let slide = block(Slip::Damped { damping: 0.05 })
-        .follow(&transport, &drive(velocity, 16_000.0), &times, 1e-5)
+        .follow_with(&transport, &drive(velocity, 16_000.0), &times, 1e-5, &mut ())
         .unwrap();
     let slip = slide.slips.first().unwrap();
     assert!(slip.fastest > 1e3 * velocity, "{}", slip.fastest);
@@ -67,7 +67,8 @@ fn the_energy_balance_closes() {
     let both: [&dyn RateDependentContacts; 2] = [&cohorts, &ensemble];
     for contacts in both {
         for slip in [Slip::Damped { damping: 0.05 }, Slip::Inertial { mass: 1.0, damping: 0.1 }] {
-            let slide = block(slip).follow(contacts, &drive(0.1, 150.0), &[150.0], 1e-4).unwrap();
+            let slide =
+                block(slip).follow_with(contacts, &drive(0.1, 150.0), &[150.0], 1e-4, &mut ()).unwrap();
             let balance = slide.energy;
             // Steps are of second order, with an error of 1e-4 of the position each.
             let apart = balance.imbalance().abs() / balance.work;

@@ -159,7 +159,7 @@ fn follow(slip: Slip, stiffness: f64, drive: &[Piece], points: u32, tolerance: f
     let drive = History::new(drive.to_vec()).unwrap();
     let times: Vec<f64> = (0..=points).map(|i| f64::from(i) / f64::from(points) * drive.duration()).collect();
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
-    block.follow(&sliding, &drive, &times, tolerance).unwrap()
+    block.follow_with(&sliding, &drive, &times, tolerance, &mut ()).unwrap()
 }
 
 /// How fast the swings of the velocity grow per length from the position `from` on, by least squares.

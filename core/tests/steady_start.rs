@@ -163,7 +163,7 @@ fn a_block_starts_in_balance_with_its_spring() {
         let until = drive.knots()[1].0;
         let wanted: Vec<f64> =
             (0..=20).map(|k| f64::from(k) / 20.0 * until).chain([drive.duration()]).collect();
-        let run = block.follow(&transport, &drive, &wanted, tolerance).unwrap();
+        let run = block.follow_with(&transport, &drive, &wanted, tolerance, &mut ()).unwrap();
         let pull = friction + damping * velocity;
         assert!((run.trace[0].spring_force - pull).abs() < tolerance && run.trace[0].velocity == velocity);
         for moment in run.trace.iter().take_while(|moment| moment.time <= until) {

@@ -82,7 +82,7 @@ fn drive(stiffness: f64, distance: f64) -> Slide {
     let history = History::new(vec![Piece { velocity: VELOCITY, duration: distance / VELOCITY }]).unwrap();
     Block::new(Loading::Spring(stiffness), DAMPED, None)
         .unwrap()
-        .follow(&transport, &history, &[], 1e-4)
+        .follow_with(&transport, &history, &[], 1e-4, &mut ())
         .unwrap()
 }
 
@@ -119,7 +119,7 @@ fn single_contacts_have_large_slips_behind_soft_springs_only() {
             History::new(vec![Piece { velocity: VELOCITY, duration: distance / VELOCITY }]).unwrap();
         let block = Block::new(Loading::Spring(stiffness), DAMPED, Some(0.05)).unwrap();
         let contacts = ensemble.in_time_with(&mut ()).unwrap();
-        let run = block.follow(&contacts, &history, &[], finite_size_tolerance(500)).unwrap();
+        let run = block.follow_with(&contacts, &history, &[], finite_size_tolerance(500), &mut ()).unwrap();
         let later = run.slips.iter().filter(|slip| slip.before.drive > 0.5 * distance);
         let drops: Vec<f64> = later.map(|slip| slip.before.force - slip.after.force).collect();
         drops.iter().sum::<f64>() / drops.len().max(1) as f64

@@ -184,7 +184,7 @@ impl Solver {
         monitor: &mut dyn Monitor,
     ) -> Result<Box<dyn Simulated>> {
         let (contacts, tolerance) = self.in_time(monitor)?;
-        let motion = slider.motion(contacts.as_ref(), tolerance)?;
+        let motion = slider.motion_with(contacts.as_ref(), tolerance)?;
         Ok(Box::new(BlockInTime::new(motion, velocity)?))
     }
 }

@@ -5,7 +5,8 @@ overloads, defaults that are no literals, and the layout. `make stubs` runs
 
     python python/tests/stubs.py GENERATED
 
-which writes `_core.pyi` and the lists in `__init__.py`; with --check it compares them.
+which writes `_core.pyi`, the lists in `__init__.py` and that of tasks in `docs/api/python.md`; with --check
+it compares them.
 """
 
 import argparse
@@ -20,10 +21,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from asperity import _core, _events, _values, exact
+from asperity import _core, _events, _tasks, _values, exact
 
 PACKAGE = Path(__file__).parents[1] / "asperity"
 STUBS, EXPORTS = PACKAGE / "_core.pyi", PACKAGE / "__init__.py"
+PAGE = Path(__file__).parents[2] / "docs" / "api" / "python.md"
 
 # Names in the types that `python/src` writes out; those that are not used are left out of the stubs.
 HEADER = """
@@ -77,9 +79,11 @@ def expression(text: str) -> ast.expr:
 
 
 def public(module: ModuleType) -> list[str]:
-    """Names that a module of the package defines."""
+    """Public names that a module of the package defines."""
     return [
-        name for name, thing in vars(module).items() if getattr(thing, "__module__", "") == module.__name__
+        name
+        for name, thing in vars(module).items()
+        if getattr(thing, "__module__", "") == module.__name__ and not name.startswith("_")
     ]
 
 
@@ -184,15 +188,37 @@ def overloads(node: ast.stmt) -> list[ast.stmt]:
 
 
 def exporting(text: str) -> str:
-    """The package, with the public names of the compiled module that `asperity.exact` does not import."""
+    """The package, with the names of its tasks, and of the compiled module those not in `asperity.exact`."""
     elsewhere = imported(Path(exact.__file__).read_text(encoding="utf-8"))
     names = [name for name in _core.__all__ if name == "__version__" or not name.startswith("_")]
-    block = ", ".join(name for name in names if name not in elsewhere)
-    text = re.sub(
-        r"from asperity\._core import \(.*?\)", f"from asperity._core import ({block})", text, flags=re.DOTALL
-    )
-    exported = ", ".join(f'"{name}"' for name in imported(text) | aliases(text))
-    return formatted(re.sub(r"__all__ = \[.*?\]", f"__all__ = [{exported}]", text, flags=re.DOTALL), EXPORTS)
+    for module, exported in (
+        ("_core", [name for name in names if name not in elsewhere]),
+        ("_tasks", public(_tasks)),
+    ):
+        line = f"from asperity.{module} import ({', '.join(exported)})"
+        text = re.sub(rf"from asperity\.{module} import \(.*?\)", line, text, flags=re.DOTALL)
+    quoted = ", ".join(f'"{name}"' for name in imported(text) | aliases(text))
+    return formatted(re.sub(r"__all__ = \[.*?\]", f"__all__ = [{quoted}]", text, flags=re.DOTALL), EXPORTS)
+
+
+def listing(page: str) -> str:
+    """The page of the package, with every function of a task and the classes of its result."""
+    names: dict[str, str] = {}
+    for name in public(_tasks):
+        if inspect.isfunction(thing := getattr(_tasks, name)):
+            names[name] = "autofunction"
+            names |= dict.fromkeys(results(str(thing.__annotations__["return"])), "autoclass")
+    lines = "".join(f".. {directive}:: asperity.{name}\n" for name, directive in names.items())
+    return re.sub(r"(?<=\n## Tasks\n)(.*?\{eval-rst\}\n).*?(?=```)", rf"\1{lines}", page, flags=re.DOTALL)
+
+
+def results(kind: str) -> Iterator[str]:
+    """The classes of tasks in a type, each before those of its fields."""
+    for name in re.findall(r"\w+", kind):
+        if inspect.isclass(thing := getattr(_tasks, name, None)) and thing.__module__ == _tasks.__name__:
+            yield name
+            for field in inspect.get_annotations(thing).values():
+                yield from results(str(field))
 
 
 def imported(text: str) -> set[str]:
@@ -250,6 +276,7 @@ def main() -> None:
     made = {
         STUBS: completed(given.generated.read_text(encoding="utf-8")),
         EXPORTS: exporting(EXPORTS.read_text(encoding="utf-8")),
+        PAGE: listing(PAGE.read_text(encoding="utf-8")),
     }
     for path, text in made.items():
         if not given.check:

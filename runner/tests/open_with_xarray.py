@@ -13,43 +13,25 @@ import numpy as np
 import xarray as xr
 
 
-# Tables of the tasks, and the dimension of their rows.
-TABLES = {
-    "force.csv": "position",
-    "trace.csv": "point",
-    "velocity_curve.csv": "velocity",
-    "hold_curve.csv": "hold",
-    "static_fatigue.csv": "imposed_force",
-    "spectrum.csv": "wave_number",
-    "stability.csv": "stiffness",
-    "fit.csv": "reading_position",
-    "fit_spectrum.csv": "fit_wave_number",
-    "thresholds.csv": "drive",
-}
+# Tables of tasks that are not called as the task.
+TABLES = ("force.csv", "trace.csv", "static_fatigue.csv", "fit_spectrum.csv", "thresholds.csv")
 
 
-# How the sections of docs/variables.md begin, by the task that the summary names.
+# How the sections of docs/variables.md begin, of tasks that summaries do not call as scenarios do.
 HEADINGS = {
-    "pull": ["`[pull]`"],
     "drive": ["`[drive]`\n", "`[[protocol]]`\n", "`[[protocol]] with [block]"],
     "interface_drive": ["`[drive] with [interface]", "`[drive] or [[protocol]] with [interface]"],
     "protocol": ["`[[protocol]]`\n"],
     "block_protocol": ["`[[protocol]] with [block]"],
-    "velocity_curve": ["`[velocity_curve]`"],
-    "hold_curve": ["`[hold_curve]`"],
-    "creep": ["`[creep]`"],
-    "spectrum": ["`[spectrum]`"],
-    "stability": ["`[stability]`"],
-    "fit": ["`[fit]`"],
-    "renormalisation": ["`[renormalisation]`"],
 }
 
 
 def variables(task: str) -> set[tuple[str, str]]:
     """The variables of a task with their long names, as the page of variables has them."""
     page = (Path(__file__).parents[2] / "docs" / "variables.md").read_text(encoding="utf-8")
-    sections = [part for part in page.split("\n## ") if part.startswith(tuple(HEADINGS[task]))]
-    assert len(sections) >= len(HEADINGS[task])
+    headings = HEADINGS.get(task, [f"`[{task}]`"])
+    sections = [part for part in page.split("\n## ") if part.startswith(tuple(headings))]
+    assert len(sections) >= len(headings)
     lines = (line for section in sections for line in section.splitlines() if line.startswith("| `"))
     rows = (line.strip("| ").split(" | ") for line in lines)
     return {(name.strip("`"), meaning) for name, _, _, meaning in rows}
@@ -57,15 +39,14 @@ def variables(task: str) -> set[tuple[str, str]]:
 
 def check(folder: Path, engine: str) -> None:
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    ((table, dimension),) = ((name, rows) for name, rows in TABLES.items() if (folder / name).exists())
+    (table,) = [name for name in (*TABLES, f"{summary['task']}.csv") if (folder / name).exists()]
     with open(folder / table, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     with xr.open_dataset(folder / "result.nc", engine=engine) as data:
         # Curves at several temperatures, or velocities, stand one below the other.
-        other = "velocity" if table == "stability.csv" else "temperature"
-        dimensions = (other, dimension) if other in rows[0] else (dimension,)
-        whole = xr.zeros_like(data[list(rows[0])[len(dimensions)]])
-        assert whole.dims == dimensions, whole.dims
+        whole = max((xr.zeros_like(data[name]) for name in rows[0]), key=lambda values: values.ndim)
+        dimensions = whole.dims
+        assert len(dimensions) == 1 or dimensions[0] in ("temperature", "velocity"), dimensions
         for name in rows[0]:
             column = np.array([float(row[name]) for row in rows])
             values = (whole + data[name]).transpose(*dimensions).values.ravel()

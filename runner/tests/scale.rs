@@ -1,9 +1,14 @@
 //! Units do not matter: lengths, forces and times that are 10^±30 times as large, or more, give the same numbers.
 
-use std::path::Path;
+#[path = "scale/units.rs"]
+mod units;
+
+use std::path::{Path, PathBuf};
 
 use asperity::record::{Quantity, Record};
+use asperity::scenario::{Scenario, Task};
 use asperity_runner::input;
+use asperity_runner::sweep::Summaries;
 use serde_json::Value;
 
 /// Roundings of a closed form, a root or a convolution of order 1, some hundred times 2^−53: of the largest value of a column.
@@ -137,7 +142,11 @@ impl Scale {
 fn run(text: &str, scale: Scale) -> Result<(Record, Value), String> {
     let text = scale.scenario(text);
     let parsed = input::parse(&text, "test", Path::new(""), &[]).map_err(|e| format!("{e}\n{text}"))?;
-    let outcome = asperity_runner::run(&parsed.scenario, &mut ()).map_err(|e| format!("{e}\n{text}"))?;
+    computed(&parsed.scenario).map_err(|e| format!("{e}\n{text}"))
+}
+
+fn computed(scenario: &Scenario) -> Result<(Record, Value), String> {
+    let outcome = asperity_runner::run(scenario, &mut ()).map_err(|e| e.to_string())?;
     let summary = serde_json::to_value(&outcome.summary).expect("a summary is JSON");
     Ok((outcome.record, summary))
 }
@@ -181,12 +190,18 @@ fn differences(record: &Record, scaled: &Record, scale: Scale, rounding: f64) ->
 }
 
 /// The same of a summary.
-fn quoted_differences(summary: &Value, scaled: &Value, scale: Scale, rounding: f64) -> Vec<String> {
+fn quoted_differences(
+    quoted: &[(impl AsRef<str>, Quantity)],
+    (summary, scaled): (&Value, &Value),
+    scale: Scale,
+    rounding: f64,
+) -> Vec<String> {
     let mut found = Vec::new();
-    for (path, quantity) in QUOTED {
+    for (path, quantity) in quoted {
+        let path = path.as_ref();
         let (value, other) = (summary.pointer(path), scaled.pointer(path));
         let off = match (value.and_then(Value::as_f64), other.and_then(Value::as_f64)) {
-            (Some(x), Some(y)) => worst(&[x], &[y], scale.of(quantity)).0,
+            (Some(x), Some(y)) => worst(&[x], &[y], scale.of(*quantity)).0,
             _ if value == other => 0.0,
             _ => f64::INFINITY,
         };
@@ -208,7 +223,7 @@ fn invariant_to(rounding: f64, scenarios: &[&str]) {
                 Ok((scaled, quoted)) => found.extend(
                     differences(&record, &scaled, scale, rounding)
                         .into_iter()
-                        .chain(quoted_differences(&summary, &quoted, scale, rounding))
+                        .chain(quoted_differences(&QUOTED, (&summary, &quoted), scale, rounding))
                         .map(|what| format!("{scale:?} {what}\n{text}")),
                 ),
                 Err(error) => found.push(format!("{scale:?} {error}")),
@@ -485,5 +500,77 @@ fn imposed_forces_have_no_scale() {
     let force = "[drive]\nforce_to = 0.9_N\npoints = 51\n";
     for ensemble in ["", "[ensemble]\nsize = 500\n"] {
         invariant(&[&format!("{}{force}{ensemble}", contacts!())]);
+    }
+}
+
+/// What makes shipped scenarios short.
+const SHORTER: [(&str, &[&str]); 5] = [
+    ("creep", &["creep.forces=[0.65, 0.7]", "creep.points=5"]),
+    ("healing", &["hold_curve.points=2", "ensemble.size=50"]),
+    ("renormalised", &["interface.cells=[8, 8]", "renormalisation.runs=2"]),
+    (
+        "stability",
+        &["stability.velocities=[1e-2]", "stability.stiffnesses=[0.1]", "stability.resolution=1.0"],
+    ),
+    ("velocity-curve-delay", &["velocity_curve.points=2"]),
+];
+
+/// The shortest file of a shipped scenario with a task.
+fn shortest(task: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let text = |path: &PathBuf| std::fs::read_to_string(path).unwrap_or_default();
+    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| {
+        text(path).lines().any(|line| line.trim_matches(['[', ']']) == task && line.starts_with('['))
+    });
+    paths
+        .into_iter()
+        .min_by_key(|path| text(path).len())
+        .unwrap_or_else(|| panic!("no scenario has [{task}]"))
+}
+
+/// The numbers of a summary whose dimension is declared: their paths, and what they measure.
+fn declared(scenario: &Scenario, summary: &Value) -> Vec<(String, Quantity)> {
+    let known = Summaries::new(scenario).unwrap();
+    let mut found = Vec::new();
+    numbers("", summary, &mut found);
+    let measured = |path: String| {
+        Some((path.clone(), known.find(&path.replacen('/', "", 1).replace('/', "."))?.quantity?))
+    };
+    found.into_iter().filter_map(measured).collect()
+}
+
+/// The pointers to all numbers below a value.
+fn numbers(path: &str, value: &Value, found: &mut Vec<String>) {
+    match value {
+        Value::Object(keys) => {
+            keys.iter().for_each(|(key, value)| numbers(&format!("{path}/{key}"), value, found))
+        }
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, item)| numbers(&format!("{path}/{i}"), item, found));
+        }
+        Value::Number(_) => found.push(path.to_owned()),
+        _ => {}
+    }
+}
+
+#[test]
+fn no_task_has_a_scale() {
+    // A fit reads numbers from files.
+    for task in Task::NAMES.iter().filter(|task| **task != "fit") {
+        let path = shortest(task);
+        let shorter = SHORTER.iter().find(|(name, _)| path.file_stem().unwrap() == *name);
+        let overrides: Vec<String> =
+            shorter.into_iter().flat_map(|(_, set)| *set).map(ToString::to_string).collect();
+        let scenario = input::read(&path, &overrides).unwrap().scenario;
+        let (record, summary) = computed(&scenario).unwrap();
+        let quoted = declared(&scenario, &summary);
+        assert!(!quoted.is_empty(), "{task}: no number of the summary has a dimension");
+        for scale in ALL {
+            let (scaled, other) = computed(&scale.of_scenario(&scenario)).unwrap();
+            let mut found = differences(&record, &scaled, scale, ROUNDING_OF_POTENTIALS);
+            found.extend(quoted_differences(&quoted, (&summary, &other), scale, ROUNDING_OF_POTENTIALS));
+            assert!(found.is_empty(), "{}: {scale:?}\n{}", path.display(), found.join("\n"));
+        }
     }
 }

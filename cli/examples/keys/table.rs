@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use asperity::scenario::Task;
 use serde_json::Value;
 
 /// A key of a scenario.
@@ -15,6 +16,9 @@ pub struct Key {
 
 /// The line above the rows of a table of keys.
 const HEAD: &str = "| key | default | meaning |";
+
+/// The line above the list of tasks.
+const TASKS: &str = "A file must contain `contacts` and exactly one task:";
 
 /// Where the page explains a key further.
 const LINKS: [(&str, &str); 7] = [
@@ -35,13 +39,18 @@ pub fn keys(schema: &Value) -> [BTreeMap<String, Key>; 2] {
     [keys, parameters]
 }
 
-/// The page with all rows of its tables of keys as the schema has them: in their order, and those that lack at the end.
+/// The page with its list of tasks, and with all rows of its tables of keys as the schema has them: in their order, and those that
+/// lack at the end.
 pub fn page(page: &str, schema: &Value) -> String {
     let mut tables = keys(schema).into_iter();
     let mut lines = page.lines().peekable();
     let mut text = String::new();
     while let Some(line) = lines.next() {
         text += &format!("{line}\n");
+        if line == TASKS {
+            text += &format!("{}\n{}", lines.next().unwrap_or_default(), tasks());
+            while lines.next_if(|item| item.starts_with("- `[")).is_some() {}
+        }
         if line != HEAD {
             continue;
         }
@@ -54,6 +63,13 @@ pub fn page(page: &str, schema: &Value) -> String {
         text.extend(keys.iter().map(|(name, key)| shown(name, key)));
     }
     text
+}
+
+/// What tasks do, as a list that is a sentence.
+fn tasks() -> String {
+    let sentences = Task::MEANINGS.iter().map(|meaning| meaning.trim().trim_end_matches('.'));
+    let items: Vec<String> = sentences.map(|sentence| format!("- {sentence}")).collect();
+    format!("{}.\n", items.join(";\n"))
 }
 
 fn shown(name: &str, Key { default, meaning }: &Key) -> String {

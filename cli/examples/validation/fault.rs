@@ -158,7 +158,7 @@ fn of_block(velocity: f64) -> (f64, f64) {
     let block = Block::new(Loading::Spring(SPRING), Slip::Damped { damping: VISCOSITY }, None);
     let drive = History::new(vec![Piece { velocity, duration: FAR / velocity }]).expect("a velocity above 0");
     let contacts = relaxed(&ageing(0.1), ACCURATE);
-    let run = block.expect("a stiffness above 0").follow(&contacts, &drive, &[0.0], ACCURATE);
+    let run = block.expect("a stiffness above 0").follow_with(&contacts, &drive, &[0.0], ACCURATE, &mut ());
     let slips = run.expect("nothing stops it").slips;
     let drives: Vec<f64> = slips.iter().map(|slip| slip.before.drive).collect();
     let drops: Vec<f64> = slips.iter().map(|slip| slip.before.force - slip.after.force).collect();

@@ -1,13 +1,13 @@
 //! The text of the page of variables.
 
-use asperity::record::{Quantity, Variable};
+use asperity::record::{CsvTable, Quantity, Record, Variable};
 use asperity::task;
 
 const HEAD: &str = "\
 # Variables of `result.nc`
 
 What each task records, from the declarations in the code (`asperity::task::columns`; `make variables` writes this page). The \
-CSV tables have the same names. What was not asked for is not there. Every variable has its `long_name` and its `units` \
+CSV tables have the same names; those of each task are below it. What was not asked for is not there. Every variable has its `long_name` and its `units` \
 ([labels](how-to/units.md), `1` where it is dimensionless); `scenario` is the scenario as text.
 ";
 
@@ -35,8 +35,20 @@ pub fn page() -> String {
         page +=
             &format!("\n## `{heading}`\n\n| variable | along | quantity | meaning |\n|---|---|---|---|\n");
         record.variables.iter().for_each(|variable| page += &row(variable));
+        task::tables().filter(|table| is_of(table, &record)).for_each(|table| page += &listed(table));
     }
     page
+}
+
+/// Whether a result may have a table: all of its columns are among the variables.
+fn is_of(table: &CsvTable, record: &Record) -> bool {
+    table.columns.iter().all(|column| record.get(column.name).is_some())
+}
+
+/// A table in CSV with its columns.
+fn listed(table: &CsvTable) -> String {
+    let columns: Vec<_> = table.columns.iter().map(|column| format!("`{}`", column.name)).collect();
+    format!("\n`{}`: {}.\n", table.file, columns.join(", "))
 }
 
 fn row(variable: &Variable) -> String {

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use asperity::scenario::Law;
+use asperity::scenario::{Law, Task};
 use toml::{Table, Value};
 
 use super::child::{self, Limits};
@@ -165,21 +165,8 @@ fn is_soon_done(log: &str, seconds: f64) -> bool {
 
 /// Whether a message begins with the path of a key, as `× contacts.temperature.energy: …`.
 fn names_a_key(message: &str) -> bool {
-    let tables = [
-        "contacts",
-        "initial",
-        "pull",
-        "drive",
-        "protocol",
-        "velocity_curve",
-        "hold_curve",
-        "creep",
-        "spectrum",
-        "stability",
-        "renormalisation",
-    ];
-    let others = ["block", "interface", "ensemble", "master_equation"];
-    tables
+    let others = ["contacts", "initial", "block", "interface", "ensemble", "master_equation"];
+    Task::NAMES
         .iter()
         .chain(&others)
         .any(|table| message.contains(&format!(" {table}.")) || message.contains(&format!(" {table}:")))

@@ -153,8 +153,17 @@ const LEAST: f64 = 0.5;
 /// Places of ticks are rounded to a hundredth of a unit of the canvas, of the hundred and more between the outermost ones.
 const ROUNDING: f64 = 2e-4;
 
-/// Every value is within the range of its axis and the values together fill half of it. Gives the numbers of the checked ones.
+/// Every value is within the range of its axis and the values together fill half of it. Gives the numbers of the checked ones. Of
+/// pictures without an entry, a variable of the result fills the first axis.
 pub fn check(place: &str, name: &str, svg: &str, outcome: Option<&Outcome>) -> Vec<usize> {
+    if !has(name) {
+        let axis = Axis::of(svg, 0);
+        let variables = outcome.map_or(&[][..], |outcome| &outcome.record.variables);
+        assert!(
+            variables.iter().any(|variable| fills(&axis, &variable.values)),
+            "{place}: no variable fills the axis"
+        );
+    }
     let shown = SHOWN.iter().map(|(of, panel, variable)| {
         let values = outcome.and_then(|outcome| outcome.record.values(variable));
         (*of, *panel, values.map(<[f64]>::to_vec))
@@ -171,10 +180,19 @@ pub fn check(place: &str, name: &str, svg: &str, outcome: Option<&Outcome>) -> V
     checked.collect()
 }
 
-fn is_shown(place: &str, axis: &Axis, values: &[f64]) {
+/// The parts of an axis where the least and the largest of the values are.
+fn range(axis: &Axis, values: &[f64]) -> [f64; 2] {
     let known = values.iter().map(|value| axis.share(*value)).filter(|share| share.is_finite());
-    let least = known.clone().fold(f64::INFINITY, f64::min);
-    let most = known.fold(f64::NEG_INFINITY, f64::max);
+    [known.clone().fold(f64::INFINITY, f64::min), known.fold(f64::NEG_INFINITY, f64::max)]
+}
+
+fn fills(axis: &Axis, values: &[f64]) -> bool {
+    let [least, most] = range(axis, values);
+    least > -ROUNDING && most < 1.0 + ROUNDING && most - least > LEAST
+}
+
+fn is_shown(place: &str, axis: &Axis, values: &[f64]) {
+    let [least, most] = range(axis, values);
     assert!(least > -ROUNDING && most < 1.0 + ROUNDING, "{place}: from {least} to {most} of the axis");
     assert!(most - least > LEAST || values.len() == 1, "{place}: {} of the axis", most - least);
 }

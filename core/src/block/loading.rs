@@ -9,6 +9,7 @@ use crate::{Error, Result};
 /// Its *drive* is the quantity that is imposed: the position X_T of the slider's top behind a spring, the position X of the
 /// base of a rigid slider (K = ∞), or a force (K → 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Loading {
     /// A block of shear stiffness K, force per length: K(X_T − X) = F.
     Spring(f64),

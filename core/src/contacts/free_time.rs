@@ -10,6 +10,7 @@ use crate::{Error, Result};
 /// A contact that re-forms at the rate λ(t) a time t after its break is free for a time with this hazard: a constant rate is the
 /// exponential distribution of mean 1/λ, a rate that rises or falls with the time is that of a Weibull or gamma distribution.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum FreeTime {
     /// The same time for all breaks; 0 for contacts that re-form at once.
     Fixed(f64),

@@ -7,6 +7,7 @@ use crate::{Error, Result};
 
 /// Stiffness of a contact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Stiffness {
     /// Mean stiffness ⟨k⟩, force per length, independent of the threshold.
     Equal(f64),

@@ -1,4 +1,8 @@
 //! The implicit stage of a single cell.
+//!
+//! The solver of coupled cells with one cell is no substitute. It solves linear systems by iterations and lets contacts lag behind
+//! their cell within the accuracy of a stage, so that last digits would change. A block also needs what it does not have: the
+//! viscosity of free contacts at the end of the stage, and a search for a balance without drag, which ends where a slip begins.
 
 use super::{ImplicitStage, SlidingCell, StageSolver};
 use crate::Result;

@@ -32,6 +32,7 @@ pub struct EnsembleInTime {
     lives: Arc<Lives>,
     passage: Arc<Passage>,
     stiffness: Stiffness,
+    mean_threshold: f64,
     delay: FreeTime,
     friction: FreeFriction,
     /// All of them, [`CHUNK`] at a time, shared with copies until either takes a step.
@@ -70,6 +71,7 @@ impl Ensemble {
             lives: Arc::new(Lives::in_any_order(self)),
             passage: Arc::new(Passage::of(self, monitor)?),
             stiffness: self.contacts.stiffness.clone(),
+            mean_threshold: self.contacts.thresholds.mean(),
             delay: self.contacts.rules.delay.clone(),
             friction: self.contacts.rules.free_friction,
             contacts: Vec::with_capacity(self.size.div_ceil(CHUNK)),
@@ -395,6 +397,10 @@ impl RateDependentContacts for EnsembleInTime {
 
     fn free(&self) -> f64 {
         1.0 - self.now.count / self.size as f64
+    }
+
+    fn mean_threshold(&self) -> Option<f64> {
+        Some(self.mean_threshold)
     }
 
     fn stretches(&self) -> Vec<StretchInterval> {

@@ -52,6 +52,7 @@ pub struct Correlation {
 
 /// The readings of a curve as the fit describes them.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Readings {
     /// Positions X of the slider.
     pub positions: Vec<f64>,

@@ -18,6 +18,7 @@ use crate::{Error, Result};
 
 /// Thresholds of free form as a fit has found them.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct FreeForm {
     /// The fit, whose free numbers are the coefficients of the kernels (`thresholds.coefficient_0`, …) and the others.
     pub estimates: Estimates,

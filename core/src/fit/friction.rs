@@ -17,6 +17,7 @@ pub struct WithError {
 
 /// Friction of the fitted contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FrictionEstimates {
     /// F_s, if it is reached, with the background force.
     pub static_friction: Option<WithError>,

@@ -21,6 +21,7 @@ const EARLIEST: f64 = 7.0;
 
 /// A fitted modified Omori law.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct OmoriFit {
     /// Exponent p.
     pub exponent: f64,

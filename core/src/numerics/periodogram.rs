@@ -7,6 +7,7 @@ use realfft::RealFftPlanner;
 
 /// An estimated spectrum S(q) = ∫c(u) e^{iqu} du.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Periodogram {
     /// Wave numbers, radians per unit of the spacing, evenly spaced from the first above 0.
     pub wave_numbers: Vec<f64>,

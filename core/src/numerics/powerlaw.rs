@@ -16,6 +16,7 @@ const TERMS: f64 = 1000.0;
 
 /// A fitted power law.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PowerLawFit {
     /// Exponent τ of p(x) ∝ x^{−τ}.
     pub exponent: f64,

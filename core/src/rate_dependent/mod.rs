@@ -55,6 +55,11 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// The mean threshold, to which the default tolerance of a slider is relative; `None` where it is not known.
+    fn mean_threshold(&self) -> Option<f64> {
+        None
+    }
+
     /// The distribution of the stretches of the attached contacts.
     fn stretches(&self) -> Vec<StretchInterval>;
 

@@ -44,6 +44,7 @@ pub struct OrnsteinUhlenbeck {
 
 /// The noise of a measured curve: white noise plus drift.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
 pub struct MeasuredNoise {
     /// Standard deviation of the white noise, a force.
     pub white: f64,

@@ -35,6 +35,7 @@ pub struct StateVariable {
 /// Rate-and-state friction behind a spring, fitted to a velocity step. Forces are in the unit of the curve. What the fit leaves
 /// is stated as a misfit; there are no errors of the parameters, for which the curve would need a noise that is known.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct MachineStep {
     /// Root-mean-square residual of the fit, a force.
     pub residual: f64,

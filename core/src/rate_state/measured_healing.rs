@@ -14,6 +14,7 @@ use crate::{Error, Result};
 /// Healing in measured slide–hold–slide tests: static friction grows with the logarithm of the hold time,
 /// from a cutoff time on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct MeasuredHealing {
     /// Healing rate β ln 10, per factor of ten in hold time in the logarithmic regime, a force.
     pub per_decade: MeasuredValue,

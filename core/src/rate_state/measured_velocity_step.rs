@@ -41,6 +41,7 @@ impl Default for StepReading {
 
 /// Rate-and-state parameters of a measured velocity step; forces in the unit of the curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct MeasuredVelocityStep {
     /// v/v₀.
     pub ratio: f64,

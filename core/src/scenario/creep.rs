@@ -9,6 +9,7 @@ use crate::{Error, Result};
 /// Creep under constant forces, one after the other on contacts that begin alike, each up to the failure of the slider.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Creep {
     /// Constant forces on the slider, above 0: it creeps under each of them on contacts that begin alike, until it fails.
     #[schemars(extend("minItems" = 1, "items" = { "type": "number", "exclusiveMinimum": 0 }, "x-dimension" = "force"))]

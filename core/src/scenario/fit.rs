@@ -113,6 +113,7 @@ pub struct Fit {
 /// What the errors of readings are made of.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum FitNoise {
     /// The noise of a finite number of contacts, and independent errors.
     #[default]
@@ -124,6 +125,7 @@ pub enum FitNoise {
 /// What is known of the form of the distribution of thresholds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum FitThresholds {
     /// It is that of `contacts.thresholds`.
     #[default]

@@ -67,6 +67,7 @@ pub struct FitSource {
 
 /// Displacement of the drive against the slider per force: a number above 0, or `"free"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum FitCompliance {
     /// Known, or the first value of a free one.
     Value(f64),

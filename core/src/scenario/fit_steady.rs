@@ -12,6 +12,7 @@ use crate::{Error, Result};
 /// A record of the force in steady sliding: its mean and its noise, instead of a curve, give the numbers in `fit.free`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
 pub struct FitSteady {
     /// Measured record, CSV with columns `position,force` at equal steps, or a column `force` with `fit.steady.spacing`; its path
     /// is relative to the scenario.

@@ -9,6 +9,7 @@ use crate::Result;
 /// Slide–hold–slide tests at hold times evenly spaced in their logarithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct HoldCurve {
     /// Shortest hold time of a curve of static friction against hold time (healing), above 0.
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::block::Block;
 use crate::contacts::Rules;
 use crate::master::{Tolerance, Transport};
 use crate::{Error, Result};
@@ -23,9 +24,6 @@ pub struct MasterEquation {
 }
 
 impl MasterEquation {
-    /// Default tolerance of a block in time, whose slips take many steps.
-    const TOLERANCE_OF_A_BLOCK: f64 = 1e-4;
-
     /// Tolerance of a pull at constant velocity.
     pub fn tolerance(&self) -> Tolerance {
         self.tolerance.into()
@@ -38,7 +36,7 @@ impl MasterEquation {
 
     /// Tolerance of a step of a block that is moved in time.
     pub fn tolerance_of_a_block(&self) -> f64 {
-        self.tolerance.unwrap_or(Self::TOLERANCE_OF_A_BLOCK)
+        self.tolerance.unwrap_or(Block::TOLERANCE_IN_TIME)
     }
 
     /// Checks every value.

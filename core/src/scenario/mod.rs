@@ -17,6 +17,35 @@
 //! # Ok::<(), asperity::Error>(())
 //! ```
 
+/// Hands all tasks to the macro `$list`: what the task does, in one sentence, the name of its table, and its type. All lists of
+/// tasks are made of this one.
+macro_rules! each_task {
+    ($list:ident) => {
+        $list! {
+            /// `[pull]` displaces the base of the slider.
+            pull: Pull,
+            /// `[drive]` displaces its top, the load point, or imposes a force.
+            drive: Drive,
+            /// `[[protocol]]` moves the base, or the load point of a `[block]` or of an `[interface]`, in time.
+            protocol: Protocol,
+            /// `[velocity_curve]` computes kinetic friction against velocity.
+            velocity_curve: VelocityCurve,
+            /// `[hold_curve]` computes static friction against hold time.
+            hold_curve: HoldCurve,
+            /// `[creep]` computes slip in time under constant forces, and the times to failure.
+            creep: Creep,
+            /// `[spectrum]` computes the noise of the force in steady sliding.
+            spectrum: Spectrum,
+            /// `[stability]` reports whether the slider of a `[block]` sticks and slips.
+            stability: Stability,
+            /// `[fit]` finds numbers of the contacts, with their errors, from a measured curve or a record of steady sliding.
+            fit: Fit,
+            /// `[renormalisation]` measures the drives at which the contacts of an `[interface]` first break.
+            renormalisation: Renormalisation,
+        }
+    };
+}
+
 mod block;
 mod compare;
 mod contacts;
@@ -102,19 +131,7 @@ use crate::{Error, Result};
 /// A scenario: contacts, their initial state, and the task to compute.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneOf" = [
-    { "required": ["pull"] },
-    { "required": ["drive"] },
-    { "required": ["protocol"] },
-    { "required": ["protocol_file"] },
-    { "required": ["velocity_curve"] },
-    { "required": ["hold_curve"] },
-    { "required": ["creep"] },
-    { "required": ["spectrum"] },
-    { "required": ["stability"] },
-    { "required": ["fit"] },
-    { "required": ["renormalisation"] }
-]))]
+#[schemars(extend("oneOf" = task::exactly_one()))]
 pub struct Scenario {
     /// Heading of the summary and the figures.
     #[serde(default)]

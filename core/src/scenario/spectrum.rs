@@ -9,6 +9,7 @@ use crate::{Error, Result};
 /// Spectrum and autocovariance of the force of a finite number of contacts in steady sliding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Spectrum {
     /// Largest wave number, in radians per length; without it the fifth multiple of 2π over the mean displacement between
     /// breaks of a contact.

@@ -9,6 +9,7 @@ use crate::{Error, Result};
 /// Stick-slip of a block behind its spring and behind others: none, transient or persistent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Stability {
     /// Velocities of the load point, above 0; required for time-dependent contacts (temperature, ageing), without effect for
     /// others.

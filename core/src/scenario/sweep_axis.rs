@@ -18,6 +18,7 @@ pub struct SweepAxes(pub Vec<(String, SweepAxis)>);
 /// The values of a key.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
+#[non_exhaustive]
 pub enum SweepAxis {
     /// These values.
     List(Vec<SweepValue>),
@@ -41,6 +42,7 @@ pub struct SweepRange {
 /// In what the values of a range are evenly spaced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum SweepScale {
     /// In their values.
     #[default]

@@ -26,11 +26,7 @@ impl Task<'_> {
             Task::Stability(task) => velocities(&task.velocities, rule),
             Task::Fit(task) => velocity(task.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
-            Task::Protocol(_)
-            | Task::VelocityCurve(_)
-            | Task::HoldCurve(_)
-            | Task::Creep(_)
-            | Task::Renormalisation(_) => Ok(()),
+            _ => Ok(()),
         }
         .map_err(|e| e.under(self.name()))
     }

@@ -13,6 +13,7 @@ use crate::{Error, Result};
     { "required": ["from", "to"] },
     { "required": ["velocities"], "not": { "required": ["points"] } }
 ]))]
+#[non_exhaustive]
 pub struct VelocityCurve {
     /// Lowest velocity of a curve of kinetic friction against velocity, above 0.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,6 +1,6 @@
 //! The JSON Schema of scenarios: that of their types, with the rules between tables.
 
-use asperity::scenario::Scenario;
+use asperity::scenario::{Scenario, Task};
 use serde_json::{Map, Value, json};
 
 /// Identifies the schema; no address.
@@ -36,13 +36,12 @@ fn combinations() -> Vec<Value> {
         // Which tables belong to which task.
         never(
             "block",
-            any(["pull", "hold_curve", "creep", "spectrum", "fit", "renormalisation", "interface"].map(key)),
+            any(tasks_beside(["drive", "protocol", "velocity_curve", "stability"])
+                .chain(["interface"])
+                .map(key)),
         ),
         implies(all([key("block"), key("velocity_curve")]), stability.clone()),
-        never(
-            "interface",
-            any(["pull", "velocity_curve", "hold_curve", "creep", "spectrum", "stability", "fit"].map(key)),
-        ),
+        never("interface", any(tasks_beside(["drive", "protocol", "renormalisation"]).map(key))),
         implies(key("renormalisation"), key("interface")),
         implies(key("stability"), key("block")),
         never("stability", key("ensemble")),
@@ -240,8 +239,13 @@ fn having(key: &str, value: Value) -> Value {
     json!({ "required": [first], "properties": { first: value } })
 }
 
-fn any<const N: usize>(schemas: [Value; N]) -> Value {
-    json!({ "anyOf": Vec::from(schemas) })
+/// The tables that are tasks, without these.
+fn tasks_beside<const N: usize>(these: [&str; N]) -> impl Iterator<Item = &'static str> {
+    Task::NAMES.iter().copied().filter(move |name| !these.contains(name))
+}
+
+fn any(schemas: impl IntoIterator<Item = Value>) -> Value {
+    json!({ "anyOf": schemas.into_iter().collect::<Vec<_>>() })
 }
 
 fn all<const N: usize>(schemas: [Value; N]) -> Value {

@@ -4,6 +4,7 @@ use crate::rate_dependent::RateDependentContacts;
 
 /// A state of a creeping slider.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct CreepState {
     /// Time t.
     pub time: f64,

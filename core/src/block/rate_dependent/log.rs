@@ -12,6 +12,7 @@ use crate::record::{Quantity, Record};
 
 /// A slip: the time during which the slider is more than ten times as fast as the drive, or until it comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct RateDependentSlip {
     /// State at its beginning.
     pub before: Moment,
@@ -29,6 +30,7 @@ pub struct RateDependentSlip {
 
 /// Results of a motion in time.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Slide {
     /// States at the requested times, and all steps of slips.
     pub trace: Vec<Moment>,

@@ -26,63 +26,65 @@ pub use motion::{BlockMotion, BlockMotionState};
 use sliding::SlidingBlock;
 
 impl Block {
+    /// The default tolerance of a motion in time, in mean thresholds.
+    pub const TOLERANCE_IN_TIME: f64 = 1e-4;
+
     /// Moves the slider's top along `drive`, from equilibrium with `contacts` ([`RateDependentContacts::steady_velocity`]: at
-    /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start. `tolerance` is
-    /// the largest error of a step in time, a length.
+    /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start, with
+    /// [`Block::TOLERANCE_IN_TIME`].
     ///
     /// With the default slip rule, [`Slip::Reset`], the spring is in balance at every time, K(X_T − X) = F, without mass and
     /// damping. The rule itself is not used: a spring so soft that the slider slips is an error.
     ///
     /// # Errors
     /// A loading other than a spring; [`Slip::Overdamped`] and [`Slip::Arrest`]; a slip without a mass or a damping; times that
-    /// are not ascending or outside the drive; a tolerance that is not above 0; those of the contacts.
+    /// are not ascending or outside the drive; contacts whose mean threshold is not known; those of the contacts.
     pub fn follow(
         &self,
         contacts: &dyn RateDependentContacts,
         drive: &History,
         times: &[f64],
-        tolerance: f64,
     ) -> Result<Slide> {
-        self.follow_with(contacts, drive, times, tolerance, &mut ())
+        self.follow_with(contacts, drive, times, None, &mut ())
     }
 
-    /// The same with a monitor.
+    /// The same with the largest error of a step in time, a length, watched by a monitor.
     ///
     /// # Errors
-    /// As [`Self::follow`]; stopped by the monitor.
+    /// As [`Self::follow`]; a tolerance that is not above 0; stopped by the monitor.
     pub fn follow_with(
         &self,
         contacts: &dyn RateDependentContacts,
         drive: &History,
         times: &[f64],
-        tolerance: f64,
+        tolerance: impl Into<Option<f64>>,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
-        self.followed(contacts, None, drive, times, tolerance, monitor)
+        self.followed(contacts, None, (drive, times), tolerance.into(), monitor)
     }
 
-    /// As [`Block::follow`] with [`Slide::error`]. It takes three times as long, because two copies of the contacts are moved.
+    /// As [`Block::follow_with`] with [`Slide::error`]. It takes three times as long, because two copies of the contacts are
+    /// moved.
     ///
     /// # Errors
-    /// Those of [`Block::follow`].
+    /// Those of [`Block::follow_with`].
     pub fn follow_with_error(
         &self,
         contacts: &dyn RateDependentContacts,
         drive: &History,
         times: &[f64],
-        tolerance: f64,
+        tolerance: impl Into<Option<f64>>,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
-        self.followed(contacts, ErrorEstimator::of(contacts), drive, times, tolerance, monitor)
+        self.followed(contacts, ErrorEstimator::of(contacts), (drive, times), tolerance.into(), monitor)
     }
 
     fn followed(
         &self,
         contacts: &dyn RateDependentContacts,
         estimator: Option<ErrorEstimator>,
-        drive: &History,
-        times: &[f64],
-        tolerance: f64,
+        (drive, times): (&History, &[f64]),
+        tolerance: Option<f64>,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
         let mut slider = self.balanced(contacts, tolerance)?;
@@ -120,8 +122,12 @@ impl Block {
     }
 
     /// The slider in equilibrium with `contacts`.
-    fn balanced(&self, contacts: &dyn RateDependentContacts, tolerance: f64) -> Result<SlidingBlock> {
+    fn balanced(&self, contacts: &dyn RateDependentContacts, tolerance: Option<f64>) -> Result<SlidingBlock> {
         let equation = self.equation_of_motion()?;
+        let of_contacts = || contacts.mean_threshold().map(|mean| Self::TOLERANCE_IN_TIME * mean);
+        let missing =
+            || Error::invalid("tolerance", "one of contacts whose mean threshold is not known", "none");
+        let tolerance = tolerance.or_else(of_contacts).ok_or_else(missing)?;
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
         }

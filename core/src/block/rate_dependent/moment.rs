@@ -7,6 +7,7 @@ use crate::dynamics::crossing;
 
 /// The state of a slider at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Moment {
     /// Time t since the start.
     pub time: f64,

@@ -31,7 +31,7 @@ use crate::{Error, Result};
 /// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
 /// let transport = Transport::new(Contacts { rules, ..contacts }, &Initial::default())?;
 /// let block = Block::new(Loading::Spring(0.5), Slip::Damped { damping: 0.01 }, None)?;
-/// let mut slider = block.motion(&transport, 1e-4)?;
+/// let mut slider = block.motion(&transport)?;
 /// while let Some(slip) = slider.next(4.0, 0.1)? {
 ///     println!("at t = {:.2} the force drops by {:.3}", slip.before.time, slip.drop());
 /// }
@@ -56,12 +56,24 @@ pub struct BlockMotionState {
 
 impl Block {
     /// The slider in equilibrium with `contacts` ([`RateDependentContacts::steady_velocity`]: at rest, or in steady sliding), to
-    /// be moved step by step. `tolerance` is the largest error of a step in time, a length.
+    /// be moved step by step, with [`Block::TOLERANCE_IN_TIME`].
     ///
     /// # Errors
     /// As [`Block::follow`].
-    pub fn motion(&self, contacts: &dyn RateDependentContacts, tolerance: f64) -> Result<BlockMotion> {
-        let slider = self.balanced(contacts, tolerance)?;
+    pub fn motion(&self, contacts: &dyn RateDependentContacts) -> Result<BlockMotion> {
+        self.motion_with(contacts, None)
+    }
+
+    /// The same with the largest error of a step in time, a length.
+    ///
+    /// # Errors
+    /// As [`Self::motion`]; a tolerance that is not above 0.
+    pub fn motion_with(
+        &self,
+        contacts: &dyn RateDependentContacts,
+        tolerance: impl Into<Option<f64>>,
+    ) -> Result<BlockMotion> {
+        let slider = self.balanced(contacts, tolerance.into())?;
         let log = Log::new(&slider, self.slip_fraction.unwrap_or(0.0));
         Ok(BlockMotion { begun: slider.moment().energy, slider, log })
     }

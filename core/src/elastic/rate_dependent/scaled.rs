@@ -60,6 +60,10 @@ impl RateDependentContacts for Scaled {
         self.contacts.free()
     }
 
+    fn mean_threshold(&self) -> Option<f64> {
+        self.contacts.mean_threshold().map(|mean| self.scale * mean)
+    }
+
     fn is_constant_at_rest(&self) -> bool {
         self.contacts.is_constant_at_rest()
     }

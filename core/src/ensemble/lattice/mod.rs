@@ -49,6 +49,7 @@ const ASK: usize = 1 << 16;
 
 /// When to stop driving a lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Until {
     /// To this drive X, counted from the start of all.
     Drive(f64),

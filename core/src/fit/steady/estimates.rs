@@ -25,6 +25,7 @@ const LIVES: f64 = 5.0;
 /// The periodogram of a record and what is expected of it, for the wave numbers q_k = 2πk/nh, k = 1 … n/2, of a record of n
 /// readings at the spacing h.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct FittedSpectrum {
     /// q_k, radians per length.
     pub wave_numbers: Vec<f64>,

@@ -106,6 +106,7 @@ pub struct Transport {
     stiffness: f64,
     /// N_c⟨k⟩ times the mean threshold.
     unit: f64,
+    mean_threshold: f64,
     tolerance: f64,
     /// Largest spread of a cohort ([`merging`]).
     spread: f64,
@@ -229,6 +230,7 @@ impl Transport {
             cells: cells.into(),
             stiffness: contacts.count * stiffness,
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
+            mean_threshold: mean,
             tolerance,
             spread: merging::largest_spread(contacts, tolerance),
             friction: FreeFriction {
@@ -637,6 +639,10 @@ impl RateDependentContacts for Transport {
 
     fn steady_velocity(&self) -> Option<f64> {
         self.steady
+    }
+
+    fn mean_threshold(&self) -> Option<f64> {
+        Some(self.mean_threshold)
     }
 
     fn stretches(&self) -> Vec<StretchInterval> {

@@ -21,6 +21,7 @@ use crate::{Error, Result};
 
 /// How the contacts of cells in time are at the start.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum CellStart<'a> {
     /// Initial stretches, all contacts of age 0.
     Initial(&'a Initial),

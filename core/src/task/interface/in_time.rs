@@ -25,6 +25,7 @@ pub struct DrivenRateDependentCells {
 
 /// The motion of the load point.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum LoadPointMotion {
     /// At one velocity, to any drive.
     Velocity(f64),

@@ -31,6 +31,7 @@ pub struct FirstBreakStatistics {
 /// How large an interface is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum InterfaceSize {
     /// Number of contacts coupled one by one.
     Contacts(usize),

@@ -37,6 +37,7 @@ pub struct StickSlipNumbers {
 /// The answer to the question whether a slider sticks and slips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum StickSlipKind {
     /// No slips.
     None,
