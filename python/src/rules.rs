@@ -61,11 +61,11 @@ impl Temperature {
         barrier: Argument<String>,
         hazard: Argument<String>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let barrier = barrier.get("barrier")?;
+        let (barrier, hazard) = (barrier.get("barrier")?, hazard.get("hazard")?);
         let energy = energy.get("energy")?;
         let attempt_rate = attempt_rate.get("attempt_rate")?;
         let barrier = convert::word("barrier", &barrier)?;
-        let hazard = convert::word("hazard", &hazard.get("hazard")?)?;
+        let hazard = convert::word("hazard", &hazard)?;
         above_zero("energy", energy)?;
         above_zero("attempt_rate", attempt_rate)?;
         let plain = Plain::Temperature(scenario::Temperature {
