@@ -2,7 +2,7 @@
 source distribution of the Python package.
 
 They are not compiled. Each must have its readme, licences and metadata, every file that its code includes,
-and fit the limits of the registry; the command has every scenario that it lists,
+and fit the limits of the registry; the command has every scenario that is shipped,
 and no other.
 """
 
@@ -31,7 +31,12 @@ LARGEST, KEYWORDS = 10 * 1024 * 1024, 5
 SOURCES = ["core/src", "runner/src", "engine/src", "cli/src", "cli/build.rs", "python/src", "python/asperity"]
 # Documents whose code is run as tests in the repository are not included where the crate is used.
 INCLUDED = re.compile(r'(?<!#\[doc = )include_(?:str|bytes)!\("([^"]*)"\)')
-SHIPPED = re.compile(r'^    "([^"]*)",$', re.MULTILINE)
+
+
+def tracked(*folders: str) -> list[str]:
+    """The files in these folders that git has."""
+    listed = ["git", "ls-files", *folders]
+    return subprocess.run(listed, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.split()
 
 
 def contents(package: Path) -> dict[str, bytes]:
@@ -57,10 +62,10 @@ def missing_includes(files: dict[str, bytes]) -> list[str]:
 
 
 def missing_scenarios(files: dict[str, bytes]) -> list[str]:
-    """How the scenarios of the command differ from those that it lists."""
-    listed = {f"scenarios/{name}" for name in SHIPPED.findall(files["src/examples.rs"].decode())}
+    """How the scenarios of the command, which its build script lists, differ from those that are shipped."""
+    shipped = {name for name in tracked("scenarios") if not name.startswith("scenarios/invalid/")}
     found = {name for name in files if name.startswith("scenarios/")}
-    return [f"{name} is listed or packaged, not both" for name in sorted(listed ^ found)]
+    return [f"{name} is shipped or packaged, not both" for name in sorted(shipped ^ found)]
 
 
 def faults(package: Path) -> list[str]:
@@ -83,10 +88,7 @@ def source_faults(distribution: Path) -> list[str]:
     members = tomllib.loads(files["Cargo.toml"].decode())["workspace"]["members"]
     manifests = [f"{member}/Cargo.toml" for member in members]
     found = [f"no {name}" for name in [*NEEDED, *manifests] if name not in files]
-    tracked = subprocess.run(
-        ["git", "ls-files", *SOURCES], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
-    )
-    found += [f"no {name}" for name in tracked.stdout.split() if name not in files]
+    found += [f"no {name}" for name in tracked(*SOURCES) if name not in files]
     found += missing_includes(files)
     return [f"{distribution.name}: {fault}" for fault in found]
 
