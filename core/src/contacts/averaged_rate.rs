@@ -141,15 +141,14 @@ impl<'a> ThresholdAverage<'a> {
         const LITTLE: f64 = 6.0;
         /// Parts that are a power of the distance to an end are graded down to this fraction, 2⁻¹⁰⁰.
         const MOST_HALVINGS: u32 = 100;
-        let begun = self.exponent(stretch, low);
-        let ends = [low, high].map(|h| self.exponent(stretch, h));
-        let uneven = (ends[1] - ends[0]).min(NOTHING) > LITTLE;
+        let [begun, ended] = [low, high].map(|h| self.exponent(stretch, h));
+        let uneven = (ended - begun).min(NOTHING) > LITTLE;
         if depth < MOST_HALVINGS && (uneven || self.is_steep([low, high])) && high - low > f64::EPSILON * high
         {
             let middle = 0.5 * (low + high);
             let lower = self.panel(stretch, [low, middle], depth + 1);
-            let fall = self.exponent(stretch, middle) - begun;
-            return lower + if fall > NOTHING { 0.0 } else { self.panel(stretch, [middle, high], depth + 1) };
+            let rise = self.exponent(stretch, middle) - begun;
+            return lower + if rise > NOTHING { 0.0 } else { self.panel(stretch, [middle, high], depth + 1) };
         }
         let length = (high - low).sqrt();
         let term = |s: f64| {

@@ -101,6 +101,7 @@ impl RankTrajectory<'_> {
         let last = (self.ranks.rows.len() - 1) as f64;
         let mut places = *ages;
         for place in &mut places {
+            // As in `RankTable::at` but for the rounding of 1 + t/s, which moves the position by 1e-14 at most.
             *place = (ln(1.0 + *place / self.ranks.time) / SPACING).min(last);
         }
         interpolated(&places, self.ranks.rows.len(), |row| self.tabulated(row))
