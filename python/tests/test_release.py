@@ -147,9 +147,8 @@ def test_a_package_without_what_it_needs_is_refused(tmp_path: Path) -> None:
     files = {
         "README.md": "",
         "Cargo.toml": '[package]\nname = "asperity-cli"\ndescription = "the command"',
-        "src/examples.rs": '    "found.toml",\n    "lost.toml",\n',
         "src/lib.rs": 'include_str!("../lost.txt"); include_str!("../README.md");',
-        "scenarios/found.toml": "",
+        "scenarios/fig2.toml": "",
         "scenarios/other.toml": "",
     }
     for name, text in files.items():
@@ -163,10 +162,10 @@ def test_a_package_without_what_it_needs_is_refused(tmp_path: Path) -> None:
         "no THIRD-PARTY.txt",
         "no repository in Cargo.toml",
         "src/lib.rs includes ../lost.txt",
-        "scenarios/lost.toml is listed or packaged, not both",
-        "scenarios/other.toml is listed or packaged, not both",
+        "scenarios/fig3.toml is shipped or packaged, not both",
+        "scenarios/other.toml is shipped or packaged, not both",
     ]:
         assert fault in found
     assert not [
-        fault for fault in found if "README" in fault or "found.toml" in fault or "description" in fault
+        fault for fault in found if "README" in fault or "fig2.toml" in fault or "description" in fault
     ]
