@@ -215,7 +215,10 @@ impl Broken {
         let origin = self.born.value();
         let mut integral = 0.0;
         let (mut first, mut last) = (None, 0.0);
-        for past in self.past.iter().chain([&now]) {
+        // Steps before the delay have re-formed, and most of those within it are too late to re-form in this step.
+        let gone = self.past.partition_point(|past| past.start - start + past.duration <= from);
+        let later = |past: &&BreakHistory| past.start - start < to;
+        for past in self.past.range(gone..).chain([&now]).take_while(later) {
             // Times relative to the start, which keep their digits after a long history.
             let begun = past.start - start;
             let (low, high) = (begun.max(from), (begun + past.duration).min(to));

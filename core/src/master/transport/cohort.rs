@@ -120,28 +120,43 @@ impl Cohort {
         self.seed
     }
 
-    /// Merges with contacts that formed at the same seed a little later, unless that would replace a `spread` above the limit:
-    /// the attached fraction and the force remain, stretch, age and threshold reached become their means. Returns the
-    /// elastic energy of the differences of stretch, which is lost; `None` if they remain apart.
-    pub(super) fn absorb(&mut self, other: &Self, model: &CohortModel, limit: f64) -> Option<f64> {
+    /// Merges with contacts that break at about the same stretch, unless that would replace a `spread` above the limit: the
+    /// attached fraction and the force remain, stretch, age and threshold reached become their means. Returns the elastic
+    /// energy of the differences of stretch, which is lost; `None` if they remain apart.
+    pub(super) fn absorb(
+        &mut self,
+        other: &Self,
+        model: &CohortModel,
+        limit: f64,
+        watch: &Watch<'_>,
+    ) -> Option<f64> {
         let [own, more] = [self.attached(), other.attached()];
-        let (all, energy) = (own + more, self.energy() + other.energy());
+        let all = own + more;
         let (place, then) = (self.place, other.place);
+        let distance = model.distance((&self.state, place), (&other.state, then))?;
         let part = more / all;
-        let between = |a: f64, b: f64| a + part * (b - a);
-        let age = between(place.age, then.age);
-        let (distance, state, left) = model.merged((&self.state, place), (&other.state, then), part)?;
         let spread = self.spread + other.spread + own * part * distance * distance;
         // A comparison that is false for NaN, of cohorts without contacts.
-        if !(spread <= limit && left > 0.0) {
+        if !(spread <= limit) {
             return None;
         }
-        let stretch = between(place.stretch, then.stretch);
+        let age = place.age + part * (then.age - place.age);
+        let state = model.merged((&self.state, self.mass), (&other.state, other.mass), part);
+        let (left, _) = model.measure(&state, age, watch);
+        if !(left > 0.0) {
+            return None;
+        }
+        let energy = self.energy() + other.energy();
+        let stiffness = self.tangent() + other.tangent();
+        // The force remains where stiffnesses depend on thresholds, too.
+        let stretch = place.stretch + other.tangent() / stiffness * (then.stretch - place.stretch);
         let low = (place.stretch - place.below).min(then.stretch - then.below);
         let high = (place.stretch + place.above).max(then.stretch + then.above);
         self.place = Place { stretch, below: stretch - low, above: high - stretch, age };
-        (self.mass, self.left, self.stiffness, self.spread) = (all / left, left, left, spread);
+        (self.mass, self.left, self.spread) = (all / left, left, spread);
+        self.stiffness = stiffness / self.mass;
         self.state = state;
+        self.seed = self.seed.filter(|_| self.seed == other.seed);
         Some(energy - self.energy())
     }
 

@@ -21,6 +21,7 @@ mod formed;
 mod free_contacts;
 mod grid;
 mod mean_field;
+mod merged_ranks;
 mod merging;
 mod model;
 mod moment_table;
@@ -137,6 +138,13 @@ pub struct Transport {
     ages: Option<ContactAges>,
     /// A second solution with a larger tolerance, for the error estimate.
     rough: Option<Box<Self>>,
+}
+
+/// Whether cohorts are merged in the steps of a motion as soon as they are many.
+#[derive(Debug, Clone, Copy)]
+enum MergingRule {
+    Never,
+    WhenMany,
 }
 
 /// Ratio of the tolerance of the second solution to that of the first: for steps of fourth order, twice the
@@ -401,7 +409,13 @@ impl Transport {
                 let velocity = (history.position(stop) - history.position(now)) / (stop - now);
                 let (inside, later) = rest.split_at(rest.partition_point(|&time| time < stop));
                 let mut asked = RequestedReadings::new(inside.iter().map(|time| time - now));
-                self.advance_steadily(velocity, stop - now, &mut asked, &part, monitor)?;
+                self.advance_steadily(
+                    velocity,
+                    stop - now,
+                    (&mut asked, MergingRule::Never),
+                    &part,
+                    monitor,
+                )?;
                 for (&time, reading) in inside.iter().zip(asked.found()) {
                     let at = (begun + time, origin + history.position(time));
                     trace.push(at, velocity_at(time), reading, (self.stiffness, self.friction));
@@ -433,6 +447,16 @@ impl Transport {
     /// # Errors
     /// A time that is not above 0; steps that would have to be too short; stopped by the monitor.
     pub fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.step_with(by, during, MergingRule::Never, monitor)
+    }
+
+    fn step_with(
+        &mut self,
+        by: f64,
+        during: f64,
+        merging: MergingRule,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         positive("during", during)?;
         if !by.is_finite() {
             return Err(Error::invalid("by", "a finite length", by));
@@ -441,7 +465,8 @@ impl Transport {
             rough.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
         }
         self.mark_kink();
-        self.advance_steadily(by / during, during, &mut RequestedReadings::default(), &|_| 0.0, monitor)
+        let asked = &mut RequestedReadings::default();
+        self.advance_steadily(by / during, during, (asked, merging), &|_| 0.0, monitor)
     }
 
     /// Marks a possible kink of the breaking rate, here and where the contacts that break now re-form.
@@ -457,14 +482,14 @@ impl Transport {
         &mut self,
         velocity: f64,
         during: f64,
-        asked: &mut RequestedReadings,
+        (asked, merging): (&mut RequestedReadings, MergingRule),
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
         // Velocities are quotients of positions and times, with their rounding.
         self.steady = self.steady.filter(|steady| (steady - velocity).abs() <= ROUNDING * steady);
         // Kept separately: after a long hold the time no longer resolves short durations.
-        let mut left = during;
+        let (mut left, mut few) = (during, self.cohorts.len());
         loop {
             let coarse = &mut Aside { fraction: part(self.time), monitor };
             self.process_events(coarse)?;
@@ -476,6 +501,11 @@ impl Transport {
             let times = (during - left, &mut *asked);
             if self.advance(&Path::steady(velocity, duration), times, coarse)? {
                 left -= duration;
+            }
+            // Twice as many, so that merging takes no longer than the steps.
+            if matches!(merging, MergingRule::WhenMany) && self.cohorts.len() > 2 * few {
+                self.merge_cohorts();
+                few = self.cohorts.len();
             }
             if velocity != 0.0 && self.is_settled() {
                 self.slide_steadily(velocity, left);
@@ -650,7 +680,7 @@ impl RateDependentContacts for Transport {
     }
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        Self::step(self, by, during, monitor)
+        self.step_with(by, during, MergingRule::WhenMany, monitor)
     }
 
     fn settle(&mut self) {

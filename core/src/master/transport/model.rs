@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::diffusing::{Diffusing, ThresholdMasses};
+use super::merged_ranks::MergedPart;
 use super::path::{Path, Place, StepPart};
 use super::ranked::{RankedThresholds, SurvivingRanks};
 use super::seeds::Seed;
@@ -106,25 +107,50 @@ impl CohortModel {
         }
     }
 
-    /// The thresholds of two cohorts as one, `part` of whose contacts are of the second: how far apart the stretches are at
-    /// which they break, the state, and the surviving fraction. `None` where thresholds have more than one parameter.
-    pub(super) fn merged(
+    /// Whether the life of a contact depends on its stretch alone, not on its age.
+    pub(super) fn ignores_age(&self) -> bool {
+        match self {
+            Self::Ranked(ranks) => ranks.are_constant(),
+            Self::Diffusing(_) => false,
+            Self::Shared(_) => true,
+        }
+    }
+
+    /// How far apart the stretches are at which the contacts of two cohorts break. `None` for cohorts that stay apart.
+    pub(super) fn distance(
         &self,
         first: (&CohortThresholds, Place),
         second: (&CohortThresholds, Place),
-        part: f64,
-    ) -> Option<(f64, CohortThresholds, f64)> {
+    ) -> Option<f64> {
         match (self, first.0, second.0) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(one), CohortThresholds::Ranked(two)) => {
-                let (distance, state, left) = ranks.merged((one, first.1), (two, second.1), part)?;
-                Some((distance, CohortThresholds::Ranked(state), left))
+                ranks.distance((one, first.1), (two, second.1))
             }
             (Self::Shared(_), CohortThresholds::Shared(one), CohortThresholds::Shared(two)) => {
-                let (distance, state) = one.merged(*two, part);
-                let distance = distance.max((first.1.stretch - second.1.stretch).abs());
-                Some((distance, CohortThresholds::Shared(state), state.left()))
+                Some(one.distance(*two).max((first.1.stretch - second.1.stretch).abs()))
             }
             _ => None,
+        }
+    }
+
+    /// The thresholds of two cohorts of these masses that have a [`Self::distance`] as one, `part` of whose attached contacts
+    /// are of the second.
+    pub(super) fn merged(
+        &self,
+        first: (&CohortThresholds, f64),
+        second: (&CohortThresholds, f64),
+        part: f64,
+    ) -> CohortThresholds {
+        match (self, first.0, second.0) {
+            (Self::Ranked(ranks), CohortThresholds::Ranked(one), CohortThresholds::Ranked(two)) => {
+                let one = MergedPart { left: one, mass: first.1 };
+                let two = MergedPart { left: two, mass: second.1 };
+                CohortThresholds::Ranked(ranks.merged(one, two, part))
+            }
+            (Self::Shared(_), CohortThresholds::Shared(one), CohortThresholds::Shared(two)) => {
+                CohortThresholds::Shared(one.merged(*two, part))
+            }
+            _ => unreachable!("only cohorts with a distance are merged"),
         }
     }
 

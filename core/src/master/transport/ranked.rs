@@ -57,22 +57,22 @@ pub(super) struct RankedThresholds {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct SurvivingRanks {
     /// c.
-    met: f64,
+    pub(super) met: f64,
     /// For each point mass the fraction of the cell that its threshold has not passed, and A.
-    atoms: Vec<(f64, f64)>,
+    pub(super) atoms: Vec<(f64, f64)>,
     /// `None` without thermal breaking.
-    band: Option<Band>,
+    pub(super) band: Option<Band>,
     /// The fraction of P_ci above the stretch at formation.
-    newborn: f64,
+    pub(super) newborn: f64,
 }
 
 /// Thresholds at which some contacts survive and some do not; empty until any have broken thermally.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Band {
+pub(super) struct Band {
     /// Index of its lowest panel.
-    first: u64,
+    pub(super) first: u64,
     /// A at the Gauss points of its panels.
-    exponents: Vec<Nodal>,
+    pub(super) exponents: Vec<Nodal>,
 }
 
 impl SurvivingRanks {
@@ -110,12 +110,12 @@ fn is_felt(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> bo
 }
 
 impl Band {
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.exponents.is_empty()
     }
 
     /// Index of the first panel above it.
-    fn end(&self) -> u64 {
+    pub(super) fn end(&self) -> u64 {
         self.first + self.exponents.len() as u64
     }
 
@@ -205,25 +205,33 @@ impl RankedThresholds {
         Some(Some(self.survival(met).max(0.0) / left.newborn))
     }
 
-    /// Two groups of contacts that c alone describes as one, `part` of which are of the second group: the distance between the
-    /// stretches at which they break, the state, and the surviving fraction. `None` for other contacts, and for thresholds whose
-    /// density has jumps: where cohorts cross them, the error is of first order in the distance.
-    pub(super) fn merged(
-        &self,
-        (first, at): (&SurvivingRanks, Place),
-        (second, then): (&SurvivingRanks, Place),
-        part: f64,
-    ) -> Option<(f64, SurvivingRanks, f64)> {
-        if !self.is_plain() || self.table.is_none() {
-            return None;
+    /// Whether contacts break thermally.
+    pub(super) fn is_thermal(&self) -> bool {
+        self.thermal.is_some()
+    }
+
+    /// Whether S is tabulated: no density with jumps is.
+    pub(super) fn is_tabulated(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// Whether thresholds do not depend on age.
+    pub(super) fn are_constant(&self) -> bool {
+        self.evolution.is_constant()
+    }
+
+    /// The threshold at an age of contacts whose fresh threshold is the mean.
+    pub(super) fn mean_threshold(&self, age: f64) -> f64 {
+        self.evolution.threshold(self.mean, age)
+    }
+
+    /// The panel at which the band of contacts begins, or would begin.
+    pub(super) fn first_panel(&self, left: &SurvivingRanks) -> u64 {
+        match (&self.thermal, &left.band) {
+            (_, Some(band)) if !band.is_empty() => band.first,
+            (Some((_, grid)), _) => grid.above(left.met),
+            (None, _) => 0,
         }
-        // Contacts break where the stretch meets the present threshold: at stretches as far apart as the stretches now, and as
-        // thresholds are by age. What has broken already shows in c.
-        let aged = [at.age, then.age].map(|age| self.evolution.threshold(self.mean, age));
-        let distance = (at.stretch - then.stretch).abs() + (aged[0] - aged[1]).abs();
-        let met = first.met + part * (second.met - first.met);
-        let state = SurvivingRanks { met, atoms: Vec::new(), band: None, newborn: first.newborn };
-        Some((distance.max((first.met - second.met).abs()), state, self.survival(met) / first.newborn))
     }
 
     /// S(h_0).
@@ -422,20 +430,10 @@ impl RankedThresholds {
         passage: &StepPassage<'_>,
         left: &mut SurvivingRanks,
     ) {
-        let mut room = Vec::new();
         for (((fraction, exponent), atom), rank) in left.atoms.iter_mut().zip(&self.atoms).zip(&self.ranks) {
-            if *fraction == 0.0 {
-                continue;
+            if *fraction > 0.0 {
+                *exponent += thermal.added_in(passage, Label { newborn: atom.position, rank: rank.as_ref() });
             }
-            let label = Label { newborn: atom.position, rank: rank.as_ref() };
-            *exponent += match thermal.rule(passage, [label; 2], label) {
-                StepRule::Nothing => 0.0,
-                StepRule::Shared(nodes) => thermal.added_to(&nodes, label),
-                StepRule::Fitted => {
-                    thermal.fit(passage, label, &mut room);
-                    thermal.added_to(&room, label)
-                }
-            };
         }
     }
 

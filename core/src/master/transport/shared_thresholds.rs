@@ -56,11 +56,15 @@ impl SurvivingFraction {
         self.met = end;
     }
 
-    /// Two groups of contacts as one, `part` of which are of the second: how far apart they break, and the state.
-    pub(super) fn merged(self, other: Self, part: f64) -> (f64, Self) {
+    /// How far apart two groups of contacts break if they have one stretch.
+    pub(super) fn distance(self, other: Self) -> f64 {
+        (self.met - other.met).abs()
+    }
+
+    /// Two groups of contacts as one, `part` of which are of the second.
+    pub(super) fn merged(self, other: Self, part: f64) -> Self {
         let between = |a: f64, b: f64| a + part * (b - a);
-        let state = Self { left: between(self.left, other.left), met: between(self.met, other.met) };
-        ((self.met - other.met).abs(), state)
+        Self { left: between(self.left, other.left), met: between(self.met, other.met) }
     }
 }
 

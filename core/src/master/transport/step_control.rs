@@ -193,6 +193,21 @@ pub(super) fn scale(contacts: &Contacts) -> f64 {
     blurred_by(contacts, 1.0)
 }
 
+/// The length on which lives vary without jumps: temperature alone smooths those of the density of thresholds.
+pub(super) fn smooth_scale(contacts: &Contacts) -> f64 {
+    if jumps(contacts) == 0.0 {
+        scale(contacts)
+    } else {
+        thermal_length(contacts).min(contacts.thresholds.mean())
+    }
+}
+
+/// The stretch over which temperature changes the breaking rate by a factor of e, at the mean threshold; 0 without temperature.
+fn thermal_length(contacts: &Contacts) -> f64 {
+    let mean = contacts.thresholds.mean();
+    contacts.rules.temperature.map_or(0.0, |t| t.energy / (contacts.stiffness.of(mean) * mean))
+}
+
 /// The length on which lives are smooth enough for steps. Where thresholds diffuse into the stretch they break without
 /// temperature, too, so that temperature smooths lives less.
 fn smoothness(contacts: &Contacts) -> f64 {
@@ -210,8 +225,7 @@ fn blurred_by(contacts: &Contacts, part: f64) -> f64 {
     let ageing = contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature());
     let widths = [Some(&contacts.thresholds), ageing].into_iter().flatten().map(|law| width(law.as_ref()));
     let width = widths.fold(mean, f64::min);
-    let thermal =
-        contacts.rules.temperature.map_or(0.0, |t| part * t.energy / (contacts.stiffness.of(mean) * mean));
+    let thermal = part * thermal_length(contacts);
     if width == 0.0 { thermal.clamp(LEAST * mean, mean) } else { width.hypot(thermal).min(mean) }
 }
 

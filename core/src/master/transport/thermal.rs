@@ -22,6 +22,8 @@ pub(super) struct ThermalBreaking {
     separable: bool,
     /// Largest change of ln w in a step that each of the [`RULES`] integrates.
     most_change: [f64; RULES.len()],
+    /// The same for Simpson's rule.
+    most_change_of_one: f64,
     /// Largest relative error of A of one node in place of several.
     most_missed: f64,
     /// Largest deviation of ln w from a straight line: at a node of the fitted rule, and in the middle for a shared one.
@@ -140,6 +142,8 @@ impl ThermalBreaking {
             stiffness: contacts.stiffness.clone(),
             separable,
             most_change: RULES.map(|rule| most_change(rule, SHARE * allowed)),
+            // Its error of ∫₀¹ e^{cs} ds is c⁴/2880.
+            most_change_of_one: (SHARE * allowed * 2880.0).powf(0.25),
             most_missed: ONE_NODE * SHARE * allowed,
             most_bend: (allowed / MISSED).sqrt(),
             nothing: (FAINT * tolerance / blur).clamp(LEAST, MOST),
@@ -182,6 +186,31 @@ impl ThermalBreaking {
             nodes.push(one);
         }
         StepRule::Shared(nodes)
+    }
+
+    /// What a part of a step adds to A of one label: where w changes little by Simpson's rule, on the three rates that decide
+    /// on the rule.
+    pub(super) fn added_in(&self, passage: &StepPassage<'_>, label: Label<'_>) -> f64 {
+        let &StepPassage { path, ends: (from, to), .. } = passage;
+        let ln_rates = [from, 0.5 * (from + to), to].map(|s| {
+            let (stretch, aged) = passage.at(s);
+            self.ln_rate(stretch, aged.threshold_of(label))
+        });
+        let change = (ln_rates[1] - ln_rates[0]).abs() + (ln_rates[2] - ln_rates[1]).abs();
+        if change <= self.most_change_of_one {
+            let [first, middle, last] = ln_rates.map(f64::exp);
+            let attempts = self.temperature.attempt_rate * path.duration * (to - from);
+            return (attempts / 6.0 * (first + 4.0 * middle + last)).min(MOST);
+        }
+        match self.rule(passage, [label; 2], label) {
+            StepRule::Nothing => 0.0,
+            StepRule::Shared(nodes) => self.added_to(&nodes, label),
+            StepRule::Fitted => {
+                let mut nodes = Vec::new();
+                self.fit(passage, label, &mut nodes);
+                self.added_to(&nodes, label)
+            }
+        }
     }
 
     /// ln w = −kh²/2T + kx²/2T with constant thresholds: nodes at the largest stretch, weighted for that, do for all
@@ -333,8 +362,6 @@ impl ThermalBreaking {
 
     #[inline]
     fn over(&self, moment: &QuadratureMoment, label: Label<'_>) -> f64 {
-        /// Contacts far below the stretch have broken; their exponents must not overflow.
-        const MOST: f64 = 1e300;
         let rate = self.ln_rate(moment.stretch, moment.aged.threshold_of(label)).exp();
         (moment.time * self.temperature.attempt_rate * rate).min(MOST)
     }
@@ -361,6 +388,9 @@ fn add_rates(sum: &mut Nodal, thresholds: &Nodal, (stretch, time): (f64, f64), l
     }
     *sum = out;
 }
+
+/// Contacts far below the stretch have broken; their exponents must not overflow.
+const MOST: f64 = 1e300;
 
 /// Where the stretch is so many thresholds there is no barrier, and its continuation overflows.
 const FAR: f64 = 1e100;

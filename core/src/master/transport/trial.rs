@@ -5,6 +5,8 @@
 //! by its mass and mean time, at the two nodes of the Gauss rule, which conserves both, so that integrals are
 //! accurate to fourth order.
 
+use std::ops::Range;
+
 use super::broken::{BirthMoments, Broken, BrokenFraction, EarlyBreaks};
 use super::cohort::{Cohort, CohortForce, CohortStep, EnergyChange};
 use super::contact_ages::{SharedStep, StepChanges};
@@ -16,6 +18,7 @@ use super::shared_thresholds::StepThresholds;
 use super::step_context::StepContext;
 use crate::Result;
 use crate::monitor::{Monitor, Watch};
+use crate::numerics::legendre::NODES;
 
 /// A trial step.
 pub(super) struct Trial {
@@ -76,43 +79,26 @@ impl StepAttempt<'_> {
     ) -> Result<Trial> {
         let (old, seeds) = (cohorts.len(), self.seeds.len());
         let chunk = (LEAST / self.model.cells()).max(1);
-        // Cohorts are copied and formed in parallel, too: that takes as long as a step.
-        let step = |context: &mut StepContext<'_, '_>, i: usize| {
-            if let Some(cohort) = cohorts.get(i) {
-                let mut cohort = cohort.clone();
-                let passed = cohort.advance_step(self.model, path, context);
-                return (cohort, passed);
-            }
-            let (born, part) = ((i - old) / seeds, [StepPart::Early, StepPart::Late]);
-            let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born], context.watch);
-            let stored = cohort.energy();
-            let mut passed = cohort.advance_from_formation(self.model, path, part[born], context);
-            passed.spent.lost -= stored;
-            (cohort, passed)
-        };
-        // Existing cohorts first, then those formed at the two Gauss nodes, seed by seed.
         let count = old + GAUSS.len() * seeds;
         let watch = Watch::new(monitor);
-        let (mut cohorts, mut passed) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut keep = |(cohort, changes)| {
-            cohorts.push(cohort);
-            passed.push(changes);
-        };
-        if count <= chunk {
-            // Few cohorts do not repay the start of a shared loop. Thresholds on panels are computed where they are first met,
-            // which may take a tenth of a second for one cohort.
-            let context = &mut StepContext::new(&watch, thresholds);
-            let asks = self.model.cells() > 1;
-            (0..count).take_while(|_| !(asks && watch.stops())).for_each(|i| keep(step(context, i)));
+        let (mut cohorts, passed) = if count <= chunk {
+            // Few cohorts do not repay the start of a shared loop.
+            self.moved(cohorts, 0..count, path, &mut StepContext::new(&watch, thresholds))
         } else {
-            let piece = |context: &mut StepContext<'_, '_>, number: usize| -> Vec<(Cohort, CohortStep)> {
+            // Cohorts are copied and formed in parallel, too: that takes as long as a step.
+            let piece = |context: &mut StepContext<'_, '_>, number: usize| {
                 let from = number * chunk;
-                (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
+                self.moved(cohorts, from..count.min(from + chunk), path, context)
             };
-            let pieces =
-                watch.share(count.div_ceil(chunk), || StepContext::new(&watch, thresholds), piece)?;
-            pieces.into_iter().flatten().for_each(keep);
-        }
+            let mut all = (Vec::with_capacity(count), Vec::with_capacity(count));
+            for (mut cohorts, mut passed) in
+                watch.share(count.div_ceil(chunk), || StepContext::new(&watch, thresholds), piece)?
+            {
+                all.0.append(&mut cohorts);
+                all.1.append(&mut passed);
+            }
+            all
+        };
         watch.check()?;
         let dropped = BrokenFraction { middle: 0.5 * self.dropped, end: self.dropped };
         let before = total(&passed[..old]);
@@ -138,6 +124,41 @@ impl StepAttempt<'_> {
             changes: None,
             missed: 0.0,
         })
+    }
+
+    /// The cohorts of these numbers at the end of the step, and what it does to them: the existing ones first, then those formed
+    /// at the two Gauss nodes, seed by seed. After a stop of the watch they are invalid.
+    fn moved(
+        &self,
+        existing: &[Cohort],
+        numbers: Range<usize>,
+        path: &Path,
+        context: &mut StepContext<'_, '_>,
+    ) -> (Vec<Cohort>, Vec<CohortStep>) {
+        let (old, part) = (existing.len(), [StepPart::Early, StepPart::Late]);
+        let node = |i: usize| (i - old) / self.seeds.len();
+        let mut cohorts = Vec::with_capacity(numbers.len());
+        cohorts.extend_from_slice(&existing[numbers.start.min(old)..numbers.end.min(old)]);
+        for i in numbers.start.max(old)..numbers.end {
+            let seed = &self.seeds[(i - old) % self.seeds.len()];
+            cohorts.push(self.newborn(seed, path, GAUSS[node(i)], context.watch));
+        }
+        // Thresholds on panels are computed where they are first met, which may take a tenth of a second for one cohort.
+        let asks = self.model.cells() > NODES;
+        let step = |(cohort, i): (&mut Cohort, usize)| {
+            if asks && context.watch.stops() {
+                return CohortStep::default();
+            }
+            if i < old {
+                return cohort.advance_step(self.model, path, context);
+            }
+            let stored = cohort.energy();
+            let mut passed = cohort.advance_from_formation(self.model, path, part[node(i)], context);
+            passed.spent.lost -= stored;
+            passed
+        };
+        let passed = cohorts.iter_mut().zip(numbers).map(step).collect();
+        (cohorts, passed)
     }
 
     /// The breaks of these cohorts from the start of a step to a fraction of it, and their force there; with P_c in the whole

@@ -1,0 +1,94 @@
+//! Two cohorts of ranked thresholds as one: how far apart they break, and their common thresholds.
+//!
+//! A mixture of contacts at one stretch and of one age is exact: at each fresh threshold the numbers of survivors add up. What
+//! an error is made in is the difference of stretches, ages and thresholds reached, which become their means.
+
+use super::path::Place;
+use super::ranked::{Band, RankedThresholds, SurvivingRanks};
+use crate::numerics::legendre::Nodal;
+
+/// A group of contacts by their thresholds, and how many of all fresh contacts it is made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MergedPart<'a> {
+    pub(super) left: &'a SurvivingRanks,
+    /// The fraction of all contacts that formed with it.
+    pub(super) mass: f64,
+}
+
+impl MergedPart<'_> {
+    /// The number of fresh contacts of which those above the stretch of formation are the group.
+    fn fresh(&self) -> f64 {
+        self.mass / self.left.newborn
+    }
+}
+
+impl RankedThresholds {
+    /// The distance between the stretches at which two groups of contacts break. `None` for groups that stay apart: stretches
+    /// between which there is a point mass of thresholds, and without temperature densities with jumps, where the error is of
+    /// first order in the distance, or stiffnesses that depend on the threshold.
+    pub(super) fn distance(
+        &self,
+        (first, at): (&SurvivingRanks, Place),
+        (second, then): (&SurvivingRanks, Place),
+    ) -> Option<f64> {
+        let alike = |(one, other): (&(f64, f64), &(f64, f64))| one.0 == other.0 && one.0.fract() == 0.0;
+        let can = if self.is_thermal() {
+            first.atoms.iter().zip(&second.atoms).all(alike)
+        } else {
+            self.is_plain() && self.is_tabulated()
+        };
+        // Contacts break where the stretch meets the present threshold: at stretches as far apart as the stretches now, and as
+        // thresholds are by age. What has broken already shows in c.
+        let aged = [at.age, then.age].map(|age| self.mean_threshold(age));
+        let distance = (at.stretch - then.stretch).abs() + (aged[0] - aged[1]).abs();
+        can.then(|| distance.max((first.met - second.met).abs()))
+    }
+
+    /// The thresholds of two groups as one, `part` of whose attached contacts are of the second.
+    pub(super) fn merged(&self, first: MergedPart<'_>, second: MergedPart<'_>, part: f64) -> SurvivingRanks {
+        let whole = first.fresh() + second.fresh();
+        let parts = [first, second].map(|group| group.fresh() / whole);
+        let lefts = [first, second].map(|group| group.left);
+        let both = |(one, other): (&(f64, f64), &(f64, f64))| (one.0, mixed(parts, [one.1, other.1]));
+        SurvivingRanks {
+            met: lefts[0].met + part * (lefts[1].met - lefts[0].met),
+            atoms: lefts[0].atoms.iter().zip(&lefts[1].atoms).map(both).collect(),
+            band: self.merged_band(lefts, parts),
+            newborn: lefts[0].newborn,
+        }
+    }
+
+    /// A on the panels on which some contacts of either group have broken and some have not.
+    fn merged_band(&self, lefts: [&SurvivingRanks; 2], parts: [f64; 2]) -> Option<Band> {
+        /// A where no contact is left.
+        const NONE_LEFT: f64 = 1e3;
+        let [Some(one), Some(other)] = lefts.map(|left| left.band.as_ref()) else { return None };
+        if one.is_empty() && other.is_empty() {
+            return Some(Band::default());
+        }
+        let firsts = [0, 1].map(|i| self.first_panel(lefts[i]));
+        let first = firsts[0].min(firsts[1]);
+        let at = |band: &Band, begin: u64, number: u64| -> Nodal {
+            let none = if number < begin { NONE_LEFT } else { 0.0 };
+            let known = number.checked_sub(begin).and_then(|place| band.exponents.get(place as usize));
+            known.copied().unwrap_or([none; _])
+        };
+        let panel = |number: u64| -> Nodal {
+            let (a, b) = (at(one, firsts[0], number), at(other, firsts[1], number));
+            std::array::from_fn(|i| mixed(parts, [a[i], b[i]]))
+        };
+        let end = one.end().max(other.end());
+        Some(Band { first, exponents: (first..end).map(panel).collect() })
+    }
+}
+
+/// A of a mixture: e^{−A} is the mean. Not below the smaller of the two, whatever rounding does.
+fn mixed(parts: [f64; 2], exponents: [f64; 2]) -> f64 {
+    let [(low, _), (high, more)] = if exponents[0] <= exponents[1] {
+        [(exponents[0], parts[0]), (exponents[1], parts[1])]
+    } else {
+        [(exponents[1], parts[1]), (exponents[0], parts[0])]
+    };
+    // e^{−low} [1 − more (1 − e^{low − high})]
+    low - (more * (low - high).exp_m1()).ln_1p()
+}
