@@ -10,7 +10,7 @@ use crate::numerics::wide::vectorised;
 /// The cumulative hazard A of contacts with fresh thresholds in an interval, as J = A v/w in units of length.
 ///
 /// A grows as steeply as e^{−ΔE/T}; J is the length for which contacts have broken at the present rate, and varies little with
-/// the threshold: dJ/du = 1 − J d(ΔE/T)/du. It is a Legendre series in h_0 and in u on each of its cells.
+/// the threshold: dJ/du = 1 + J d(ΔE/T)/du. It is a Legendre series in h_0 and in u on each of its cells.
 #[derive(Debug)]
 pub(super) struct HazardTable {
     interval: FreshInterval,
