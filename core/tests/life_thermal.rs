@@ -114,6 +114,58 @@ fn heat_and_ageing_at_low_temperature_are_ageing() {
     }
 }
 
+/// ∫ of a function between two positions by Simpson's rule.
+fn simpson(steps: u32, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let width = (high - low) / f64::from(steps);
+    let weight = |k: u32| if k == 0 || k == steps { 1.0 } else { 2.0 + 2.0 * f64::from(k % 2) };
+    (0..=steps).map(|k| weight(k) * f(low + width * f64::from(k))).sum::<f64>() * width / 3.0
+}
+
+/// ∫dr R ∫_y^∞ P_c e^{−A} dh by Simpson's rule, A too; y is the largest fresh threshold reached.
+#[test]
+fn ageing_contacts_that_re_form_stretched_survive_as_nested_integrals_say() {
+    let (law, reforming, velocity) = (gaussian(1.0, 0.1), rectangular(0.0, 0.2), 0.2);
+    let (growth, time) = (0.05, 1.0);
+    let ranked = |h: f64, t: f64| {
+        let left = (-t / time).exp();
+        let std = (0.0225 + (0.01 - 0.0225) * left * left).sqrt();
+        1.3 - 0.3 * left + std * (h - 1.0) / 0.1
+    };
+    let strengthened = |h: f64, t: f64| h * (1.0 + growth * (t / time).ln_1p());
+    let ages: [(Ageing, &dyn Fn(f64, f64) -> f64); 2] = [
+        (Ageing::Logarithmic { growth, time }, &strengthened),
+        (Ageing::FrozenRank { mature: gaussian(1.3, 0.15), time }, &ranked),
+    ];
+    for (ageing, threshold) in ages {
+        for barrier in [Barrier::Elastic, Barrier::Bell] {
+            let temperature = Temperature { barrier, ..Temperature::new(0.1, 1.0) };
+            let rules =
+                Rules { temperature: Some(temperature), ageing: Some(ageing.clone()), ..Rules::default() };
+            let aged = Contacts { rules, reforming: reforming.clone(), ..contacts(&law, &point(0.0)) };
+            let life = moving(&aged, &aged.reforming, true, velocity, false, &mut ()).unwrap();
+            for advance in [0.5, 0.9] {
+                let left = |r: f64, h: f64| {
+                    let rate = |u: f64| temperature.rate(r + u, threshold(h, u / velocity), 1.0) / velocity;
+                    (-simpson(200, 0.0, advance, rate)).exp()
+                };
+                let survival = simpson(60, 0.0, 0.2, |r| {
+                    // Thresholds rise with h, and the stretch reaches them from below.
+                    let (mut low, mut high) = (0.0, 2.0);
+                    while high - low > 1e-15 {
+                        let middle = 0.5 * (low + high);
+                        let met = threshold(middle, advance / velocity) < r + advance;
+                        *(if met { &mut low } else { &mut high }) = middle;
+                    }
+                    5.0 * simpson(600, low.max(0.3), 1.8, |h| law.density(h) * left(r, h))
+                });
+                let found = life.survival().curve().value(advance);
+                // What Simpson's rules leave out.
+                assert!((found - survival).abs() < 1e-8, "{ageing:?} {barrier:?} {}", found - survival);
+            }
+        }
+    }
+}
+
 /// What breaks is all, and the mean life that of single thresholds, each a life of its own, by Simpson's rule.
 #[test]
 fn edges_that_temperature_hardly_blurs_are_not_missed() {

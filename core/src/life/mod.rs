@@ -14,6 +14,7 @@ mod constant_threshold;
 mod continuation;
 mod derivative;
 mod grid;
+mod hazard_table;
 mod layer;
 mod merge;
 mod moving;

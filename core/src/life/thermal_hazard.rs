@@ -3,7 +3,8 @@
 
 use super::constant_threshold::ConstantThreshold;
 use crate::contacts::{
-    Barrier, Contacts, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory, ThresholdsAtAge,
+    Barrier, Contacts, Label, NodalLabels, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory,
+    ThresholdsAtAge,
 };
 use crate::law::Law;
 use crate::numerics::exponential::exp;
@@ -110,8 +111,56 @@ impl ThermalHazard {
         places[(above + 1).min(places.len() - 1)].0
     }
 
+    /// Whether ΔE is a smooth function of the stretch and the threshold, also where the stretch exceeds the threshold.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.temperature.barrier != Barrier::Catastrophe && !matches!(self.stiffness, Stiffness::Tabulated(_))
+    }
+
+    /// ΔE/T of contacts formed at `start` after an advance, if it is smooth; continued to stretches above thresholds.
+    #[inline(always)]
+    pub(super) fn exponents(&self, start: f64, advance: f64, labels: &NodalLabels) -> Nodal {
+        let thresholds = self.evolution.at(advance / self.velocity).thresholds_of(labels);
+        self.smooth_exponents(start + advance, &thresholds)
+    }
+
+    #[inline(always)]
+    fn smooth_exponents(&self, stretch: f64, thresholds: &Nodal) -> Nodal {
+        let (thresholds, mut out) = (*thresholds, [0.5 / self.temperature.energy; NODES]);
+        match self.stiffness {
+            Stiffness::PerThreshold(factor) => {
+                out.iter_mut().zip(&thresholds).for_each(|(half, h)| *half *= factor * h);
+            }
+            _ => out.iter_mut().for_each(|half| *half *= self.stiffness.of(1.0)),
+        }
+        if self.temperature.barrier == Barrier::Elastic {
+            for i in 0..NODES {
+                out[i] *= (thresholds[i] - stretch) * (thresholds[i] + stretch);
+            }
+        } else {
+            for i in 0..NODES {
+                out[i] *= (thresholds[i] - stretch) * thresholds[i];
+            }
+        }
+        out
+    }
+
+    /// Rounding of ΔE/T and noise of thresholds from a table, as a fraction of ΔE/T.
+    pub(super) fn roughness(&self) -> f64 {
+        16.0 * f64::EPSILON + self.evolution.error()
+    }
+
+    /// Whether contacts with this fresh threshold, formed at `start`, are stretched to their threshold after an advance.
+    pub(super) fn has_reached(&self, start: f64, advance: f64, newborn: f64) -> bool {
+        start + advance >= self.evolution.threshold(newborn, advance / self.velocity)
+    }
+
+    /// The advance on the scale of which, added to the advance, thresholds change.
+    pub(super) fn time_scale(&self) -> f64 {
+        self.velocity * self.evolution.time_scale()
+    }
+
     /// ω/v.
-    fn attempts(&self) -> f64 {
+    pub(super) fn attempts(&self) -> f64 {
         self.temperature.attempt_rate / self.velocity
     }
 
@@ -174,22 +223,47 @@ impl ThermalHazard {
 }
 
 impl ThermalHazardAt<'_> {
+    /// The advance.
+    pub(super) fn advance(&self) -> f64 {
+        self.advance
+    }
+
     /// ΔE/T now.
     #[inline]
     pub(super) fn exponent(&self, newborn: f64) -> f64 {
         self.thermal.exponent(self.stretch, self.aged.threshold(newborn))
     }
 
-    /// The difference of the exponents of two fresh thresholds, now or at formation, whichever is larger. Exponents at formation
-    /// count as far as contacts break then that count beside those that break now.
-    pub(super) fn apart(&self, newborn: [f64; 2]) -> f64 {
-        /// Barriers that are higher than those now by so much leave 1e-26 of the breaking now: 1e-17 of its integral where it lasts
-        /// for a billionth of the advance.
-        const FORGOTTEN: f64 = 60.0;
-        let now = newborn.map(|h| self.exponent(h));
-        let most = now[0].max(now[1]) + FORGOTTEN;
-        let then = newborn.map(|h| self.thermal.exponent(self.start, h).min(most));
-        (now[1] - now[0]).abs().max((then[1] - then[0]).abs())
+    /// The present threshold of contacts with this fresh threshold.
+    pub(super) fn threshold(&self, newborn: f64) -> f64 {
+        self.aged.threshold(newborn)
+    }
+
+    /// ΔE/T at formation.
+    pub(super) fn exponent_at_start(&self, newborn: f64) -> f64 {
+        self.thermal.exponent(self.start, newborn)
+    }
+
+    /// ΔE/T now of contacts with a label.
+    pub(super) fn exponent_of(&self, label: Label<'_>) -> f64 {
+        self.thermal.exponent(self.stretch, self.aged.threshold_of(label))
+    }
+
+    /// The present thresholds of contacts with these labels.
+    #[inline(always)]
+    pub(super) fn thresholds_of(&self, labels: &NodalLabels) -> Nodal {
+        self.aged.thresholds_of(labels)
+    }
+
+    /// w/v now of contacts with these present thresholds, if ΔE is smooth.
+    #[inline(always)]
+    pub(super) fn rates_of(&self, thresholds: &Nodal) -> Nodal {
+        let (exponents, mut out) = (self.thermal.smooth_exponents(self.stretch, thresholds), [0.0; NODES]);
+        let attempts = self.thermal.attempts();
+        for i in 0..NODES {
+            out[i] = attempts * exp(-exponents[i]);
+        }
+        out
     }
 
     /// A, and w/v now, of contacts with this fresh threshold.
@@ -221,7 +295,12 @@ impl ThermalHazardAt<'_> {
     /// w/v now.
     #[inline]
     fn rate(&self, newborn: f64) -> f64 {
-        self.thermal.attempts() * (-self.exponent(newborn)).exp()
+        self.rate_of(self.exponent(newborn))
+    }
+
+    /// w/v of contacts with the exponent ΔE/T.
+    pub(super) fn rate_of(&self, exponent: f64) -> f64 {
+        self.thermal.attempts() * (-exponent).exp()
     }
 
     /// A of contacts with this fresh threshold as a function of the advance up to `end`.

@@ -5,16 +5,19 @@ use std::sync::{Arc, OnceLock};
 
 use super::breaking_model::{BlurredEdge, BreakingModel, Cohort, Passing, SurvivalMoments};
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
-use super::grid::{ThresholdGrid, ThresholdGroup};
+use super::grid::{GridPart, KnownHazards, ThresholdGrid, ThresholdGroups};
+use super::hazard_table::{HazardSeries, HazardTable};
 use super::running_maximum::RunningMaximum;
 use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt, blur};
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
 use crate::law::{Breakpoint, SharedLaw};
 use crate::monitor::{Counted, Watch};
-use crate::numerics::legendre::NODES;
+use crate::numerics::exponential::exp;
+use crate::numerics::legendre::{NODES, dot_in_lanes, sum_in_lanes};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
+use crate::numerics::wide::vectorised;
 
 /// Contacts whose threshold at any age follows from their fresh threshold, and which break when their stretch
 /// reaches it, or before at the rate w.
@@ -48,8 +51,17 @@ struct AgeingCohort {
     running_maximum: RunningMaximum,
     /// A of ageing contacts at the fixed thresholds of the grid, computed when first needed.
     histories: OnceLock<Vec<OnceLock<Piecewise>>>,
-    /// Whether survival moments have been asked for before: histories are not worth it for one evaluation.
+    /// A as series in the fresh threshold on the parts of the grid, computed when first needed.
+    tables: OnceLock<Vec<OnceLock<Option<HazardTable>>>>,
+    /// Whether survival moments have been asked for before: tables are not worth it for one evaluation.
     evaluated: AtomicBool,
+}
+
+/// A cohort at an advance.
+struct ExposedCohort<'a> {
+    cohort: &'a AgeingCohort,
+    exposed: &'a ThermalHazardAt<'a>,
+    evaluated: bool,
 }
 
 impl Timed {
@@ -76,7 +88,6 @@ impl Timed {
             law: law.clone(),
             hazards,
             highest,
-            evolution,
             velocity,
             grid: Arc::new(ThresholdGrid::new(
                 law,
@@ -84,7 +95,9 @@ impl Timed {
                 thermal_hazard.as_ref(),
                 highest / velocity,
                 rooted,
+                &evolution,
             )),
+            evolution,
             cached: Arc::default(),
             blur: contacts.rules.temperature.filter(|_| thermal).map(|t| blur(contacts, &t)),
             thermal_hazard,
@@ -157,8 +170,14 @@ pub(super) fn resolution(contacts: &Contacts, hazards: &[Breakpoint]) -> f64 {
 impl BreakingModel for Timed {
     fn cohort(&self, start: f64, _watch: &Watch<'_>) -> Arc<dyn Cohort> {
         let running_maximum = RunningMaximum::new(&self.evolution, self.velocity, start, self.highest);
-        let (histories, evaluated) = (OnceLock::new(), AtomicBool::new(false));
-        Arc::new(AgeingCohort { of: self.clone(), start, running_maximum, histories, evaluated })
+        Arc::new(AgeingCohort {
+            of: self.clone(),
+            start,
+            running_maximum,
+            histories: OnceLock::new(),
+            tables: OnceLock::new(),
+            evaluated: AtomicBool::new(false),
+        })
     }
 
     fn making_fraction(&self) -> f64 {
@@ -216,36 +235,73 @@ impl BreakingModel for Timed {
     }
 }
 
-impl AgeingCohort {
-    /// The hazards of contacts at a position of the grid.
-    fn hazards(&self, exposed: &ThermalHazardAt<'_>, place: usize, evaluated: bool) -> Hazards {
-        let newborn = self.of.grid.fixed()[place];
+impl KnownHazards for ExposedCohort<'_> {
+    fn at(&self, place: usize) -> Hazards {
+        let Self { cohort, exposed, evaluated } = *self;
+        let newborn = cohort.of.grid.fixed()[place];
         // Under constant thresholds A has a closed form, and a history would cost more than it
         // saves.
-        if !evaluated || newborn <= self.start || self.of.evolution.is_constant() {
+        if !evaluated || newborn <= cohort.start || cohort.of.evolution.is_constant() {
             return exposed.hazards(newborn);
         }
-        let known = self.histories.get().is_some_and(|histories| histories[place].get().is_some());
-        if !known && !self.of.may_cache() {
+        let known = cohort.histories.get().is_some_and(|histories| histories[place].get().is_some());
+        if !known && !cohort.of.may_cache() {
             return exposed.hazards(newborn);
         }
-        let histories = self.histories.get_or_init(|| self.of.room());
-        let end = || self.running_maximum.advance_to(newborn).unwrap_or(self.of.highest);
-        let history = histories[place].get_or_init(|| self.of.cache(exposed.history(newborn, end())));
+        let histories = cohort.histories.get_or_init(|| cohort.of.room());
+        let end = || cohort.running_maximum.advance_to(newborn).unwrap_or(cohort.of.highest);
+        let history = histories[place].get_or_init(|| cohort.of.cache(exposed.history(newborn, end())));
         exposed.interpolated_hazards(newborn, history)
     }
 
-    /// Adds contacts of one fresh threshold.
-    fn add(&self, survival_moments: &mut SurvivalMoments, group: ThresholdGroup, present: f64) {
-        let left = group.weight * (-group.broken).exp();
-        let breakpoints = left * group.rate;
-        survival_moments.unbroken[0] += left;
-        survival_moments.breaking[0] += breakpoints;
-        if self.of.per_threshold {
-            survival_moments.unbroken[1] += left * present;
-            survival_moments.unbroken[2] += left * present * present;
-            survival_moments.breaking[1] += breakpoints * present;
-        }
+    fn has_series(&self) -> bool {
+        let Timed { evolution, thermal_hazard, .. } = &self.cohort.of;
+        let is_smooth = thermal_hazard.as_ref().is_some_and(ThermalHazard::is_smooth);
+        self.evaluated && is_smooth && !evolution.is_constant() && self.cohort.of.may_cache()
+    }
+
+    fn series(&self, part: &GridPart) -> Option<HazardSeries> {
+        let Timed { evolution, grid, thermal_hazard, .. } = &self.cohort.of;
+        let thermal = thermal_hazard.as_ref().filter(|_| self.has_series())?;
+        let room = || (0..grid.count()).map(|_| OnceLock::new()).collect();
+        let tables = self.cohort.tables.get_or_init(room);
+        let make = || {
+            let table = HazardTable::new(thermal, self.cohort.start, part.ends(), part.labels(evolution));
+            self.cohort.of.cached.fetch_add(table.as_ref().map_or(0, HazardTable::size), Ordering::Relaxed);
+            table
+        };
+        tables[part.index()].get_or_init(make).as_ref().map(|table| table.at(self.exposed.advance()))
+    }
+}
+
+impl AgeingCohort {
+    /// Adds sixteen groups of contacts.
+    fn add(
+        &self,
+        survival_moments: &mut SurvivalMoments,
+        groups: &ThresholdGroups,
+        threshold: impl Fn(f64) -> f64,
+    ) {
+        let ThresholdGroups { newborn, weights, broken, rates, .. } = groups;
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut left = *weights;
+                for i in 0..NODES {
+                    left[i] *= exp(-broken[i]);
+                }
+                survival_moments.unbroken[0] += sum_in_lanes(&left);
+                survival_moments.breaking[0] += dot_in_lanes(&left, rates);
+                if self.of.per_threshold {
+                    let present = &groups.present.unwrap_or_else(|| newborn.map(threshold));
+                    let mut stiffness = left;
+                    stiffness.iter_mut().zip(present).for_each(|(left, h)| *left *= h);
+                    survival_moments.unbroken[1] += sum_in_lanes(&stiffness);
+                    survival_moments.unbroken[2] += dot_in_lanes(&stiffness, present);
+                    survival_moments.breaking[1] += dot_in_lanes(&stiffness, rates);
+                }
+            },
+        );
     }
 
     /// Adds all contacts of an age with fresh thresholds above one.
@@ -265,21 +321,22 @@ impl AgeingCohort {
 
 impl Cohort for AgeingCohort {
     fn survival_moments(&self, advance: f64, watch: &Watch<'_>) -> SurvivalMoments {
-        let Timed { law, evolution, velocity, .. } = &self.of;
+        let Timed { law, velocity, .. } = &self.of;
         let (met, speed) = self.running_maximum.value_and_slope(advance);
         let (age, stretch) = (advance / velocity, self.start + advance);
         let mut survival_moments = SurvivalMoments::default();
         let (mut reached, mut cached) = (law.density(met) * speed, met);
         if let Some(thermal_hazard) = &self.of.thermal_hazard {
             let exposed = thermal_hazard.at(self.start, advance);
-            let least = (met, exposed.hazards(met));
             let evaluated = self.evaluated.swap(true, Ordering::Relaxed);
-            let aged = evolution.at(age);
-            let add =
-                |group: ThresholdGroup| self.add(&mut survival_moments, group, aged.threshold(group.newborn));
-            let known = |exposed: &ThermalHazardAt<'_>, place: usize| self.hazards(exposed, place, evaluated);
-            cached = self.of.grid.each(least, &exposed, &known, watch, add);
-            reached *= (-least.1.0).exp();
+            let known = ExposedCohort { cohort: self, exposed: &exposed, evaluated };
+            let threshold = |newborn: f64| exposed.threshold(newborn);
+            let add = |groups: &ThresholdGroups| self.add(&mut survival_moments, groups, threshold);
+            let visited = self.of.grid.each(met, &exposed, &known, watch, add);
+            cached = visited.kept;
+            if reached != 0.0 {
+                reached *= (-visited.least.unwrap_or_else(|| exposed.hazards(met).0)).exp();
+            }
         }
         self.add_surviving(&mut survival_moments, cached, age);
         survival_moments.breaking[0] += reached;

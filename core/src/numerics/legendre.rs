@@ -87,6 +87,20 @@ impl GaussLegendre {
         out
     }
 
+    /// The same for each column of `rows`, the rows of values at the points: row n of the result has the coefficients number n.
+    #[inline(always)]
+    pub fn coefficients_of_rows(&self, rows: &[Nodal; NODES]) -> [Nodal; NODES] {
+        let mut out = [[0.0; NODES]; NODES];
+        for n in 0..NODES {
+            for i in 0..NODES {
+                for m in 0..NODES {
+                    out[n][m] += self.transform[n][i] * rows[i][m];
+                }
+            }
+        }
+        out
+    }
+
     /// Values at `t` of the 16 cardinal (Lagrange) polynomials, by the barycentric formula.
     pub fn cardinals(&self, t: f64) -> Nodal {
         let mut row = [0.0; NODES];
@@ -123,6 +137,33 @@ impl GaussLegendre {
         let sum: f64 = (0..NODES).map(|i| self.weights[i] * f(middle + half * self.nodes[i])).sum();
         half * sum
     }
+}
+
+/// `CUMULATIVE[i][k]` = ∫₋₁^t_i ℓ_k dt with the cardinal polynomials ℓ_k of the Gauss points.
+pub static CUMULATIVE: LazyLock<[Nodal; NODES]> = LazyLock::new(|| {
+    let mut rows = [[0.0; NODES]; NODES];
+    for k in 0..NODES {
+        let unit = std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
+        let coefficients = RULE.coefficients(&unit);
+        // P_16, which `primitive` leaves out, is 0 at the Gauss points.
+        let primitive = primitive(&coefficients);
+        for i in 0..NODES {
+            rows[i][k] = coefficients[0] + series(&primitive, RULE.nodes[i]);
+        }
+    }
+    rows
+});
+
+/// P_0(t) … P_15(t).
+#[inline]
+pub fn polynomials(t: f64) -> Nodal {
+    let mut out = [1.0; NODES];
+    out[1] = t;
+    for n in 2..NODES {
+        let k = n as f64;
+        out[n] = ((2.0 * k - 1.0) * t * out[n - 1] - (k - 1.0) * out[n - 2]) / k;
+    }
+    out
 }
 
 /// Scalar product.
