@@ -136,8 +136,8 @@ mod tests {
 
     #[test]
     fn parts_of_mixtures_change_where_they_are() {
-        let inline = "[contacts]\nthresholds.mixture = [\n  { weight = 0.5, law.gaussian = { mean = 1.0, std = 0.1 } }, # a\n  { weight = 0.5, law.point.at = 2.0 },\n]\n";
-        let tables = "[[contacts.thresholds.mixture]]\nweight = 0.5\nlaw.gaussian = { mean = 1.0, std = 0.1 } # a\n[[contacts.thresholds.mixture]]\nweight = 0.5\nlaw.point.at = 2.0\n";
+        let inline = "pull.distance = 5.0\n[contacts]\nthresholds.mixture = [\n  { weight = 0.5, law.gaussian = { mean = 1.0, std = 0.1 } }, # a\n  { weight = 0.5, law.point.at = 2.0 },\n]\n";
+        let tables = "pull.distance = 5.0\n[[contacts.thresholds.mixture]]\nweight = 0.5\nlaw.gaussian = { mean = 1.0, std = 0.1 } # a\n[[contacts.thresholds.mixture]]\nweight = 0.5\nlaw.point.at = 2.0\n";
         for text in [inline, tables] {
             let moved =
                 changed(text, &[change("contacts.thresholds.mixture.0.law.gaussian.std", "0.2")]).unwrap();
@@ -145,7 +145,7 @@ mod tests {
             let law = Some(LawChange::Family("point".to_owned()));
             let law = Change { law, ..change("contacts.thresholds.mixture.0.law", "") };
             let replaced = changed(text, &[law]).unwrap();
-            assert!(replaced.contains("point = { at = 1.0 }") && replaced.contains("# a"), "{replaced}");
+            assert!(replaced.contains("point = { at = 1.0 }") && replaced.contains("at = 2.0"), "{replaced}");
             for missing in ["2", "a"] {
                 let error =
                     changed(text, &[change(&format!("contacts.thresholds.mixture.{missing}.weight"), "0.1")]);

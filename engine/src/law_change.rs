@@ -83,7 +83,8 @@ pub fn changed(law: &Law, change: &LawChange, scale: f64) -> Result<Law, String>
             let parts = parts_of(law, *part)?;
             let rest = 1.0 - parts[*part].weight;
             let least = 1.0 / WEIGHTS;
-            let own = if rest > 0.0 { weight.max(least).min(1.0 - least) } else { 1.0 };
+            let own =
+                if rest > 0.0 { weight.max(least).min(1.0 - least * (parts.len() - 1) as f64) } else { 1.0 };
             let weights = parts.iter().map(|other| other.weight * (1.0 - own) / rest);
             let mut weights: Vec<f64> = weights.collect();
             weights[*part] = own;
