@@ -232,7 +232,7 @@ endif
 
 $(engine): $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'engine/build.rs' 'explorer' 'wasm' '*Cargo.toml' Cargo.lock)
 	.ci/tools
-	cargo build --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm
+	cargo rustc --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm -- -C link-arg=--compress-relocations
 	touch $@
 
 $(page): $(engine) explorer/node_modules/ready $(shell git ls-files 'explorer')

@@ -27,7 +27,7 @@ function put(what, change) {
 const change = (key, value) => put(key, { key, value });
 
 /** @param {string} key @param {LawChange} law */
-const reshape = (key, law) => put(`${key} ${"move" in law ? law.move.node : Object.keys(law)[0]}`, { key, law });
+const reshape = (key, law) => put(`${key} ${Object.keys(law)[0]} ${law.move?.node ?? law.weight?.part}`, { key, law });
 
 /** @param {number} x */
 function scrub(x) {
@@ -76,7 +76,10 @@ function details(scenario) {
   return law?.std > 0 && !motion.includes("task") ? ["critical_stiffness", ...motion] : motion;
 }
 
-const editors = LAWS.map(({ name, key }) => ({ key, editor: new LawEditor(name, key) }));
+const editors = LAWS.map(({ name, key }) => {
+  const parent = byId(name);
+  return { key, editor: new LawEditor(parent, key, parent.querySelector("legend")?.textContent ?? "", [...FAMILIES, "mixture"]) };
+});
 /** The numbers that have a slider, where the scenario has them. @type {[string, string][]} */
 const NUMBERS = [
   ["block.stiffness", "<i>K</i>"], ["contacts.count", "<i>N</i><sub>c</sub>"], ["contacts.stiffness", "⟨<i>k</i>⟩"], ["drive.distance", "distance"], ["drive.velocity", "velocity"],

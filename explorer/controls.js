@@ -18,10 +18,16 @@ function element(name, attributes = {}, html = "") {
 /** @param {string[]} names @param {Record<string, string>} [labels] */
 const options = (names, labels = {}) => names.map((name) => new Option(labels[name] ?? name, name));
 
+/** Has as many rows as there are values: makes those that are missing, and removes those that are too many. @template {{element: Element}} T @param {T[]} rows @param {number} count @param {(number: number) => T} make */
+function resize(rows, count, make) {
+  while (rows.length < count) rows.push(make(rows.length));
+  for (const { element } of rows.splice(count)) element.remove();
+}
+
 /** A slider and a field for a number above 0, or from 0 on where `linear` is its largest value. */
 class NumberRow {
-  /** @param {HTMLElement} parent @param {string} key @param {string} label @param {{linear?: number}} [how] */
-  constructor(parent, key, label, { linear } = {}) {
+  /** @param {HTMLElement} parent @param {string} key @param {string} label @param {{linear?: number, changed?: (value: number) => void}} [how] */
+  constructor(parent, key, label, { linear, changed = (value) => change(key, toml(value)) } = {}) {
     this.linear = linear;
     this.middle = 1;
     this.row = element("div", { class: "row" });
@@ -31,9 +37,9 @@ class NumberRow {
     this.range.oninput = () => {
       const value = rounded(this.of(Number(this.range.value) / 1000));
       this.field.value = String(value);
-      change(key, toml(value));
+      changed(value);
     };
-    this.field.onchange = () => this.field.value !== "" && change(key, toml(Number(this.field.value)));
+    this.field.onchange = () => this.field.value !== "" && changed(Number(this.field.value));
     this.row.append(name, this.range, this.field);
     parent.append(this.row);
   }
@@ -45,7 +51,7 @@ class NumberRow {
   show(value) {
     this.row.hidden = value === undefined;
     if (value === undefined || document.activeElement === this.range) return;
-    if (this.linear) this.linear = Math.max(this.linear, 2 * value);
+    if (this.linear) this.linear = value > this.linear ? 2 * value : this.linear;
     else if (value > 0 && Math.abs(Math.log10(value / this.middle)) > 1.5) this.middle = 10 ** Math.round(Math.log10(value));
     const share = this.linear ? value / this.linear : (Math.log10(value / this.middle) + 2) / 4;
     this.range.value = String(Math.round(1000 * share));
@@ -58,12 +64,12 @@ class NodeRows {
   /** @param {HTMLElement} parent @param {string} key */
   constructor(parent, key) {
     this.key = key;
-    this.rows = element("div");
-    /** @type {HTMLInputElement[][]} */
-    this.fields = [];
+    this.parent = element("div");
+    /** @type {{element: HTMLElement, fields: HTMLInputElement[]}[]} */
+    this.rows = [];
     this.add = element("button", {}, "Add node");
     this.add.onclick = () => reshape(key, { add: null });
-    parent.append(this.rows, this.add);
+    parent.append(this.parent, this.add);
   }
   /** @param {number} node */
   row(node) {
@@ -73,18 +79,15 @@ class NodeRows {
     button.onclick = () => reshape(this.key, { remove: node });
     const row = element("div", { class: "row node" });
     row.append(...fields, button);
-    this.rows.append(row);
-    return fields;
+    this.parent.append(row);
+    return { element: row, fields };
   }
   /** @param {{stretch: number[], density: number[]}} polygon without nodes where there is none */
   show({ stretch, density }) {
-    while (this.fields.length < stretch.length) this.fields.push(this.row(this.fields.length));
-    while (this.fields.length > stretch.length) {
-      this.fields.pop();
-      this.rows.lastElementChild?.remove();
-    }
-    const show = (/** @type {HTMLInputElement} */ field, /** @type {number} */ value) => document.activeElement !== field && (field.value = String(value));
-    this.fields.forEach((fields, node) => (show(fields[0], stretch[node]), show(fields[1], density[node])));
+    resize(this.rows, stretch.length, (node) => this.row(node));
+    this.rows.forEach(({ fields }, node) => fields.forEach((field, i) => {
+      if (document.activeElement !== field) field.value = String([stretch, density][i][node]);
+    }));
     this.add.hidden = !stretch.length;
     this.add.disabled = stretch.length >= NODES;
   }
@@ -101,21 +104,48 @@ function polygon(law) {
 
 const FAMILIES = ["gaussian", "gamma", "lognormal", "weibull", "rectangular", "exponential", "point", "tabulated"];
 
-/** The choice of a distribution, and a row for each of its parameters or nodes. */
+/** A part of a mixture: its weight and its distribution. */
+class PartEditor {
+  /** @param {HTMLElement} parent @param {string} key of the mixture @param {number} part @param {string} of what the mixture describes */
+  constructor(parent, key, part, of) {
+    this.element = element("div", { class: "part" });
+    parent.append(this.element);
+    const changed = (/** @type {number} */ weight) => reshape(key, { weight: { part, weight } });
+    this.weight = new NumberRow(this.element, `${key}.mixture.${part}.weight`, "weight", { linear: 1, changed });
+    this.law = new LawEditor(this.element, `${key}.mixture.${part}.law`, `part ${part + 1} of ${of}`, FAMILIES);
+    const button = element("button", { "aria-label": `remove part ${part + 1} of ${of}` }, "Remove part");
+    button.onclick = () => reshape(key, { remove_part: part });
+    this.element.append(button);
+  }
+  /** @param {{weight: number, law: any}} part */
+  show({ weight, law }) {
+    this.weight.show(weight);
+    this.law.show(law);
+  }
+}
+
+/** The choice of a distribution, and a row for each of its parameters, nodes or parts. */
 class LawEditor {
-  /** @param {string} id @param {string} key */
-  constructor(id, key) {
+  /** @param {HTMLElement} parent @param {string} key @param {string} of what it describes @param {string[]} families */
+  constructor(parent, key, of, families) {
     this.key = key;
+    this.of = of;
+    this.families = families;
     /** @type {string | undefined} */
     this.family = undefined;
-    const parent = byId(id);
-    this.select = element("select", { "aria-label": `Distribution of ${parent.querySelector("legend")?.textContent}` });
+    this.select = element("select", { "aria-label": `Distribution of ${of}` });
     this.select.onchange = () => reshape(key, { family: this.select.value });
     this.rows = element("div");
     /** @type {Record<string, NumberRow>} */
     this.shown = {};
     parent.append(this.select, this.rows);
     this.nodes = new NodeRows(parent, key);
+    /** @type {PartEditor[]} */
+    this.parts = [];
+    this.partsElement = element("div");
+    this.split = element("button", {}, "Add part");
+    this.split.onclick = () => reshape(key, { split: null });
+    parent.append(this.partsElement, this.split);
   }
   /** @param {Record<string, any> | undefined} law */
   show(law) {
@@ -124,7 +154,7 @@ class LawEditor {
       this.family = family;
       this.rows.replaceChildren();
       this.shown = {};
-      this.select.replaceChildren(...options([...new Set([family, ...FAMILIES])], { tabulated: "polygon" }));
+      this.select.replaceChildren(...options([...new Set([family, ...this.families])], { tabulated: "polygon" }));
     }
     this.select.value = family;
     for (const [name, value] of Object.entries(parameters)) {
@@ -134,5 +164,9 @@ class LawEditor {
       this.shown[name].show(value);
     }
     this.nodes.show(polygon(law));
+    const parts = law?.mixture ?? [];
+    resize(this.parts, parts.length, (part) => new PartEditor(this.partsElement, this.key, part, this.of));
+    this.parts.forEach((part, i) => part.show(parts[i]));
+    this.split.hidden = !parts.length;
   }
 }

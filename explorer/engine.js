@@ -42,7 +42,7 @@ async function browserEngine() {
     });
   /** @type {Promise<any>} */
   let last = Promise.resolve();
-  return { compute: (...asked) => (last = last.catch(() => {}).then(() => exchange(...asked))), givesUp: true };
+  return { compute: (...asked) => (last = last.catch(() => {}).then(() => exchange(...asked))) };
 }
 
 /** The command that has sent this page. @returns {Engine} */
@@ -66,7 +66,7 @@ function commandEngine() {
       clearInterval(asking);
     }
   };
-  return { compute, givesUp: true };
+  return { compute };
 }
 
 /** The notebook in which this page is a frame. @returns {Engine} */
@@ -82,12 +82,15 @@ function notebookEngine() {
     asked.delete(number);
   });
   /** @type {Engine["compute"]} */
-  const compute = (request, _, progress) =>
+  const compute = (request, signal, progress) =>
     new Promise((resolve) => {
-      asked.set(++number, { resolve, progress });
-      parent.postMessage({ number, request }, "*");
+      const own = ++number;
+      asked.set(own, { resolve, progress });
+      // The kernel gives up what it computes for this page once it hears of another request.
+      signal.onabort = () => asked.delete(own);
+      parent.postMessage({ number: own, request }, "*");
     });
-  return { compute, givesUp: false };
+  return { compute };
 }
 
 /** Requests to an engine: one at work, one waiting; a newer one replaces the one that waits. */
@@ -113,8 +116,8 @@ class Requests {
   /** @param {() => EngineRequest} request made once it is sent, from what is known by then */
   ask(request) {
     this.waiting = request;
-    // What takes long is given up by an engine that can; a preview is worth its while.
-    if (this.engine.givesUp && this.working && !this.working.preview) {
+    // What takes long is given up; a preview is worth its while.
+    if (this.working && !this.working.preview) {
       this.working = null;
       this.giveUp.abort();
     }

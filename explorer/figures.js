@@ -67,9 +67,10 @@ function height(name, x) {
   return a + ((b - a) * (x - stretch[after - 1])) / (stretch[after] - stretch[after - 1]);
 }
 
-/** What is dragged on the curve of a distribution: its nodes, its mean and one standard deviation from it, or its point. @returns {Handle[]} */
-function handles(/** @type {typeof LAWS[number]} */ { name, key }) {
+/** What is dragged on the curve of a distribution: its nodes, its mean and one standard deviation from it, or its point; of a mixture what is dragged of its parts, nodes aside. @returns {Handle[]} */
+function handles(/** @type {{name: typeof LAWS[number]["name"], key: string}} */ { name, key }) {
   const law = valueAt(key);
+  if (law?.mixture) return law.mixture.flatMap((/** @type {any} */ part, /** @type {number} */ i) => (part.law.tabulated ? [] : handles({ name, key: `${key}.mixture.${i}.law` })));
   const { stretch, density } = polygon(law);
   const highest = density.indexOf(Math.max(...density));
   const scale = height(name, stretch[highest]) / density[highest];

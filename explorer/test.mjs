@@ -11,7 +11,7 @@ import { after, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
 import { chromium } from "playwright-core";
-import { browserAt, quiet } from "./browser.mjs";
+import { LONG, browserAt, quiet } from "./browser.mjs";
 
 const [module, page, asperity] = process.argv.slice(2).map((path) => resolve(path));
 /** Starts the command; its process and the address of its page. */
@@ -82,8 +82,7 @@ test("uPlot in the repository is that of npm", () => {
 test("the engine is small", () => {
   const compressed = gzipSync(readFileSync(module), { level: 9 }).length;
   console.log(`the engine has ${(compressed / 1e6).toFixed(2)} MB compressed`);
-  // It had 1.61 MB when it was first optimised for size, and 2.13 MB before.
-  assert.ok(compressed < 1.8e6, `${compressed} bytes`);
+  assert.ok(compressed <= 1.2e6, `${compressed} bytes`);
 });
 
 test("WebAssembly and native code agree on the shipped scenarios", async () => {
@@ -93,6 +92,8 @@ test("WebAssembly and native code agree on the shipped scenarios", async () => {
     // Cells at equal distances from the edge begin to slip together, and rounding decides which is first.
     if (name === "precursors-edge.toml") continue;
     const request = { text: readFileSync(join(folder, name), "utf8"), parts: ["task"] };
+    // The engine of a page has no fits.
+    if (/^\[fit/m.test(request.text)) continue;
     const expected = (await native(request, 2000))?.task?.record.variables;
     if (!expected) continue;
     const reported = [];
@@ -106,6 +107,12 @@ test("WebAssembly and native code agree on the shipped scenarios", async () => {
   }
   console.log(`${compared.length} scenarios that take native code less than 2 s: ${compared.join(", ")}`);
   assert.ok(compared.length >= 10);
+});
+
+test("the engine of a page refuses a fit, with the reason", () => {
+  const text = `contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+    fit = { free = ["contacts.count"], position = [0.2, 0.4, 0.6, 0.8], force = [0.2, 0.4, 0.6, 0.8] }`;
+  assert.deepEqual(webAssembly()({ text, parts: ["task"] }).failures, ["the task: fit: expected an asperity with the feature fits, got one without"]);
 });
 
 /** Runs `use` on the page at an address, and fails where the page reports an error or asks others for anything. */
@@ -361,6 +368,59 @@ test("a polygon is drawn by hand: its nodes are dragged, added and removed", () 
     await agrees(tab);
   }));
 
+test("a mixture has parts, whose weights and distributions change", () =>
+  inBrowser(async (tab) => {
+    const parts = async () => (await shown(tab)).scenario.contacts.thresholds.mixture;
+    const weights = async () => (await parts()).map((part) => part.weight);
+    const field = (key) => tab.locator(`[id="contacts.thresholds.mixture.${key}"]`);
+    const enter = async (key, value) => {
+      await field(key).fill(String(value));
+      await field(key).press("Enter");
+      await settled(tab);
+      await agrees(tab);
+    };
+    const button = async (name) => {
+      await tab.locator("#thresholds").getByRole("button", { name, exact: true }).click();
+      await settled(tab);
+      await agrees(tab);
+    };
+    const before = (await shown(tab)).force.force;
+    await tab.getByLabel("Distribution of Thresholds Pc", { exact: true }).selectOption("mixture");
+    await settled(tab);
+    assert.deepEqual(await parts(), Array(2).fill({ weight: 0.5, law: { gaussian: { mean: 1, std: 0.15 } } }));
+    // Two equal halves are the whole.
+    assert.ok(difference(before, (await shown(tab)).force.force) < 1e-9);
+    await enter("0.weight", 0.3);
+    assert.deepEqual(await weights(), [0.3, 0.7]);
+    await enter("1.law.gaussian.mean", 2);
+    await tab.getByLabel("Distribution of part 2 of Thresholds Pc", { exact: true }).selectOption("lognormal");
+    await settled(tab);
+    assert.deepEqual((await parts())[1].law, { lognormal: { mean: 2, std: 0.15 } });
+    await agrees(tab);
+    // The slider of a weight, and a point that is dragged: the mean of the second part.
+    await tab.getByLabel("weight, slider").last().fill("250");
+    await settled(tab);
+    assert.deepEqual(await weights(), [0.75, 0.25]);
+    await agrees(tab);
+    await drag(tab, "laws", 2, [30, 0]);
+    await settled(tab);
+    assert.ok((await parts())[1].law.lognormal.mean > 2.05, JSON.stringify(await parts()));
+    await agrees(tab);
+    await button("Add part");
+    assert.deepEqual(await weights(), [0.75, 0.125, 0.125]);
+    // The text moves the fields, and keeps its comments.
+    await tab.fill("#text", (await text(tab)).replace("weight = 0.75", "weight = 0.5").replace("weight = 0.125", "weight = 0.375"));
+    await settled(tab);
+    assert.equal(await field("1.weight").inputValue(), "0.375");
+    await agrees(tab);
+    await button("remove part 1 of Thresholds Pc");
+    assert.deepEqual(await weights(), [0.75, 0.25]);
+    await button("remove part 2 of Thresholds Pc");
+    assert.ok((await shown(tab)).scenario.contacts.thresholds.lognormal.mean > 2.05);
+    assert.equal(await tab.locator(".part").count(), 0);
+    assert.match(await text(tab), /# Q_ini/);
+  }));
+
 test("every scenario to begin with is computed, and shown on its sheet", () =>
   inBrowser(async (tab) => {
     const examples = await tab.$$eval("script.example", (all) => all.map(({ title, dataset }) => [title, dataset.sheet]));
@@ -443,18 +503,6 @@ async function progresses(tab, long) {
   // The long work would take more than half a minute.
   assert.ok(Date.now() - begun < 20000);
 }
-
-const LONG = `[contacts]
-thresholds.gaussian = { mean = 1.0, std = 0.1 }
-[interface]
-cells = [2000]
-coupling.neighbours = { stiffness = 4.0 }
-connection = 0.5
-disorder = { std = 0.05, seed = 1 }
-slip = "overdamped"
-[drive]
-distance = 90000.0
-`;
 
 test("long work reports its progress and is given up, in the page and by the command", async () => {
   await inBrowser((tab) => progresses(tab, LONG));
@@ -610,30 +658,41 @@ test("a link holds the scenario, and a broken one is reported", async () => {
   }, "#%E0%A4%A");
 });
 
-test("a preview is quick", () =>
-  inBrowser(async (tab) => {
-    const [preview, loop] = await tab.evaluate(async () => {
-      const ask = () => new Promise((resolve) => {
-        const usual = engine.received;
-        engine.received = (answer, request, milliseconds) => (engine.received = usual, usual(answer, request, milliseconds), resolve(milliseconds));
-        update();
-      });
-      const times = [];
-      for (let i = 0; i < 20; i++) {
-        const key = "contacts.thresholds.gaussian.std";
-        state.changes.set(key, { key, value: toml(0.1 + i / 500) });
-        times.push(await ask());
-      }
-      let sum = 0;
-      const loops = times.map(() => {
-        const begun = performance.now();
-        for (let i = 0; i < 2e6; i++) sum += Math.sin(i);
-        return performance.now() - begun;
-      });
-      // The shortest of many is what it takes where nothing else is at work.
-      return [Math.min(...times), Math.min(...loops) + 0 * sum];
+/** How long a preview, and full accuracy with the motion of the block, take from a change to their picture, beside a loop in the same page. */
+async function quick(tab) {
+  const [preview, full, loop] = await tab.evaluate(async () => {
+    const ask = (preview, parts) => new Promise((resolve) => {
+      const usual = engine.received;
+      engine.received = (answer, request, milliseconds) => {
+        engine.received = usual;
+        Object.assign(state.shown, answer);
+        state.changes.clear();
+        show(preview);
+        resolve(milliseconds);
+      };
+      update(preview, parts);
     });
-    console.log(`a preview takes ${preview.toFixed(1)} ms, two million sines ${loop.toFixed(1)} ms`);
-    // 16 ms where two million sines take 40 ms, both on one core.
-    assert.ok(preview < 0.8 * loop, `${preview} ${loop}`);
-  }));
+    const key = "contacts.thresholds.gaussian.std";
+    const times = { preview: [], full: [], loop: [] };
+    let sum = 0;
+    for (let i = 0; i < 20; i++) {
+      state.changes.set(key, { key, value: toml(0.1 + i / 500) });
+      times.preview.push(await ask(true, ["force", "stretches"]));
+      state.changes.set(key, { key, value: toml(0.101 + i / 500) });
+      times.full.push(await ask(false, ["force", "stretches", "block"]));
+      const begun = performance.now();
+      for (let j = 0; j < 2e6; j++) sum += Math.sin(j);
+      times.loop.push(performance.now() - begun + 0 * sum);
+    }
+    // The shortest of many is what it takes where nothing else is at work.
+    return [times.preview, times.full, times.loop].map((all) => Math.min(...all));
+  });
+  const ratios = [preview / loop, full / loop];
+  console.log(`a preview takes ${preview.toFixed(1)} ms, full accuracy with the block ${full.toFixed(1)} ms, two million sines ${loop.toFixed(1)} ms: ratios ${ratios.map((ratio) => ratio.toFixed(2)).join(" and ")}`);
+  // 16 ms and 50 ms where two million sines take 40 ms on one core, and twice that for what else is at work.
+  assert.ok(ratios[0] < 0.8 && ratios[1] < 2.5, String(ratios));
+}
+
+test("answers of the page are quick", () => inBrowser(quick));
+
+test("answers of the command are quick", () => served(quick));

@@ -1,8 +1,10 @@
 // What the engine is asked and what it answers, as in `engine/src/request.rs` and `answer.rs`; and the shapes of plots.
 
-/** A change of a distribution: another family, or a node of a polygon that is moved, added or removed. */
-type LawChange =
-  | { family: string } | { move: { node: number; stretch: number; density: number } } | { add: number | null } | { remove: number };
+/** A change of a distribution: another family; a node of a polygon that is moved, added or removed; the weight of a part of a mixture, its last part in two halves, or one part less. */
+type LawChange = {
+  family?: string; move?: { node: number; stretch: number; density: number }; add?: number | null; remove?: number;
+  weight?: { part: number; weight: number }; split?: null; remove_part?: number;
+};
 /** A key of the scenario, and its new value as TOML or what changes in the distribution that is there. */
 type Change = { key: string; value?: string | null; law?: LawChange };
 type Part = "force" | "stretches" | "critical_stiffness" | "block" | "task";
@@ -37,8 +39,6 @@ type Answer = {
 type Engine = {
   /** `progress` hears now and then of the fraction that is done. */
   compute: (request: EngineRequest, giveUp: AbortSignal, progress: (fraction: number) => void) => Promise<Answer>;
-  /** Whether it gives up what it computes once another request comes. */
-  givesUp: boolean;
 };
 
 /** Words, and the quantity whose unit they have; "number" has none. */

@@ -8,6 +8,7 @@
 #![deny(missing_debug_implementations)]
 
 pub mod block;
+mod cbor;
 pub mod contacts;
 mod dynamics;
 pub mod elastic;
@@ -23,6 +24,7 @@ pub mod life;
 pub mod master;
 pub mod monitor;
 pub mod numerics;
+mod parallel;
 pub mod population;
 pub mod random;
 pub mod rate_dependent;

@@ -349,8 +349,8 @@ impl<'a> Watch<'a> {
                 place.get_or_init(|| each(&mut tools, number));
             }
         };
-        rayon::in_place_scope(|scope| {
-            for _ in 1..rayon::current_num_threads().min(count) {
+        crate::parallel::in_place_scope(|scope| {
+            for _ in 1..crate::parallel::current_num_threads().min(count) {
                 scope.spawn(|_| work());
             }
             work();

@@ -1,8 +1,10 @@
 //! Changes of values in the text of a scenario, which leave its comments and its order.
 
-use asperity::scenario::{Contacts, Law, Scenario};
+use asperity::scenario::{Law, Scenario};
 use asperity_runner::input;
-use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use serde::Serialize;
+use toml_edit::ser::ValueSerializer;
+use toml_edit::{DocumentMut, Formatted, InlineTable, Item, Table, TableLike, Value};
 
 use crate::law_change::{self, LawChange};
 use crate::request::Change;
@@ -33,53 +35,65 @@ pub fn changed(text: &str, changes: &[Change]) -> Result<String, String> {
     Ok(document.to_string())
 }
 
-/// The distribution at `key` after a change of it.
+/// The distribution at `key` after a change of it; its numbers have the five digits that a hand can choose.
 fn with_law(document: &DocumentMut, key: &str, change: &LawChange) -> Result<Value, String> {
     let input =
         input::parse_complete(&document.to_string(), "scenario").map_err(|error| error.to_string())?;
-    let scenario = serde_json::to_value(&input.scenario).map_err(|error| error.to_string())?;
-    let old = scenario.pointer(&format!("/{}", key.replace('.', "/"))).cloned();
-    let old: Option<Law> = old.and_then(|law| serde_json::from_value(law).ok());
-    let old = old.ok_or_else(|| format!("{key}: expected the key of a distribution"))?;
+    let old =
+        law_at(&input.scenario, key).ok_or_else(|| format!("{key}: expected the key of a distribution"))?;
     let contacts = input.scenario.contacts.build().map_err(|error| error.to_string())?;
-    let new = law_change::changed(&old, change, SCALE * contacts.thresholds.mean());
+    let new = law_change::changed(old, change, SCALE * contacts.thresholds.mean());
     let new = new.map_err(|words| format!("{key}.{}: {words}", old.name()))?;
-    in_toml(&new).ok_or_else(|| format!("{key}: expected a distribution of plain numbers"))
+    let mut value = new.serialize(ValueSerializer::new()).map_err(|error| error.to_string())?;
+    round(&mut value);
+    Ok(value)
 }
 
-/// A distribution as a value in one line; its numbers have the five digits that a hand can choose.
-fn in_toml(law: &Law) -> Option<Value> {
-    let law = serde_json::from_value(rounded(serde_json::to_value(law).ok()?)).ok()?;
-    let contacts = Contacts { thresholds: Some(law), ..Contacts::default() };
-    let mut document: DocumentMut = input::to_text(&Scenario::new(contacts)).parse().ok()?;
-    let law = document.get_mut("contacts")?.as_table_like_mut()?.remove("thresholds")?;
-    law.into_value().ok()
+/// The distribution at a key, which may be that of a part of a mixture.
+fn law_at<'a>(scenario: &'a Scenario, key: &str) -> Option<&'a Law> {
+    let contacts = &scenario.contacts;
+    let (mut law, path) = [
+        ("contacts.thresholds", contacts.thresholds.as_ref()),
+        ("contacts.reforming", Some(&contacts.reforming)),
+        ("initial", Some(&scenario.initial)),
+    ]
+    .into_iter()
+    .find_map(|(of, law)| Some((law?, key.strip_prefix(of)?)))?;
+    let mut path = path.split('.').skip(1);
+    while path.next().is_some() {
+        let Law::Mixture(parts) = law else { return None };
+        law = &parts.get(path.next()?.parse::<usize>().ok()?)?.law;
+        path.next();
+    }
+    Some(law)
 }
 
-fn rounded(value: serde_json::Value) -> serde_json::Value {
-    use serde_json::Value::{Array, Null, Number, Object};
+fn round(value: &mut Value) {
     match value {
-        Number(number) => {
-            format!("{:.4e}", number.as_f64().unwrap_or(f64::NAN)).parse::<f64>().map_or(Null, Into::into)
+        Value::Float(number) => {
+            let rounded = format!("{:.4e}", number.value()).parse();
+            *number = Formatted::new(rounded.unwrap_or(f64::NAN));
         }
-        Array(items) => items.into_iter().map(rounded).collect(),
-        Object(items) => items.into_iter().map(|(key, value)| (key, rounded(value))).collect(),
-        other => other,
+        Value::Array(items) => items.iter_mut().for_each(round),
+        Value::InlineTable(items) => items.iter_mut().for_each(|(_, item)| round(item)),
+        _ => {}
     }
 }
 
 fn apply(root: &mut Table, whole: &str, value: Option<Value>) -> Result<(), String> {
-    let mut keys: Vec<&str> = whole.split('.').collect();
-    let last = keys.pop().unwrap_or_default();
+    let mut keys = whole.split('.');
+    let last = keys.next_back().unwrap_or_default();
     let mut table: &mut dyn TableLike = root;
-    for (depth, key) in keys.into_iter().enumerate() {
-        let missing =
-            if depth == 0 { Item::Table(Table::new()) } else { Value::from(InlineTable::new()).into() };
-        table = table
-            .entry(key)
-            .or_insert(missing)
-            .as_table_like_mut()
-            .ok_or_else(|| format!("{whole}: expected a table at {key}"))?;
+    let mut missing = Item::Table(Table::new());
+    while let Some(key) = keys.next() {
+        let mut item = table.entry(key).or_insert(missing);
+        if item.is_array() || item.is_array_of_tables() {
+            let index: Option<usize> = keys.next().and_then(|index| index.parse().ok());
+            let part = index.and_then(|index| item.get_mut(index));
+            item = part.ok_or_else(|| format!("{whole}: expected the number of an item of {key}"))?;
+        }
+        table = item.as_table_like_mut().ok_or_else(|| format!("{whole}: expected a table at {key}"))?;
+        missing = Value::from(InlineTable::new()).into();
     }
     match value {
         None => drop(table.remove(last)),
@@ -118,6 +132,26 @@ mod tests {
         let added = changed(TEXT, &[change("block.stiffness", "0.5")]).unwrap();
         assert!(added.starts_with(TEXT) && added.ends_with("[block]\nstiffness = 0.5\n"), "{added}");
         assert_eq!(changed(&added, &[change("block", "")]).unwrap(), TEXT);
+    }
+
+    #[test]
+    fn parts_of_mixtures_change_where_they_are() {
+        let inline = "pull.distance = 5.0\n[contacts]\nthresholds.mixture = [\n  { weight = 0.5, law.gaussian = { mean = 1.0, std = 0.1 } }, # a\n  { weight = 0.5, law.point.at = 2.0 },\n]\n";
+        let tables = "pull.distance = 5.0\n[[contacts.thresholds.mixture]]\nweight = 0.5\nlaw.gaussian = { mean = 1.0, std = 0.1 } # a\n[[contacts.thresholds.mixture]]\nweight = 0.5\nlaw.point.at = 2.0\n";
+        for text in [inline, tables] {
+            let moved =
+                changed(text, &[change("contacts.thresholds.mixture.0.law.gaussian.std", "0.2")]).unwrap();
+            assert_eq!(moved, text.replace("std = 0.1", "std = 0.2"));
+            let law = Some(LawChange::Family("point".to_owned()));
+            let law = Change { law, ..change("contacts.thresholds.mixture.0.law", "") };
+            let replaced = changed(text, &[law]).unwrap();
+            assert!(replaced.contains("point = { at = 1.0 }") && replaced.contains("at = 2.0"), "{replaced}");
+            for missing in ["2", "a"] {
+                let error =
+                    changed(text, &[change(&format!("contacts.thresholds.mixture.{missing}.weight"), "0.1")]);
+                assert!(error.unwrap_err().contains("the number of an item"));
+            }
+        }
     }
 
     #[test]

@@ -105,7 +105,7 @@ impl Engine {
     }
 
     fn widths(&mut self, scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<WidthCurve> {
-        let description = width_curve::description(scenario);
+        let description = width_curve::description(scenario)?;
         if let Some((_, known)) = self.widths.as_ref().filter(|(of, _)| *of == description) {
             return Ok(known.clone());
         }

@@ -1,6 +1,6 @@
-//! Changes of a distribution by hand: to another family of the same mean and width, or of a node of a polygon.
+//! Changes of a distribution by hand: to another family of the same mean and width, of a node of a polygon, or of a part of a mixture.
 
-use asperity::scenario::{Law, Tabulated};
+use asperity::scenario::{Component, Law, Tabulated};
 use serde::Deserialize;
 
 /// Nodes of a polygon that is drawn by hand.
@@ -17,12 +17,17 @@ const GAP: f64 = 1e-3;
 const WIDTH: f64 = 0.2;
 /// The name of polygons in scenarios.
 const POLYGON: &str = "tabulated";
+/// The name of mixtures in scenarios.
+const MIXTURE: &str = "mixture";
+/// Weights are whole numbers of this part of 1, so that those of the text sum to 1.
+const WEIGHTS: f64 = 1e4;
 
 /// A change of a distribution.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LawChange {
-    /// The member of a parametric family with about the same mean and width, or the polygon through points of the density.
+    /// The member of a parametric family with about the same mean and width, the polygon through points of the density, or a
+    /// mixture of two halves, each of which is the distribution.
     Family(String),
     /// A node of a polygon goes elsewhere, between its neighbours; the density of the others keeps its form.
     Move {
@@ -37,6 +42,17 @@ pub enum LawChange {
     Add(Option<f64>),
     /// A node is removed.
     Remove(usize),
+    /// A part of a mixture has another weight; those of the others keep their ratios.
+    Weight {
+        /// The part, from 0 on.
+        part: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// The last part of a mixture becomes two halves.
+    Split,
+    /// A part of a mixture is removed; the last one that is left is no mixture.
+    RemovePart(usize),
 }
 
 /// The distribution after a change. `scale` is the mean of one whose own is 0. Parameters have four digits.
@@ -63,6 +79,37 @@ pub fn changed(law: &Law, change: &LawChange, scale: f64) -> Result<Law, String>
             polygon.remove(*node)?;
             Ok(polygon.law())
         }
+        LawChange::Weight { part, weight } => {
+            let parts = parts_of(law, *part)?;
+            let rest = 1.0 - parts[*part].weight;
+            let least = 1.0 / WEIGHTS;
+            let own =
+                if rest > 0.0 { weight.max(least).min(1.0 - least * (parts.len() - 1) as f64) } else { 1.0 };
+            let weights = parts.iter().map(|other| other.weight * (1.0 - own) / rest);
+            let mut weights: Vec<f64> = weights.collect();
+            weights[*part] = own;
+            Ok(mixture(parts, &weights, *part))
+        }
+        LawChange::Split => {
+            let mut parts = parts_of(law, 0)?.to_vec();
+            parts.extend(parts.last().cloned());
+            let last = parts.len() - 1;
+            let mut weights: Vec<f64> = parts.iter().map(|part| part.weight).collect();
+            weights[last - 1..].iter_mut().for_each(|weight| *weight *= 0.5);
+            Ok(mixture(&parts, &weights, last))
+        }
+        LawChange::RemovePart(part) => {
+            let mut parts = parts_of(law, *part)?.to_vec();
+            parts.remove(*part);
+            match parts.as_slice() {
+                [] => Err("a mixture keeps one part".to_owned()),
+                [left] => Ok(left.law.clone()),
+                _ => {
+                    let weights: Vec<f64> = parts.iter().map(|part| part.weight).collect();
+                    Ok(mixture(&parts, &weights, 0))
+                }
+            }
+        }
     }
 }
 
@@ -70,6 +117,10 @@ fn family(law: &Law, name: &str, scale: f64) -> Result<Law, String> {
     let known = law.build().map_err(|error| error.to_string())?;
     let mean = if known.mean() > 0.0 { known.mean() } else { scale };
     let width = if known.std() > 0.0 { known.std() / mean } else { WIDTH };
+    if name == MIXTURE {
+        let half = Component { weight: 0.5, law: law.clone() };
+        return Ok(Law::Mixture(vec![half.clone(), half]));
+    }
     if name == POLYGON {
         let polygon = Polygon::through(|x| known.density(x), mean, width);
         // Point masses have no density; a triangle is as wide.
@@ -80,6 +131,34 @@ fn family(law: &Law, name: &str, scale: f64) -> Result<Law, String> {
     let family = Law::FAMILIES.iter().find(|family| family.name == name);
     let family = family.ok_or_else(|| format!("expected one of {}, got {name}", families.join(", ")))?;
     Ok((family.member)(mean, width))
+}
+
+/// The parts of the mixture that `law` is, of which `part` is one.
+fn parts_of(law: &Law, part: usize) -> Result<&[Component], String> {
+    match law {
+        Law::Mixture(parts) if part < parts.len() => Ok(parts),
+        Law::Mixture(parts) => Err(format!("expected a part from 0 to {}, got {part}", parts.len() - 1)),
+        _ => Err("expected a mixture".to_owned()),
+    }
+}
+
+/// The mixture with weights in these ratios, each rounded; `kept` has its own as exactly as that goes, and the heaviest of the
+/// others takes what rounding leaves.
+fn mixture(parts: &[Component], weights: &[f64], kept: usize) -> Law {
+    let sum: f64 = weights.iter().sum();
+    let mut rounded: Vec<f64> =
+        weights.iter().map(|weight| (WEIGHTS * weight / sum).round().max(1.0)).collect();
+    let left = WEIGHTS - rounded.iter().sum::<f64>();
+    let others = (0..parts.len()).filter(|&i| i != kept || parts.len() == 1);
+    if let Some(heaviest) = others.max_by(|&i, &j| rounded[i].total_cmp(&rounded[j])) {
+        rounded[heaviest] += left;
+    }
+    let weighted = parts.iter().zip(rounded);
+    Law::Mixture(
+        weighted
+            .map(|(part, weight)| Component { weight: weight / WEIGHTS, law: part.law.clone() })
+            .collect(),
+    )
 }
 
 /// A density that is linear between nodes, of mass 1.
@@ -252,6 +331,38 @@ mod tests {
         );
         assert!((same[1].0 - 1.5).abs() < 1e-12 && (same[1].1 - 1.0).abs() < 1e-12, "{same:?}");
         assert!(changed(&law, &LawChange::Move { node: 4, stretch: 1.0, density: 1.0 }, 1.0).is_err());
+    }
+
+    #[test]
+    fn the_weights_of_a_mixture_change_and_their_sum_stays() {
+        let weights = |law: &Law| match law {
+            Law::Mixture(parts) => parts.iter().map(|part| part.weight).collect::<Vec<_>>(),
+            _ => vec![],
+        };
+        let gaussian = Law::Gaussian { mean: 1.0, std: 0.1 };
+        let two = changed(&gaussian, &LawChange::Family(MIXTURE.into()), 1.0).unwrap();
+        // Nothing changes until a part does.
+        let (before, after) = (gaussian.build().unwrap(), two.build().unwrap());
+        assert!((before.density(1.1) - after.density(1.1)).abs() < 1e-12);
+        let three = changed(&two, &LawChange::Split, 1.0).unwrap();
+        assert_eq!(weights(&three), [0.5, 0.25, 0.25]);
+        let moved = changed(&three, &LawChange::Weight { part: 1, weight: 0.1 }, 1.0).unwrap();
+        assert_eq!(weights(&moved), [0.6, 0.1, 0.3]);
+        // Thirds of 1 are no numbers of four digits; the text has those that sum to 1.
+        let third = changed(&two, &LawChange::Weight { part: 0, weight: 1.0 / 3.0 }, 1.0).unwrap();
+        assert_eq!(weights(&third), [0.3333, 0.6667]);
+        for weight in [-1.0, 2.0] {
+            let end = weights(&changed(&three, &LawChange::Weight { part: 0, weight }, 1.0).unwrap());
+            assert!(
+                end.iter().all(|&weight| weight > 0.0) && (end.iter().sum::<f64>() - 1.0).abs() < 1e-15,
+                "{end:?}"
+            );
+        }
+        let left = changed(&moved, &LawChange::RemovePart(0), 1.0).unwrap();
+        assert_eq!(weights(&left), [0.25, 0.75]);
+        assert_eq!(changed(&left, &LawChange::RemovePart(0), 1.0).unwrap(), gaussian);
+        assert!(changed(&left, &LawChange::RemovePart(2), 1.0).unwrap_err().contains("from 0 to 1"));
+        assert!(changed(&gaussian, &LawChange::Split, 1.0).unwrap_err().contains("a mixture"));
     }
 
     #[test]

@@ -8,7 +8,6 @@ use asperity::monitor::Monitor;
 use asperity::scenario::{self, Model, Scenario};
 use asperity::task::Grid;
 use asperity::task::summary::Extended;
-use asperity_runner::input;
 
 use crate::answer::{Density, ForceCurve, StretchDistributions};
 
@@ -85,7 +84,7 @@ impl Solved {
             let given = pulled.master_equation.tolerance.unwrap_or(PREVIEW);
             pulled.master_equation.tolerance = Some(given.max(PREVIEW));
         }
-        let description = input::to_text(&pulled);
+        let description = serde_json::to_string(&pulled).unwrap_or_default();
         match before.filter(|before| before.description == description) {
             Some(before) => Ok(before),
             None => Self::solve(&pulled, description, monitor),

@@ -33,7 +33,7 @@ pub fn width_curve(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Wid
         let expected = "a distribution with a parameter std, for a map over the width of the thresholds";
         return Err(Error::invalid("contacts.thresholds", expected, thresholds.name()));
     }
-    let mean = parameter(thresholds.as_ref(), "mean").unwrap_or_else(|| thresholds.mean());
+    let mean = scale(thresholds.as_ref());
     let mut curve = WidthCurve {
         width: widths(mean).collect(),
         critical_stiffness: Vec::new(),
@@ -58,17 +58,21 @@ fn widths(mean: f64) -> impl Iterator<Item = f64> {
     (0..WIDTHS).map(move |i| mean * NARROWEST * (step * i as f64).exp())
 }
 
-fn parameter(law: &dyn Law, name: &str) -> Option<f64> {
-    law.parameters().into_iter().find(|parameter| parameter.name == name).map(|parameter| parameter.value)
+/// The mean before truncation, where it is a parameter: it does not change with the width.
+fn scale(law: &dyn Law) -> f64 {
+    let parameters = law.parameters();
+    let mean = parameters.iter().find(|parameter| parameter.name == "mean");
+    mean.map_or_else(|| law.mean(), |parameter| parameter.value)
 }
 
-/// What the curve depends on: the scenario of the pull, without the width of the thresholds.
-pub fn description(scenario: &Scenario) -> String {
-    let mut value = serde_json::to_value(pulled(scenario)).unwrap_or_default();
-    if let Some(families) = value.pointer_mut("/contacts/thresholds").and_then(|law| law.as_object_mut()) {
-        for parameters in families.values_mut().filter_map(|family| family.as_object_mut()) {
-            parameters.remove("std");
-        }
-    }
-    value.to_string()
+/// What the curve depends on: the scenario of the pull, with thresholds of one width.
+///
+/// # Errors
+/// An invalid value.
+pub fn description(scenario: &Scenario) -> Result<String> {
+    let mut pulled = pulled(scenario);
+    let thresholds = pulled.contacts.build()?.thresholds;
+    let thresholds = thresholds.with_parameter("std", NARROWEST * scale(thresholds.as_ref()));
+    pulled.contacts.thresholds = None;
+    Ok(serde_json::to_string(&pulled).unwrap_or_default() + &format!("{thresholds:?}"))
 }

@@ -2,6 +2,7 @@
 
 import json
 import secrets
+import threading
 from collections.abc import Mapping
 from os import PathLike
 from typing import Any
@@ -39,6 +40,10 @@ export default {
 """
 
 
+class _NewerRequestError(Exception):
+    """A newer request of the same page has come."""
+
+
 class Explorer:
     """The explorer in a notebook: a page in which a scenario is changed by hand.
 
@@ -66,12 +71,16 @@ class Explorer:
     def __init__(self, scenario: str | PathLike[str] | Mapping[str, Any]) -> None:
         self._engine = _Engine()
         self._result: tuple[str, Result] | None = None
+        self._latest: dict[str, int] = {}
+        self._thread: threading.Thread | None = None
         self._widget = _widget(_complete_text(scenario))
         self._widget.on_msg(self._answer)
 
     @property
     def scenario(self) -> str:
-        """The text of the scenario as the page shows it."""
+        """The text of the scenario as the page shows it, once its last request is answered."""
+        if self._thread is not None:
+            self._thread.join()
         return str(self._widget.scenario)
 
     @property
@@ -83,13 +92,24 @@ class Explorer:
         return self._result[1]
 
     def _answer(self, _: Any, message: dict[str, Any], __: Any) -> None:
-        """Answers a request of the page."""
+        """Answers a request of the page on a thread of its own, so that the kernel hears of a newer one."""
+        self._latest[message["view"]] = message["number"]
+        self._thread = threading.Thread(target=self._compute, args=(message,), daemon=True)
+        self._thread.start()
+
+    def _compute(self, message: dict[str, Any]) -> None:
+        """Answers a request, unless it is given up for a newer one."""
         asked = {"view": message["view"], "number": message["number"]}
 
         def report(fraction: float) -> None:
+            if self._latest[asked["view"]] != asked["number"]:
+                raise _NewerRequestError
             self._widget.send({**asked, "progress": fraction})
 
-        answer = self._engine.answer(json.dumps(message["request"]), report)
+        try:
+            answer = self._engine.answer(json.dumps(message["request"]), report)
+        except _NewerRequestError:
+            return
         self._widget.send({**asked, "answer": answer})
         self._widget.scenario = json.loads(answer)["text"]
 

@@ -23,6 +23,8 @@ def asked(explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch, **request: An
     widget = explorer._widget
     monkeypatch.setattr(widget, "send", sent.append)
     widget._handle_custom_msg({"view": "0.5", "number": 7, "request": request}, [])
+    # It waits for the answer.
+    _ = explorer.scenario
     *progress, message = sent
     assert all((reported["view"], reported["number"]) == ("0.5", 7) for reported in sent)
     fractions = [reported["progress"] for reported in progress]
@@ -56,6 +58,22 @@ def test_mistakes_are_answered_and_not_lost(explorer: asp.Explorer, monkeypatch:
         _ = explorer.result
     files = asked(explorer, monkeypatch, text="protocol_file = '/etc/passwd'\n" + TEXT.split("pull")[0])
     assert "no files are read here" in files["invalid"]["message"]
+
+
+def test_long_work_is_given_up_for_a_newer_request(
+    explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cells = "coupling.neighbours = { stiffness = 4.0 }\nconnection = 0.5\ndisorder = { std = 0.05, seed = 1 }"
+    long = TEXT.replace(
+        "pull.distance = 5.0", f"[interface]\ncells = [2000]\n{cells}\n[drive]\ndistance = 9e4"
+    )
+    sent: list[dict[str, Any]] = []
+    monkeypatch.setattr(explorer._widget, "send", sent.append)
+    for number, (text, part) in enumerate([(long, "task"), (TEXT, "force")]):
+        request = {"text": text, "parts": [part]}
+        explorer._widget._handle_custom_msg({"view": "0.5", "number": number, "request": request}, [])
+    assert explorer.scenario == TEXT
+    assert [message["number"] for message in sent if "answer" in message] == [1]
 
 
 def test_the_page_is_one_frame_with_a_strict_policy(explorer: asp.Explorer) -> None:

@@ -84,7 +84,7 @@ impl<'a> ThresholdAverage<'a> {
     fn new(contacts: &'a Contacts, temperature: Temperature) -> Self {
         let law = &contacts.thresholds;
         let mut atoms = law.atoms();
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Atom::sort(&mut atoms);
         let Contacts { stiffness, .. } = contacts;
         Self { law, stiffness, temperature, stops: stops(law), atoms }
     }

@@ -1,7 +1,7 @@
 //! Loops over cells with the same bits on any number of threads: chunks do not depend on the threads, and sums are taken in
 //! order.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use crate::Result;
 use crate::monitor::{Monitor, report};
@@ -65,7 +65,8 @@ pub(super) fn change_chunks(
         return of(0, values, others);
     }
     let chunks = values.par_chunks_mut(CHUNK).zip(others.par_chunks_mut(CHUNK)).enumerate();
-    chunks.map(|(chunk, (values, others))| of(chunk * CHUNK, values, others)).reduce(|| 0.0, f64::max)
+    let found: Vec<f64> = chunks.map(|(chunk, (values, others))| of(chunk * CHUNK, values, others)).collect();
+    found.into_iter().fold(0.0, f64::max)
 }
 
 /// Folds a function of the cells chunk by chunk, and then the results of the chunks in order.

@@ -3,8 +3,8 @@
 mod mark;
 mod state;
 
+use crate::parallel::*;
 use mark::ReturnMark;
-use rayon::prelude::*;
 
 use super::Ensemble;
 use super::lives::Lives;

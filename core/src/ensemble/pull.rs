@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::Ensemble;
 use super::snapshots::Snapshots;
@@ -213,6 +213,6 @@ impl Plan {
 
     /// At least one chunk for each thread.
     fn possible(&self, round: usize) -> usize {
-        round.max(rayon::current_num_threads()).min(self.round)
+        round.max(current_num_threads()).min(self.round)
     }
 }

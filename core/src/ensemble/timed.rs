@@ -204,7 +204,7 @@ impl<'a> Follow<'a> {
         let starts: Vec<usize> = (0..all).step_by(size).collect();
         // The number of threads decides on the rounds only, not on the chunks, so that it changes
         // no sum.
-        for round in starts.chunks(rayon::current_num_threads()) {
+        for round in starts.chunks(crate::parallel::current_num_threads()) {
             let mut aside = Aside { fraction: round[0] as f64 / all as f64, monitor };
             let watch = Watch::new(&mut aside);
             let chunk = |(): &mut (), number: usize| {

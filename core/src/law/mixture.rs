@@ -176,7 +176,7 @@ impl Law for Mixture {
             law.atoms().into_iter().map(move |atom| Atom { weight: weight * atom.weight, ..atom })
         };
         let mut atoms: Vec<_> = self.components.iter().flat_map(weighted).collect();
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Atom::sort(&mut atoms);
         atoms.dedup_by(|next, kept| {
             let same = next.position == kept.position;
             kept.weight += if same { next.weight } else { 0.0 };

@@ -110,7 +110,7 @@ fn of_moments<const N: usize>(
     breakpoints.extend(broken.map(Breakpoint::from));
     let wide = 0.25 * scale(law);
     onsets.into_iter().for_each(|onset| begin(&mut breakpoints, &moments[0], onset, wide));
-    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Breakpoint::sort(&mut breakpoints);
     // Integration from the end of life makes tails accurate relative to themselves.
     let carried = Carried::new(stiffness, &breaking, &moments, end);
     // Survival, force and energies are integrals of the breaking density: their breakpoints are one
@@ -123,7 +123,7 @@ fn of_moments<const N: usize>(
         smoother.clone()
     } else {
         let mut all: Vec<_> = smoother.iter().copied().chain(integrated(&kinks)).collect();
-        all.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Breakpoint::sort(&mut all);
         all
     };
     let kernel = |curve: Piecewise| Kernel::new(curve, kinked.clone());

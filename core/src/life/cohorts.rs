@@ -160,7 +160,7 @@ pub(super) fn of_cohorts(
     if 1.0 - unbroken > NEGLIGIBLE {
         breakpoints.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
     }
-    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Breakpoint::sort(&mut breakpoints);
     let smoother: Vec<_> =
         breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());

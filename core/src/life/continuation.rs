@@ -98,7 +98,7 @@ fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Breakpoint> {
     let meetings =
         hazards.iter().flat_map(|hazard| starts.iter().map(|start| start.convolve(hazard.mirrored())));
     let mut before: Vec<_> = meetings.filter(|met| met.position >= 0.0).collect();
-    before.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Breakpoint::sort(&mut before);
     before
 }
 
@@ -108,7 +108,7 @@ impl Thresholds {
             return Self::Law(law.clone());
         }
         let mut breakpoints = with_atoms(law.as_ref());
-        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Breakpoint::sort(&mut breakpoints);
         Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breakpoints))
     }
 

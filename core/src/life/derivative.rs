@@ -56,7 +56,7 @@ impl LifeDerivative {
         let breakpoints: Vec<_> = breakpoints.map(kept).collect();
         let [survival, force] = curves;
         let mut kinked: Vec<_> = breakpoints.iter().copied().chain(life.kinks_of_stiffness()).collect();
-        kinked.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Breakpoint::sort(&mut kinked);
         Self { survival: Kernel::new(survival, breakpoints), force: Kernel::new(force, kinked) }
     }
 

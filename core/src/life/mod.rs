@@ -338,7 +338,7 @@ impl Life {
             let curve = kernel.curve().preceded(by, before);
             let mut breakpoints = shifted(&kernel);
             breakpoints.extend(jumps(&curve, by, 2));
-            breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+            Breakpoint::sort(&mut breakpoints);
             Kernel::new(curve, breakpoints)
         };
         let breaking = Kernel::new(self.breaking.curve().preceded(by, 0.0), shifted(&self.breaking));

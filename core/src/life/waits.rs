@@ -43,7 +43,7 @@ impl Waits {
             ..b
         };
         let mut breakpoints: Vec<_> = with_atoms(law.as_ref()).into_iter().map(stretched).collect();
-        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Breakpoint::sort(&mut breakpoints);
         let atoms = breakpoints.iter().filter(|b| b.is_atom());
         let atoms = atoms.map(|b| Atom { position: b.position, weight: b.amplitude }).collect();
         Self { law: law.clone(), velocity, density, breakpoints, atoms }
@@ -95,7 +95,7 @@ impl Waits {
 }
 
 fn sorted(mut breakpoints: Vec<Breakpoint>) -> Vec<Breakpoint> {
-    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Breakpoint::sort(&mut breakpoints);
     breakpoints
 }
 

@@ -123,7 +123,7 @@ impl RenewalSolution {
             }
         }
         atoms.retain(|a| a.weight > 0.0);
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Atom::sort(&mut atoms);
         atoms.dedup_by(|b, a| {
             let same =
                 same_position(a.position, b.position) || (a.position - b.position).abs() < 1e-13 * position;

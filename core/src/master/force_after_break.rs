@@ -105,7 +105,7 @@ pub(super) fn force_kernel(renewal: &RenewalSolution) -> Kernel {
     let smoother = |b: &Breakpoint| Breakpoint { exponent: b.exponent + 1.0, ..*b };
     let kinks = renewal.solution.breakpoints.iter().map(smoother);
     let mut breakpoints: Vec<_> = renewal.solution.atoms.iter().map(jump).chain(kinks).collect();
-    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Breakpoint::sort(&mut breakpoints);
     Kernel::new(force.clone(), breakpoints)
 }
 

@@ -182,6 +182,6 @@ fn force_slope(life: &Life) -> Kernel {
             exponent => breakpoints.push(Breakpoint { exponent: exponent - 1.0, ..*b }),
         }
     }
-    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    Breakpoint::sort(&mut breakpoints);
     Kernel::new(force.derivative(), breakpoints)
 }

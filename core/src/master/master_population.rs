@@ -478,7 +478,7 @@ impl Population for MasterPopulation {
             .map(|atom| Atom { position: sign * atom.position, ..atom })
             .filter(|a| a.weight > 0.0)
             .collect();
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Atom::sort(&mut atoms);
         Ok(Some((density, atoms)))
     }
 

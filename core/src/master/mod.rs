@@ -123,7 +123,7 @@ impl Stretches {
         let density = stretches.iter().map(|&x| cells.iter().map(|cell| at(cell, x)).sum()).collect();
         let atom = |point: &StretchInterval| Atom { position: point.low, weight: point.fraction };
         let mut atoms: Vec<Atom> = points.into_iter().map(atom).collect();
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Atom::sort(&mut atoms);
         Self { density, atoms }
     }
 }

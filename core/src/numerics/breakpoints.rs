@@ -33,7 +33,19 @@ pub struct Breakpoint {
     pub amplitude: f64,
 }
 
+impl Atom {
+    /// Puts point masses in the order of their positions; those at one place keep theirs.
+    pub(crate) fn sort(atoms: &mut [Self]) {
+        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+    }
+}
+
 impl Breakpoint {
+    /// Puts breakpoints in the order of their positions; those at one place keep theirs.
+    pub(crate) fn sort(breakpoints: &mut [Self]) {
+        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    }
+
     /// The breakpoint that the convolution of two functions has because of one breakpoint of each.
     #[must_use]
     pub fn convolve(self, other: Self) -> Self {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 /// Step of the trapezoidal rule in s.
 const STEP: f64 = 0.16;

@@ -1,6 +1,6 @@
 //! Functions of the lattice Laplacian, applied by transforms of the rows and columns of a field.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::line::{Line, Scratch};
 use crate::Result;

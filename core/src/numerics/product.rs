@@ -1,6 +1,6 @@
 //! Scalar products of long vectors, with the same bits on any number of threads.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 /// Terms summed by one thread.
 const CHUNK: usize = 1 << 14;

@@ -4,7 +4,7 @@ use ciborium::Value;
 use serde::de::{DeserializeOwned, Deserializer, Error as _};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::{Error, Result};
+use crate::{Error, Result, cbor};
 
 /// The state of contacts, readable only by contacts of the same description. It is CBOR (RFC 8949), which keeps every number
 /// bit for bit.
@@ -15,20 +15,19 @@ impl ContactsState {
     /// The state from plain data.
     ///
     /// # Panics
-    /// If it cannot be serialised as plain data, such as a map of unknown length.
+    /// If it cannot be serialised as plain data, such as a map of unknown length; without the feature `checkpoints`.
     pub fn of<T: Serialize>(kept: &T) -> Self {
         let mut bytes = Vec::new();
-        ciborium::into_writer(kept, &mut bytes)
-            .expect("a state is plain data, and writing to memory does not fail");
+        cbor::write(kept, &mut bytes).expect("a state is plain data, and writing to memory does not fail");
         Self(bytes)
     }
 
     /// The plain data.
     ///
     /// # Errors
-    /// The data have another type.
+    /// The data have another type; a build without the feature `checkpoints`.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T> {
-        ciborium::from_reader(self.0.as_slice()).map_err(|error| Self::another(&error.to_string()))
+        cbor::read(&self.0).map_err(|error| Self::another(&error))
     }
 
     /// The error for a state of other contacts.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use crate::{Error, Result};
+use crate::{Error, Result, cbor};
 
 /// Writes the state of a drive, in CBOR (RFC 8949).
 pub type WriteState<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
@@ -12,12 +12,9 @@ pub type WriteState<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
 /// Writes a value in CBOR (RFC 8949).
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`; a build without the feature `checkpoints`.
 pub fn write_cbor<T: Serialize + ?Sized>(value: &T, out: &mut dyn Write) -> io::Result<()> {
-    ciborium::into_writer(value, out).map_err(|error| match error {
-        ciborium::ser::Error::Io(error) => error,
-        ciborium::ser::Error::Value(what) => io::Error::other(what),
-    })
+    cbor::write(value, out)
 }
 
 /// Storage for the state of a drive and its recorded columns, usually a file.

@@ -108,6 +108,9 @@ pub(super) fn found(
     task: &scenario::Fit,
     monitor: &mut dyn Monitor,
 ) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
+    if cfg!(not(feature = "fits")) {
+        return Err(Error::invalid("fit", "an asperity with the feature fits", "one without"));
+    }
     if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
         let source = task.steady.as_ref().and_then(|steady| steady.source.clone());
         let part = &mut Part::new(monitor, 0.05, 0.95);

@@ -1,6 +1,6 @@
 //! Springs between nearest neighbours.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;

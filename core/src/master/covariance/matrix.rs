@@ -1,6 +1,6 @@
 //! The covariance of the force at a list of positions, as a matrix.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 /// Rows of a matrix that are filled together: entries above the diagonal come from different rows of the triangle,
 /// eight of which fill a cache line.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::monitor::Monitor;
 use crate::record::Record;
-use crate::{Error, Result};
+use crate::{Error, Result, cbor};
 use serde::{Deserialize, Serialize};
 
 use super::found::{CellColumns, Found};
@@ -84,13 +84,10 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     }
 
     fn resume(&mut self, state: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
-        let RunState { state, count, passed } = match ciborium::from_reader(state) {
+        let RunState { state, count, passed } = match cbor::read(state) {
             Ok(kept) => kept,
             Err(error) => {
-                return Err(self
-                    .checkpoints
-                    .as_mut()
-                    .map_or(Error::Stopped, |kept| kept.damaged(error.to_string())));
+                return Err(self.checkpoints.as_mut().map_or(Error::Stopped, |kept| kept.damaged(error)));
             }
         };
         self.model.restore(state, monitor)?;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::{WaveStiffness, from_first, sides};
 use crate::Result;
