@@ -5,6 +5,7 @@ use crate::Result;
 use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
 use crate::law::{Law, Point, SharedLaw};
 use crate::monitor::Monitor;
+use crate::numerics::breakpoints::Breakpoint;
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
 
@@ -221,11 +222,15 @@ fn ln_average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
     let f = |h: f64| Some(ln_density(h) + g(h)).filter(|f| !f.is_nan()).unwrap_or(f64::NEG_INFINITY);
     let panel_boundaries = panel_boundaries(law, &f)?;
     let atoms = law.atoms().into_iter().map(|atom| atom.weight.ln() + g(atom.position));
+    let panel_boundaries = graded_towards_poles(law, panel_boundaries);
     // Inside the boundaries, at which a density may jump.
-    let inside = |pair: &[f64]| [1e-9, 0.5, 1.0 - 1e-9].map(|part| f(pair[0] + part * (pair[1] - pair[0])));
+    let inside = |pair: &[f64]| {
+        let width = pair[1] - pair[0];
+        [1e-9, 0.5, 1.0 - 1e-9].map(|part| f(pair[0] + part * width) + width.ln())
+    };
     let most =
         atoms.clone().chain(panel_boundaries.windows(2).flat_map(inside)).fold(f64::NEG_INFINITY, f64::max);
-    // Sums are relative to the largest integrand, which may over- or underflow by itself.
+    // Sums are relative to the largest panel, whose integral may over- or underflow by itself.
     let atoms: f64 = atoms.map(|atom| (atom - most).exp()).sum();
     let panels = panel_boundaries.windows(2).map(|pair| panel(&|h| f(h) - most, [pair[0], pair[1]], 0));
     let sum = atoms + panels.sum::<f64>();
@@ -239,7 +244,7 @@ fn panel(f: &impl Fn(f64) -> f64, [low, high]: [f64; 2], depth: u32) -> f64 {
     let nodes = RULE.nodes.map(|t| f(low + 0.5 * (high - low) * (1.0 + t)));
     let (least, most) =
         nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &f| (a.min(f), b.max(f)));
-    if most < -FAINT {
+    if most + (high - low).ln() < -FAINT {
         return 0.0;
     }
     if most - least > LITTLE && depth < MOST_HALVINGS {
@@ -284,4 +289,24 @@ fn panel_boundaries(law: &dyn Law, f: &impl Fn(f64) -> f64) -> Option<Vec<f64>> 
     panel_boundaries.sort_by(f64::total_cmp);
     panel_boundaries.dedup();
     Some(panel_boundaries)
+}
+
+/// Adds boundaries towards poles of the density.
+fn graded_towards_poles(law: &dyn Law, mut panel_boundaries: Vec<f64>) -> Vec<f64> {
+    let resolution = law.zones().iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min);
+    let poles = law.breakpoints().into_iter().filter(|b| b.exponent < 0.0 && !b.is_atom());
+    panel_boundaries.extend(poles.flat_map(|pole| graded(pole, resolution)));
+    panel_boundaries.sort_by(f64::total_cmp);
+    panel_boundaries.dedup();
+    panel_boundaries
+}
+
+/// Boundaries within a width above a pole, each half as far from it as the one before: Gauss rules on panels in proportion to their
+/// distance see no pole. Contacts between the pole and the last of them are negligible.
+fn graded(pole: Breakpoint, width: f64) -> impl Iterator<Item = f64> {
+    const NEGLIGIBLE: f64 = 1e-18;
+    /// The distance of the last one is a number, whatever the exponent.
+    const MOST: f64 = 900.0;
+    let halvings = (-NEGLIGIBLE.log2() / (1.0 + pole.exponent)).min(MOST) as i32;
+    (0..=halvings).map(move |k| pole.position + width * 0.5_f64.powi(k))
 }
