@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::broken::BrokenFraction;
+use super::merging_limits::MergingLimits;
 use super::model::{CohortModel, CohortThresholds};
 use super::path::{Path, Place, StepPart};
 use super::seeds::Seed;
@@ -120,14 +121,14 @@ impl Cohort {
         self.seed
     }
 
-    /// Merges with contacts that break at about the same stretch, unless that would replace a `spread` above the limit: the
+    /// Merges with contacts that break at about the same stretch, unless that would replace more than the limits allow: the
     /// attached fraction and the force remain, stretch, age and threshold reached become their means. Returns the elastic
     /// energy of the differences of stretch, which is lost; `None` if they remain apart.
     pub(super) fn absorb(
         &mut self,
         other: &Self,
         model: &CohortModel,
-        limit: f64,
+        limits: MergingLimits,
         watch: &Watch<'_>,
     ) -> Option<f64> {
         let [own, more] = [self.attached(), other.attached()];
@@ -136,8 +137,10 @@ impl Cohort {
         let distance = model.distance((&self.state, place), (&other.state, then))?;
         let part = more / all;
         let spread = self.spread + other.spread + own * part * distance * distance;
+        let low = (place.stretch - place.below).min(then.stretch - then.below);
+        let high = (place.stretch + place.above).max(then.stretch + then.above);
         // A comparison that is false for NaN, of cohorts without contacts.
-        if !(spread <= limit) {
+        if !(spread <= limits.spread) || high - low > limits.width {
             return None;
         }
         let age = place.age + part * (then.age - place.age);
@@ -150,8 +153,6 @@ impl Cohort {
         let stiffness = self.tangent() + other.tangent();
         // The force remains where stiffnesses depend on thresholds, too.
         let stretch = place.stretch + other.tangent() / stiffness * (then.stretch - place.stretch);
-        let low = (place.stretch - place.below).min(then.stretch - then.below);
-        let high = (place.stretch + place.above).max(then.stretch + then.above);
         self.place = Place { stretch, below: stretch - low, above: high - stretch, age };
         (self.mass, self.left, self.spread) = (all / left, left, spread);
         self.stiffness = stiffness / self.mass;

@@ -23,9 +23,10 @@ impl MergedPart<'_> {
 }
 
 impl RankedThresholds {
-    /// The distance between the stretches at which two groups of contacts break. `None` for groups that stay apart: stretches
-    /// between which there is a point mass of thresholds, and without temperature densities with jumps, where the error is of
-    /// first order in the distance, or stiffnesses that depend on the threshold.
+    /// The distance between the stretches at which two groups of contacts break. `None` for groups that stay apart: those at
+    /// one stretch, or between whose stretches there is a point mass of thresholds, which break together there; and without
+    /// temperature densities with jumps, where the error is of first order in the distance, or stiffnesses that depend on the
+    /// threshold.
     pub(super) fn distance(
         &self,
         (first, at): (&SurvivingRanks, Place),
@@ -33,7 +34,8 @@ impl RankedThresholds {
     ) -> Option<f64> {
         let alike = |(one, other): (&(f64, f64), &(f64, f64))| one.0 == other.0 && one.0.fract() == 0.0;
         let can = if self.is_thermal() {
-            first.atoms.iter().zip(&second.atoms).all(alike)
+            let together = self.has_atoms() && (at.is_point() || then.is_point());
+            !together && first.atoms.iter().zip(&second.atoms).all(alike)
         } else {
             self.is_plain() && self.is_tabulated()
         };

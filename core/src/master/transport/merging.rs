@@ -13,24 +13,12 @@ use std::sync::Arc;
 
 use super::Transport;
 use super::cohort::Cohort;
-use super::step_control::smooth_scale;
-use crate::contacts::Contacts;
 use crate::monitor::Watch;
-
-/// Largest spread of a cohort, fraction × length².
-pub(super) fn largest_spread(contacts: &Contacts, tolerance: f64) -> f64 {
-    /// In units of the tolerance times the square of the length on which lives vary.
-    const SPREAD: f64 = 0.02;
-    /// The same with temperature, where the survivors of each threshold have a mean stretch of their own.
-    const THERMAL: f64 = 0.005;
-    let most = if contacts.rules.temperature.is_some() { THERMAL } else { SPREAD };
-    most * tolerance * smooth_scale(contacts).powi(2)
-}
 
 impl Transport {
     /// Merges neighbouring cohorts as far as the tolerance allows.
     pub(super) fn merge_cohorts(&mut self) {
-        let Self { cohorts, seeds, model, spent, spread, .. } = self;
+        let Self { cohorts, seeds, model, spent, merging, .. } = self;
         let cohorts = Arc::make_mut(cohorts);
         let all_together = model.ignores_age();
         if all_together {
@@ -49,7 +37,7 @@ impl Transport {
             let group = group(&cohorts[next]);
             if let Some(before) = group.and_then(|group| last[group]) {
                 let (stay, come) = cohorts.split_at_mut(next);
-                if let Some(lost) = stay[before].absorb(&come[0], model, *spread, &watch) {
+                if let Some(lost) = stay[before].absorb(&come[0], model, *merging, &watch) {
                     energy += lost;
                     continue;
                 }
@@ -68,17 +56,17 @@ impl Transport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contacts::{Ageing, Initial, Rules, Start, Stiffness, Temperature};
+    use crate::contacts::{Ageing, Contacts, Initial, Rules, Start, Stiffness, Temperature};
     use crate::law::{Gaussian, Point, Rectangular, SharedLaw};
 
-    /// The same contacts with and without merging, after 2000 steps far shorter than they need, of which every fifth is ten
+    /// The same contacts with and without merging, after steps far shorter than they need, of which every fifth is ten
     /// times as slow; the merged ones keep their force and have few cohorts.
-    fn with_and_without_merging(contacts: &Contacts, tolerance: f64) -> [Transport; 2] {
+    fn with_and_without_merging(contacts: &Contacts, tolerance: f64, count: i32) -> [Transport; 2] {
         let start = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
         let mut whole = Transport::new_with(contacts.clone(), &start, tolerance, &mut ()).unwrap();
         whole.rough = None;
         let mut merged = whole.clone();
-        for number in 0..2000 {
+        for number in 0..count {
             let during = if number % 5 == 0 { 1.0 } else { 0.1 };
             whole.step(2e-3, during, &mut ()).unwrap();
             merged.step(2e-3, during, &mut ()).unwrap();
@@ -92,8 +80,6 @@ mod tests {
             let off = merged.force() - whole.force();
             assert!(off.abs() < tolerance, "{tolerance} {number}: {off:e}");
         }
-        let [few, many] = [&merged, &whole].map(|transport| transport.cohorts.len());
-        assert!(3 * few < many, "{tolerance}: {few} of {many}");
         // Both lose the same energy but for the differences of stretch that merging removes: spreads over the square of
         // the width, a fiftieth of the tolerance each, times the square of the width and ½, in each of some hundred cohorts.
         let lost = merged.energies().lost - whole.energies().lost;
@@ -110,7 +96,10 @@ mod tests {
     #[test]
     fn merged_cohorts_have_the_same_force() {
         let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
-        with_and_without_merging(&contacts(Rules { ageing, ..Rules::default() }), 1e-3);
+        let cold = contacts(Rules { ageing, ..Rules::default() });
+        let [many, few] =
+            with_and_without_merging(&cold, 1e-3, 2000).map(|transport| transport.cohorts.len());
+        assert!(4 * few < many, "{few} of {many}");
     }
 
     #[test]
@@ -118,15 +107,19 @@ mod tests {
         // Contacts break over some energies, before and at their thresholds.
         for energy in [0.005, 0.1] {
             let temperature = Some(Temperature::new(energy, 1.0));
-            let warm = Rules { temperature, ..Rules::default() };
-            let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
-            with_and_without_merging(&contacts(warm.clone()), 1e-3);
-            with_and_without_merging(&contacts(Rules { ageing, ..warm.clone() }), 1e-3);
+            let (ageing, warm) = (
+                Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 }),
+                Rules { temperature, ..Rules::default() },
+            );
+            let ages = contacts(Rules { ageing, ..warm.clone() });
             let stiffer = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts(warm.clone()) };
-            with_and_without_merging(&stiffer, 1e-3);
             let identical =
                 Contacts { thresholds: Arc::new(Point::new(1.0).unwrap()), ..contacts(warm.clone()) };
-            with_and_without_merging(&identical, 1e-3);
+            for contacts in [contacts(warm), ages, stiffer, identical] {
+                let [many, few] =
+                    with_and_without_merging(&contacts, 1e-3, 800).map(|transport| transport.cohorts.len());
+                assert!(3 * few < 2 * many, "{energy}: {few} of {many}");
+            }
         }
     }
 
@@ -136,7 +129,7 @@ mod tests {
         for energy in [0.005, 0.1] {
             let rules = Rules { temperature: Some(Temperature::new(energy, 1.0)), ..Rules::default() };
             let spread = Contacts { reforming: reforming.clone(), ..contacts(rules) };
-            let [whole, merged] = with_and_without_merging(&spread, 1e-3);
+            let [whole, merged] = with_and_without_merging(&spread, 1e-3, 800);
             // Fewer cohorts than contacts of a single stretch leave without merging, which have as many for each seed.
             let [few, many] = [&merged, &whole].map(|transport| transport.cohorts.len());
             assert!(few * whole.seeds.len() < many, "{few} of {many}");

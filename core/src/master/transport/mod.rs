@@ -23,6 +23,7 @@ mod grid;
 mod mean_field;
 mod merged_ranks;
 mod merging;
+mod merging_limits;
 mod model;
 mod moment_table;
 mod panels;
@@ -58,6 +59,7 @@ use broken::Broken;
 use cohort::{Cohort, EnergyChange};
 use contact_ages::{ContactAges, SharedStep};
 use dense_output::{DenseOutput, Reading, RequestedReadings, StepReadings};
+use merging_limits::MergingLimits;
 use model::CohortModel;
 use path::Path;
 pub use response::StepResponse;
@@ -109,8 +111,7 @@ pub struct Transport {
     unit: f64,
     mean_threshold: f64,
     tolerance: f64,
-    /// Largest spread of a cohort ([`merging`]).
-    spread: f64,
+    merging: MergingLimits,
     /// Total friction force of all contacts if they were free.
     friction: FreeFriction,
     time: f64,
@@ -240,7 +241,7 @@ impl Transport {
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
             mean_threshold: mean,
             tolerance,
-            spread: merging::largest_spread(contacts, tolerance),
+            merging: MergingLimits::new(contacts, tolerance),
             friction: FreeFriction {
                 force: contacts.count * contacts.rules.free_friction.force,
                 viscosity: contacts.count * contacts.rules.free_friction.viscosity,

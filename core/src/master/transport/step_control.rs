@@ -193,15 +193,6 @@ pub(super) fn scale(contacts: &Contacts) -> f64 {
     blurred_by(contacts, 1.0)
 }
 
-/// The length on which lives vary without jumps: temperature alone smooths those of the density of thresholds.
-pub(super) fn smooth_scale(contacts: &Contacts) -> f64 {
-    if jumps(contacts) == 0.0 {
-        scale(contacts)
-    } else {
-        thermal_length(contacts).min(contacts.thresholds.mean())
-    }
-}
-
 /// The stretch over which temperature changes the breaking rate by a factor of e, at the mean threshold; 0 without temperature.
 fn thermal_length(contacts: &Contacts) -> f64 {
     let mean = contacts.thresholds.mean();
