@@ -139,14 +139,14 @@ impl Cohort {
         let spread = self.spread + other.spread + own * part * distance * distance;
         let low = (place.stretch - place.below).min(then.stretch - then.below);
         let high = (place.stretch + place.above).max(then.stretch + then.above);
-        // A comparison that is false for NaN, of cohorts without contacts.
-        if !(spread <= limits.spread) || high - low > limits.width {
+        // The spread of cohorts without contacts is NaN.
+        if spread.is_nan() || spread > limits.spread || high - low > limits.width {
             return None;
         }
         let age = place.age + part * (then.age - place.age);
         let state = model.merged((&self.state, self.mass), (&other.state, other.mass), part);
         let (left, _) = model.measure(&state, age, watch);
-        if !(left > 0.0) {
+        if left.is_nan() || left <= 0.0 {
             return None;
         }
         let energy = self.energy() + other.energy();
