@@ -503,8 +503,9 @@ impl Transport {
             if self.advance(&Path::steady(velocity, duration), times, coarse)? {
                 left -= duration;
             }
-            // Twice as many, so that merging takes no longer than the steps.
-            if matches!(merging, MergingRule::WhenMany) && self.cohorts.len() > 2 * few {
+            // Twice as many, so that merging takes no longer than the steps. Where age matters, merging joins too few to repay it.
+            let many = self.model.ignores_age() && self.cohorts.len() > 2 * few;
+            if many && matches!(merging, MergingRule::WhenMany) {
                 self.merge_cohorts();
                 few = self.cohorts.len();
             }
