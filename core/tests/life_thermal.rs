@@ -121,6 +121,9 @@ fn simpson(steps: u32, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
     (0..=steps).map(|k| weight(k) * f(low + width * f64::from(k))).sum::<f64>() * width / 3.0
 }
 
+/// The threshold at an age of contacts with a fresh threshold.
+type ThresholdAt<'a> = &'a dyn Fn(f64, f64) -> f64;
+
 /// ∫dr R ∫_y^∞ P_c e^{−A} dh by Simpson's rule, A too; y is the largest fresh threshold reached.
 #[test]
 fn ageing_contacts_that_re_form_stretched_survive_as_nested_integrals_say() {
@@ -132,7 +135,7 @@ fn ageing_contacts_that_re_form_stretched_survive_as_nested_integrals_say() {
         1.3 - 0.3 * left + std * (h - 1.0) / 0.1
     };
     let strengthened = |h: f64, t: f64| h * (1.0 + growth * (t / time).ln_1p());
-    let ages: [(Ageing, &dyn Fn(f64, f64) -> f64); 2] = [
+    let ages: [(Ageing, ThresholdAt<'_>); 2] = [
         (Ageing::Logarithmic { growth, time }, &strengthened),
         (Ageing::FrozenRank { mature: gaussian(1.3, 0.15), time }, &ranked),
     ];
