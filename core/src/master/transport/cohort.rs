@@ -145,7 +145,7 @@ impl Cohort {
         }
         let age = place.age + part * (then.age - place.age);
         let state = model.merged((&self.state, self.mass), (&other.state, other.mass), part);
-        let (left, _) = model.measure(&state, age, watch);
+        let (left, measured) = model.measure(&state, age, watch);
         if left.is_nan() || left <= 0.0 {
             return None;
         }
@@ -155,7 +155,8 @@ impl Cohort {
         let stretch = place.stretch + other.tangent() / stiffness * (then.stretch - place.stretch);
         self.place = Place { stretch, below: stretch - low, above: high - stretch, age };
         (self.mass, self.left, self.spread) = (all / left, left, spread);
-        self.stiffness = stiffness / self.mass;
+        // Equal stiffnesses are the surviving fraction, to the last digit.
+        self.stiffness = if measured == left { left } else { stiffness / self.mass };
         self.state = state;
         self.seed = self.seed.filter(|_| self.seed == other.seed);
         Some(energy - self.energy())
