@@ -111,7 +111,7 @@ test("WebAssembly and native code agree on the shipped scenarios", async () => {
 test("the engine of a page refuses a fit, with the reason", () => {
   const text = `contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
     fit = { free = ["contacts.count"], position = [0.2, 0.4, 0.6, 0.8], force = [0.2, 0.4, 0.6, 0.8] }`;
-  assert.deepEqual(webAssembly()({ text, parts: ["task"] }).failures, ["the task: fit: expected an asperity with the feature fits, got one without"]);
+  assert.deepEqual(webAssembly()({ text, parts: ["task"] }).failures, ["the task: fit: expected a program with fits, such as the command asperity, got one without them"]);
 });
 
 /** Runs `use` on the page at an address, and fails where the page reports an error or asks others for anything. */

@@ -101,13 +101,18 @@ class Explorer:
         """Answers a request, unless it is given up for a newer one."""
         asked = {"view": message["view"], "number": message["number"]}
 
-        def report(fraction: float) -> None:
+        def check() -> None:
             if self._latest[asked["view"]] != asked["number"]:
                 raise _NewerRequestError
+
+        def report(fraction: float) -> None:
+            check()
             self._widget.send({**asked, "progress": fraction})
 
         try:
             answer = self._engine.answer(json.dumps(message["request"]), report)
+            # The scenario is that of the last request, whichever ends last.
+            check()
         except _NewerRequestError:
             return
         self._widget.send({**asked, "answer": answer})

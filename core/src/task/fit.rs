@@ -109,7 +109,11 @@ pub(super) fn found(
     monitor: &mut dyn Monitor,
 ) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
     if cfg!(not(feature = "fits")) {
-        return Err(Error::invalid("fit", "an asperity with the feature fits", "one without"));
+        return Err(Error::invalid(
+            "fit",
+            "a program with fits, such as the command asperity",
+            "one without them",
+        ));
     }
     if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
         let source = task.steady.as_ref().and_then(|steady| steady.source.clone());

@@ -15,7 +15,25 @@ use super::Transport;
 use super::cohort::Cohort;
 use crate::monitor::Watch;
 
+/// Whether cohorts are merged within a motion as soon as they are many.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum MergingRule {
+    Never,
+    WhenMany,
+}
+
 impl Transport {
+    /// Merges cohorts if they have become twice as many as after the last merging, so that merging takes no longer than the
+    /// steps. Returns the number after the last merging. Where age matters, merging joins too few to repay it.
+    pub(super) fn merge_many(&mut self, rule: MergingRule, few: usize) -> usize {
+        let many = matches!(rule, MergingRule::WhenMany) && self.cohorts.len() > 2 * few;
+        if !many || !self.model.ignores_age() {
+            return few;
+        }
+        self.merge_cohorts();
+        self.cohorts.len()
+    }
+
     /// Merges neighbouring cohorts as far as the tolerance allows.
     pub(super) fn merge_cohorts(&mut self) {
         let Self { cohorts, seeds, model, spent, merging, .. } = self;

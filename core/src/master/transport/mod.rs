@@ -29,6 +29,7 @@ mod moment_table;
 mod panels;
 mod path;
 mod ranked;
+mod rate_dependent;
 mod required;
 mod response;
 mod seeds;
@@ -53,12 +54,13 @@ use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
 use crate::monitor::{Aside, Cost, Monitor, Part, Watch, report};
-use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
 use contact_ages::{ContactAges, SharedStep};
 use dense_output::{DenseOutput, Reading, RequestedReadings, StepReadings};
+use merging::MergingRule;
 use merging_limits::MergingLimits;
 use model::CohortModel;
 use path::Path;
@@ -139,13 +141,6 @@ pub struct Transport {
     ages: Option<ContactAges>,
     /// A second solution with a larger tolerance, for the error estimate.
     rough: Option<Box<Self>>,
-}
-
-/// Whether cohorts are merged in the steps of a motion as soon as they are many.
-#[derive(Debug, Clone, Copy)]
-enum MergingRule {
-    Never,
-    WhenMany,
 }
 
 /// Ratio of the tolerance of the second solution to that of the first: for steps of fourth order, twice the
@@ -410,13 +405,8 @@ impl Transport {
                 let velocity = (history.position(stop) - history.position(now)) / (stop - now);
                 let (inside, later) = rest.split_at(rest.partition_point(|&time| time < stop));
                 let mut asked = RequestedReadings::new(inside.iter().map(|time| time - now));
-                self.advance_steadily(
-                    velocity,
-                    stop - now,
-                    (&mut asked, MergingRule::Never),
-                    &part,
-                    monitor,
-                )?;
+                let readings = (&mut asked, MergingRule::Never);
+                self.advance_steadily(velocity, stop - now, readings, &part, monitor)?;
                 for (&time, reading) in inside.iter().zip(asked.found()) {
                     let at = (begun + time, origin + history.position(time));
                     trace.push(at, velocity_at(time), reading, (self.stiffness, self.friction));
@@ -503,12 +493,7 @@ impl Transport {
             if self.advance(&Path::steady(velocity, duration), times, coarse)? {
                 left -= duration;
             }
-            // Twice as many, so that merging takes no longer than the steps. Where age matters, merging joins too few to repay it.
-            let many = self.model.ignores_age() && self.cohorts.len() > 2 * few;
-            if many && matches!(merging, MergingRule::WhenMany) {
-                self.merge_cohorts();
-                few = self.cohorts.len();
-            }
+            few = self.merge_many(merging, few);
             if velocity != 0.0 && self.is_settled() {
                 self.slide_steadily(velocity, left);
                 left = 0.0;
@@ -633,91 +618,6 @@ impl Transport {
                 ages.add(point_mass.mass);
             }
         }
-    }
-}
-
-impl RateDependentContacts for Transport {
-    fn position(&self) -> f64 {
-        self.position
-    }
-
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn force(&self) -> f64 {
-        Self::force(self)
-    }
-
-    fn tangent(&self) -> f64 {
-        Self::tangent(self)
-    }
-
-    fn free_friction(&self) -> FreeFriction {
-        Self::free_friction(self)
-    }
-
-    fn energies(&self) -> ContactEnergies {
-        Self::energies(self)
-    }
-
-    fn free(&self) -> f64 {
-        Self::free(self)
-    }
-
-    fn is_constant_at_rest(&self) -> bool {
-        self.broken.is_immediate() && self.model.is_constant_at_rest()
-    }
-
-    fn steady_velocity(&self) -> Option<f64> {
-        self.steady
-    }
-
-    fn mean_threshold(&self) -> Option<f64> {
-        Some(self.mean_threshold)
-    }
-
-    fn stretches(&self) -> Vec<StretchInterval> {
-        self.cohorts.iter().flat_map(|cohort| cohort.intervals(&self.seeds, &self.cells)).collect()
-    }
-
-    fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        self.step_with(by, during, MergingRule::WhenMany, monitor)
-    }
-
-    fn settle(&mut self) {
-        self.merge_cohorts();
-    }
-
-    fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
-        self.rough.as_ref().map(|rough| rough.copy())
-    }
-
-    /// Without the second solution, which only [`Transport::follow`] uses.
-    fn copy(&self) -> Box<dyn RateDependentContacts> {
-        let Self { model, seeds, cells, cohorts, broken, pace, kinks, ages, .. } = self;
-        Box::new(Self {
-            model: model.clone(),
-            seeds: seeds.clone(),
-            cells: cells.clone(),
-            cohorts: cohorts.clone(),
-            broken: broken.clone(),
-            pace: pace.clone(),
-            kinks: kinks.clone(),
-            ages: ages.clone(),
-            before: None,
-            rough: None,
-            ..*self
-        })
-    }
-
-    fn state(&self) -> ContactsState {
-        self.snapshot()
-    }
-
-    /// Without the second solution, as for a copy.
-    fn restore(&mut self, state: &ContactsState) -> Result<()> {
-        self.resume(state)
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) struct ThermalBreaking {
     /// Largest change of ln w in a step that each of the [`RULES`] integrates.
     most_change: [f64; RULES.len()],
     /// The same for Simpson's rule.
-    most_change_of_one: f64,
+    most_change_simpson: f64,
     /// Largest relative error of A of one node in place of several.
     most_missed: f64,
     /// Largest deviation of ln w from a straight line: at a node of the fitted rule, and in the middle for a shared one.
@@ -143,7 +143,7 @@ impl ThermalBreaking {
             separable,
             most_change: RULES.map(|rule| most_change(rule, SHARE * allowed)),
             // Its error of ∫₀¹ e^{cs} ds is c⁴/2880.
-            most_change_of_one: (SHARE * allowed * 2880.0).powf(0.25),
+            most_change_simpson: (SHARE * allowed * 2880.0).powf(0.25),
             most_missed: ONE_NODE * SHARE * allowed,
             most_bend: (allowed / MISSED).sqrt(),
             nothing: (FAINT * tolerance / blur).clamp(LEAST, MOST),
@@ -197,7 +197,7 @@ impl ThermalBreaking {
             self.ln_rate(stretch, aged.threshold_of(label))
         });
         let change = (ln_rates[1] - ln_rates[0]).abs() + (ln_rates[2] - ln_rates[1]).abs();
-        if change <= self.most_change_of_one {
+        if change <= self.most_change_simpson {
             let [first, middle, last] = ln_rates.map(f64::exp);
             let attempts = self.temperature.attempt_rate * path.duration * (to - from);
             return (attempts / 6.0 * (first + 4.0 * middle + last)).min(MOST);
