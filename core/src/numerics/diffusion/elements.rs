@@ -250,11 +250,13 @@ impl Elements {
     }
 
     /// One series for an element and the next, if it represents both.
+    ///
+    /// Their widths differ little, so that a layer that spreads meets elements that grow with the distance from it, unless the
+    /// narrow one is alone among wide ones: left so after a jump has become smooth, it would limit the steps in time by the
+    /// rounding of the flux through it.
     fn joint(&self, i: usize, allowed: &impl Fn(f64, f64) -> f64) -> Option<Nodal> {
-        /// Largest ratio of the widths of two elements to be joined.
-        const RATIO: f64 = 16.1;
-        let [a, b] = [self.width(i), self.width(i + 1)];
-        if a.max(b) > RATIO * a.min(b) {
+        let narrower = if self.width(i) < self.width(i + 1) { i } else { i + 1 };
+        if self.differ_much(i, i + 1) && !self.is_alone(narrower) {
             return None;
         }
         let (low, high) = (self.edges[i], self.edges[i + 2]);
@@ -267,6 +269,20 @@ impl Elements {
             RULE.nodes.iter().chain(&[-1.0, 1.0]).map(off).fold(0.0, f64::max) <= truncation
         };
         (tail(&joint) <= truncation && serves(i) && serves(i + 1)).then_some(joint)
+    }
+
+    /// Whether the widths of two elements differ by so much that they are not neighbours of a graded mesh.
+    fn differ_much(&self, i: usize, k: usize) -> bool {
+        /// Two of the divisions by four at a jump or a floor.
+        const RATIO: f64 = 16.1;
+        let [a, b] = [i, k].map(|i| self.width(i));
+        a.max(b) > RATIO * a.min(b)
+    }
+
+    /// Whether an element has no neighbour of about its width.
+    fn is_alone(&self, i: usize) -> bool {
+        let below = i.checked_sub(1).is_none_or(|below| self.differ_much(below, i));
+        below && (i + 1 == self.count() || self.differ_much(i, i + 1))
     }
 }
 
@@ -318,6 +334,17 @@ mod tests {
             // What elements leave out, over their widths.
             assert!((other.value(0.47) - bell(0.47)).abs() < 1e-11);
         }
+    }
+
+    #[test]
+    fn an_element_far_narrower_than_its_neighbours_is_joined_with_them() {
+        let narrow = Elements::of(bell, &[0.0, 0.5, 0.5 + 1e-9, 1.0], |_| 1e-15, 1e-6);
+        let joined = narrow.clone().coarsened(|_, half| 1e-13 / half, &[]);
+        let narrowest = |p: &Elements| (0..p.count()).map(|i| p.width(i)).fold(f64::INFINITY, f64::min);
+        // The tolerance of elements bounds their width from below, of a bell of this width at about a fifth of it.
+        assert!(narrowest(&narrow) < 1e-8 && narrowest(&joined) > 0.02, "{}", narrowest(&joined));
+        let kept = narrow.coarsened(|_, half| 1e-13 / half, &[0.5]);
+        assert!(kept.edges.contains(&0.5));
     }
 
     #[test]
