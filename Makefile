@@ -179,6 +179,7 @@ figures: $(venv)/installed
 	draw stick-slip-ageing aged stick_slip; \
 	draw spectrum noise spectrum; \
 	draw stability map stability; \
+	draw stability-contacts simulations stick_slip_scatter; \
 	draw sweep-stability regimes regime; \
 	draw sweep-critical-stiffness critical critical_stiffness_sliding; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \

@@ -289,6 +289,7 @@ fn pictures_are_those_that_the_program_draws() {
         ("stick-slip-ageing", "aged", &["stick_slip"]),
         ("spectrum", "noise", &["spectrum"]),
         ("stability", "map", &["stability"]),
+        ("stability-contacts", "simulations", &["stick_slip_scatter"]),
         ("sweep-stability", "regimes", &["regime"]),
         ("sweep-critical-stiffness", "critical", &["critical_stiffness_sliding"]),
     ] {

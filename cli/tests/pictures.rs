@@ -42,7 +42,7 @@ enum Panels {
 }
 
 /// Pictures with the labels of their axes. Of others, something must be on the first vertical axis.
-const PICTURES: [(&str, Panels, &[&str]); 36] = [
+const PICTURES: [(&str, Panels, &[&str]); 37] = [
     ("catalogue", Free, &["Force F"]),
     ("corner", Steps, &["gaussian.mean", "count", "stiffness"]),
     ("correlation", Below, &["Displacement u", "Autocorrelation of the force"]),
@@ -75,6 +75,7 @@ const PICTURES: [(&str, Panels, &[&str]); 36] = [
     ("stability", Below, &["Velocity v", "Stiffness K"]),
     ("static_fatigue", Below, &["Constant force F", "Time to failure"]),
     ("stick_slip", Below, &["Load-point displacement XT", "Spring force"]),
+    ("stick_slip_scatter", Below, &["Stiffness K", "Fraction of 10 simulations"]),
     ("stress_map", Free, &["Column", "Row", "Force of a cell"]),
     ("thresholds", Below, &["Drive X", "Probability density"]),
     ("velocity_curve", Below, &["Velocity v", "Kinetic friction Fk"]),

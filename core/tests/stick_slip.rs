@@ -10,7 +10,9 @@ use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::scenario::{self, Model};
-use asperity::task::{StickSlipStability, finite_size_tolerance, stick_slip_stability};
+use asperity::task::{
+    StickSlipScatter, StickSlipStability, finite_size_tolerance, stick_slip_scatter, stick_slip_stability,
+};
 use common::{contacts, gaussian, initial, point};
 
 /// Ratio of the stiffnesses that enclose the end of persistent stick-slip, less 1.
@@ -130,6 +132,70 @@ fn single_contacts_have_large_slips_behind_soft_springs_only() {
     assert!((soft - 0.13).abs() < 0.04 && stiff < 0.05, "{soft} and {stiff}");
 }
 
+/// Over single contacts that re-form at the arrest, with slips of more than 30 % of them: small ones have fewer.
+fn single(size: usize, stiffness: f64, simulations: usize) -> (StickSlipStability, StickSlipScatter) {
+    let model = model(contacts(&gaussian(1.0, 0.1), &point(0.0)), stiffness, Slip::Arrest);
+    let model = with_contacts(model, size);
+    stick_slip_scatter(&model, None, RESOLUTION, simulations, &mut ()).unwrap()
+}
+
+fn with_contacts(model: Model, size: usize) -> Model {
+    let block = model.block.map(|block| scenario::Block { slip_fraction: 0.3, ..block });
+    let ensemble = scenario::Ensemble { size: Some(size), ..scenario::Ensemble::default() };
+    Model { block, ensemble: Some(ensemble), ..model }
+}
+
+#[test]
+fn many_single_contacts_end_where_infinitely_many_do_and_few_scatter() {
+    const SIMULATIONS: usize = 8;
+    let (expected, many) = single(3000, 0.5, SIMULATIONS);
+    let found = many.numbers();
+    let (mean, std) = (found.persistent_stiffness.0, found.persistent_stiffness_std.unwrap());
+    // 4 standard errors of the mean of eight simulations, and the resolution of either search.
+    let allowed = 4.0 * std / (SIMULATIONS as f64).sqrt() + RESOLUTION * mean;
+    assert!((mean - expected.limit.persists).abs() < allowed, "{mean} ± {std}: {expected:?}");
+    let Regime::Persistent { drop, .. } = expected.regime else { panic!("{expected:?}") };
+    // The drive at a slip has a bias of order N^(−2/3), as its scatter.
+    let bias = 3000.0_f64.powf(-2.0 / 3.0);
+    let allowed = 4.0 * found.drop_std.unwrap() / (SIMULATIONS as f64).sqrt() + bias;
+    assert!((found.mean_drop.unwrap() - drop).abs() < allowed, "{found:?}: {drop}");
+    let few = single(100, 0.5, SIMULATIONS).1.numbers();
+    // A scatter as N^(−1/2) differs by a factor of 5.5; that of eight simulations is known to 27 %.
+    assert!(few.persistent_stiffness_std.unwrap() > 2.0 * std, "{few:?}: {found:?}");
+    assert!(few.drop_std.unwrap() > 2.0 * found.drop_std.unwrap(), "{few:?}: {found:?}");
+}
+
+#[test]
+fn simulations_near_the_end_of_persistence_differ_and_have_contacts_of_their_own() {
+    let (expected, found) = single(100, 1.0, 10);
+    let numbers = found.numbers();
+    // For infinitely many contacts stick-slip persists up to 1.04; a hundred end at 0.97 ± 0.06.
+    assert!(matches!(expected.regime, Regime::Persistent { .. }), "{expected:?}");
+    assert!(numbers.persistent > 0 && numbers.transient > 0, "{numbers:?}");
+    let decided = numbers.none + numbers.transient + numbers.persistent;
+    assert_eq!((decided + numbers.undecided, numbers.simulations), (10, 10));
+    // The first simulations are the same, whatever follows.
+    let fewer = single(100, 1.0, 2).1;
+    assert_eq!((&fewer.regimes[..], &fewer.limits[..]), (&found.regimes[..2], &found.limits[..2]));
+    assert_ne!(found.limits[0], found.limits[1]);
+}
+
+#[test]
+fn single_contacts_that_age_stick_and_slip_behind_a_soft_spring() {
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.1, time: 0.01 }), ..Rules::default() };
+    let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
+    let model = with_contacts(model(contacts, 0.05, DAMPED), 60);
+    let (expected, found) = stick_slip_scatter(&model, Some(0.1), 1.0, 2, &mut ()).unwrap();
+    let numbers = found.numbers();
+    let Regime::Persistent { drop, .. } = expected.regime else { panic!("{expected:?}") };
+    assert_eq!(numbers.persistent, 2, "{numbers:?}");
+    // The force of sixty contacts has a standard deviation of 0.3/√60 = 0.04, before and after the drop.
+    assert!((numbers.mean_drop.unwrap() - drop).abs() < 0.08, "{numbers:?}: {drop}");
+    // A search to a factor of 2 ends within that.
+    let ratio = numbers.persistent_stiffness.0 / expected.limit.persists;
+    assert!((0.5..=2.0).contains(&ratio), "{numbers:?}: {expected:?}");
+}
+
 #[test]
 fn without_mass_and_damping_the_response_is_that_of_the_renewal_equation() {
     let contacts = ageing();
@@ -157,4 +223,8 @@ fn what_is_missing_is_named() {
     assert_eq!(key(stick_slip_stability(&still, None, 0.1, &mut ()).unwrap_err()), "velocity");
     let untimed = model(ageing(), 1.0, Slip::Overdamped);
     assert_eq!(key(stick_slip_stability(&untimed, Some(1.0), 0.1, &mut ()).unwrap_err()), "block.slip");
+    let alone = model(contacts(&gaussian(1.0, 0.1), &point(0.0)), 1.0, Slip::Arrest);
+    assert_eq!(key(stick_slip_scatter(&alone, None, 0.1, 3, &mut ()).unwrap_err()), "ensemble");
+    let single = with_contacts(alone, 10);
+    assert_eq!(key(stick_slip_scatter(&single, None, 0.1, 0, &mut ()).unwrap_err()), "simulations");
 }

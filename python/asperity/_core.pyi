@@ -455,13 +455,23 @@ class Block(Description):
         """
 
     def stick_slip(
-        self, /, velocity: _Number | None = None, *, resolution: _Number = 0.02, progress: _Progress = None
+        self,
+        /,
+        velocity: _Number | None = None,
+        *,
+        resolution: _Number = 0.02,
+        size: SupportsIndex | None = None,
+        simulations: SupportsIndex = 10,
+        seed: _Seed = 1,
+        progress: _Progress = None,
     ) -> StickSlipStability:
         """Whether this slider sticks and slips when its load point is moved on at a constant velocity, and behind which
         springs it does.
 
         The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
-        which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts.
+        which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts. With a size, this is
+        repeated over that many single contacts, in several simulations of other contacts each, in which an event is a slip
+        if it breaks more than the slip_fraction of the block.
 
         Parameters
         ----------
@@ -470,6 +480,12 @@ class Block(Description):
             MasterEquation at a velocity; without effect for others.
         resolution
             The ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
+        size
+            The number of single contacts of a simulation, 1 or more; None: no simulations.
+        simulations
+            The number of simulations, 1 or more; without effect without a size.
+        seed
+            The seed of the random numbers.
         progress
             As for MasterEquation.pull. Ctrl-C interrupts the computation.
 
@@ -478,13 +494,15 @@ class Block(Description):
         StickSlipStability
             A StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
             `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the
-            critical stiffnesses of the first pull and of steady sliding.
+            critical stiffnesses of the first pull and of steady sliding; with a size, its `ensemble` is a
+            SimulatedStickSlip.
 
         Raises
         ------
         ValueError
-            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule that has
-            no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
+            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, and
+            for a slip rule that has no meaning in time, or a slip without mass and damping, where contacts are
+            time-dependent.
         """
 
     @property

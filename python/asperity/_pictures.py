@@ -192,9 +192,41 @@ def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
         values = np.where((record[name] > low) & (record[name] < high), record[name], np.nan)[order]
         if np.isfinite(values).any():
             ax.plot(record["velocity"][order], values, dashes, color=ink(), linewidth=0.9, label=label)
+    if "ensemble_persistent_stiffness" in record:
+        mean = record["ensemble_persistent_stiffness"]
+        shown = (mean > low) & (mean < high)
+        bars = np.nan_to_num(record["ensemble_persistent_stiffness_std"])
+        bars = np.minimum(bars, np.maximum(mean - low, 0.0))
+        if shown.any():
+            label = "end of persistence ± std, single contacts"
+            x = record["velocity"][shown]
+            ax.errorbar(x, mean[shown], bars[shown], linestyle="none", marker="o", color=ink(), label=label)
     ax.set_xscale("log")
     ax.set_yscale("log")
     named(record, ax, ("velocity", "v"), ("stiffness", "K"))
+    _plot.legend_above(ax)
+
+
+def stick_slip_scatter(record: "Record", ax: "Axes", **style: Any) -> None:
+    """In which fraction of the simulations of single contacts a spring makes stick-slip; at several
+    velocities, in which fraction it persists at each.
+    """
+    order = np.argsort(record["stiffness"])
+    rows = {
+        name: record[f"ensemble_{name}"].reshape(-1, order.size)
+        for name in ("none", "transient", "persistent")
+    }
+    if len(rows["persistent"]) > 1:
+        symbols = zip(record["velocity"], rows["persistent"], strict=True)
+        lines = [(f"v = {velocity:g}", row) for velocity, row in symbols]
+    else:
+        lines = [("no stick-slip" if name == "none" else name, row[0]) for name, row in rows.items()]
+    for label, row in lines:
+        ax.plot(record["stiffness"][order], row[order], **{"marker": ".", "label": label, **style})
+    ax.set_xscale("log")
+    ax.set_ylim(0.0, 1.08)
+    ax.set_xlabel(axis("K", record.labels["stiffness"].units))
+    ax.set_ylabel("fraction of the simulations")
     _plot.legend_above(ax)
 
 
@@ -603,6 +635,7 @@ KINDS: Mapping[str, Kind] = {
     "distribution": Kind(distribution, ("stretch", "steady_stretch_density")),
     "covariance": Kind(covariance, ("covariance_position", "covariance")),
     "stick_slip": Kind(stick_slip, ("velocity", "stiffness", "stick_slip"), least=2),
+    "stick_slip_scatter": Kind(stick_slip_scatter, ("stiffness", "ensemble_persistent"), least=2),
     "stability": Kind(stability, ("velocity", "critical_stiffness"), ("stick_slip",)),
     "autocovariance": Kind(autocovariance, ("displacement", "autocovariance")),
     "equilibrium": Kind(equilibrium, ("branch_drive", "branch_stable")),

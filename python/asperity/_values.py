@@ -316,6 +316,44 @@ class Stability(NamedTuple):
     """Its angular frequency, per time."""
 
 
+class SimulatedStickSlip(NamedTuple):
+    """What a slider does over single contacts, in simulations of other contacts each.
+
+    Standard deviations are those of one simulation about the mean of all.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> theory = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    >>> block = asp.Block(theory, 0.5, "arrest", slip_fraction=0.3)
+    >>> found = block.stick_slip(resolution=0.1, size=100, simulations=3).ensemble
+    >>> found.persistent
+    3
+    """
+
+    simulations: int
+    """The number of simulations."""
+    none: int
+    """The number of simulations without slips behind the spring of the block."""
+    transient: int
+    """The number of those with slips that end."""
+    persistent: int
+    """The number of those with slips that do not end."""
+    undecided: int
+    """The number of those that did not decide within the longest drive."""
+    mean_drop: float | None
+    """The mean force drop of a slip, over the simulations in which stick-slip persists; None if in none."""
+    drop_std: float | None
+    """The standard deviation of that drop over these simulations; None if there are fewer than two."""
+    period_scatter: float | None
+    """The relative standard deviation of the period within a simulation, mean over these simulations."""
+    persistent_stiffness: float
+    """The largest stiffness at which stick-slip was found to persist, mean over all simulations; inf if it
+    persisted at all that were tried, in one of them or more."""
+    persistent_stiffness_std: float | None
+    """Its standard deviation over the simulations; None for one simulation, or if the mean is infinite."""
+
+
 class StickSlipStability(NamedTuple):
     """Whether a slider sticks and slips, and behind which springs it does.
 
@@ -340,6 +378,10 @@ class StickSlipStability(NamedTuple):
     """Critical stiffness -min F' of the first pull, below which it ends with a slip."""
     critical_stiffness_sliding: float
     """Critical stiffness of steady sliding, below which small deviations grow; 0 where they never do."""
+    mean_drop: float | None
+    """The mean force drop of a slip; None unless stick-slip persists."""
+    ensemble: SimulatedStickSlip | None
+    """The same over single contacts; None without simulations."""
 
 
 class Sizes(NamedTuple):

@@ -2,13 +2,14 @@
 
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
-use asperity::task::{first_loading_distance, stability, stick_slip_stability};
+use asperity::task::summary::StickSlipNumbers;
+use asperity::task::{first_loading_distance, stability, stick_slip_scatter, stick_slip_stability};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::argument::{Argument, Optional as _, Real, Whole};
 use crate::arguments::slip_rule;
-use crate::convert::{self, Domain};
+use crate::convert::{self, Domain, Seed};
 use crate::description::Description;
 use crate::model::Model;
 use crate::plain::{Plain, Slider};
@@ -294,7 +295,9 @@ impl Block {
     /// springs it does.
     ///
     /// The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
-    /// which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts.
+    /// which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts. With a size, this is
+    /// repeated over that many single contacts, in several simulations of other contacts each, in which an event is a slip
+    /// if it breaks more than the slip_fraction of the block.
     ///
     /// Parameters
     /// ----------
@@ -303,6 +306,12 @@ impl Block {
     ///     MasterEquation at a velocity; without effect for others.
     /// resolution
     ///     The ratio of the two stiffnesses that enclose that end is at most 1 + resolution.
+    /// size
+    ///     The number of single contacts of a simulation, 1 or more; None: no simulations.
+    /// simulations
+    ///     The number of simulations, 1 or more; without effect without a size.
+    /// seed
+    ///     The seed of the random numbers.
     /// progress
     ///     As for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
@@ -311,21 +320,29 @@ impl Block {
     /// StickSlipStability
     ///     A StickSlipStability of `stick_slip` ("none", "transient", "persistent" or "undecided") with its `reason`,
     ///     `persistent_stiffness` and `persistent_stiffness_above`, between which persistent stick-slip ends, and the
-    ///     critical stiffnesses of the first pull and of steady sliding.
+    ///     critical stiffnesses of the first pull and of steady sliding; with a size, its `ensemble` is a
+    ///     SimulatedStickSlip.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For a rigid slider, an Ensemble, a Transport that starts in steady sliding, and for a slip rule that has
-    ///     no meaning in time, or a slip without mass and damping, where contacts are time-dependent.
+    ///     For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, and
+    ///     for a slip rule that has no meaning in time, or a slip without mass and damping, where contacts are
+    ///     time-dependent.
     #[pyo3(
-        signature = (velocity = None, *, resolution = Real::new(scenario::Stability::RESOLUTION), progress: "_Progress" = None),
-        text_signature = "($self, velocity=None, *, resolution=0.02, progress=None)"
+        signature = (
+            velocity = None, *, resolution = Real::new(scenario::Stability::RESOLUTION), size = None,
+            simulations = Whole::new(scenario::Stability::SIMULATIONS), seed = Seed(1), progress: "_Progress" = None
+        ),
+        text_signature = "($self, velocity=None, *, resolution=0.02, size=None, simulations=10, seed=1, progress=None)"
     )]
     fn stick_slip<'py>(
         slf: &Bound<'py, Self>,
         velocity: Option<Real>,
         resolution: Real,
+        size: Option<Whole>,
+        simulations: Whole,
+        seed: Seed,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::StickSlipStability<'py>> {
         let velocity = velocity.get("velocity")?;
@@ -334,11 +351,24 @@ impl Block {
         let Some(table) = Self::plain(slf).table() else {
             return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
         };
-        let (model, own) = Model::described(slf.get().model.bind(py), table)?;
+        let (mut model, own) = Model::described(slf.get().model.bind(py), table)?;
         let velocity = velocity.or(own);
-        let found =
-            watched(progress, py, |monitor| stick_slip_stability(&model, velocity, resolution, monitor))?;
-        values::stick_slip_stability(py, &found.numbers(velocity))
+        let simulations = simulations.get("simulations")?;
+        let drawn =
+            |size| scenario::Ensemble { size: Some(size), seed: seed.0, ..scenario::Ensemble::default() };
+        model.ensemble = size.map(|size| size.get("size")).transpose()?.map(drawn);
+        let (found, scatter) = watched(progress, py, |monitor| {
+            if model.ensemble.is_none() {
+                return Ok((stick_slip_stability(&model, velocity, resolution, monitor)?, None));
+            }
+            let (found, scatter) = stick_slip_scatter(&model, velocity, resolution, simulations, monitor)?;
+            Ok((found, Some(scatter)))
+        })?;
+        let numbers = StickSlipNumbers {
+            ensemble: scatter.map(|scatter| scatter.numbers()),
+            ..found.numbers(velocity)
+        };
+        values::stick_slip_stability(py, &numbers)
     }
 
     /// Parameters

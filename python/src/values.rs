@@ -8,7 +8,7 @@ use asperity::master::Stretches;
 use asperity::rate_state::{self, MeasuredValue};
 use asperity::record::{Quantity, Record};
 use asperity::task::LinearStability;
-use asperity::task::summary::{PosteriorSummary, SliderState, StickSlipNumbers};
+use asperity::task::summary::{PosteriorSummary, SimulatedStickSlip, SliderState, StickSlipNumbers};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
@@ -34,6 +34,7 @@ static ESTIMATE: Import = Import::new("asperity._values", "Estimate");
 static DRIFT: Import = Import::new("asperity._values", "Drift");
 static MEASURED_NOISE: Import = Import::new("asperity._values", "MeasuredNoise");
 static STABILITY: Import = Import::new("asperity._values", "Stability");
+static SIMULATED_STICK_SLIP: Import = Import::new("asperity._values", "SimulatedStickSlip");
 static STICK_SLIP_STABILITY: Import = Import::new("asperity._values", "StickSlipStability");
 static MACHINE_STEP: Import = Import::new("asperity._values", "MachineStep");
 static SIZES: Import = Import::new("asperity._values", "Sizes");
@@ -115,8 +116,28 @@ pub fn stick_slip_stability<'py>(
 ) -> PyResult<StickSlipStability<'py>> {
     let ends = (found.persistent_stiffness, found.persistent_stiffness_above.0);
     let critical = (found.critical_stiffness.0, found.critical_stiffness_sliding.0);
-    let values = (found.stick_slip.word(), &found.reason, ends.0, ends.1, critical.0, critical.1);
+    let ensemble = found.ensemble.as_ref().map(|ensemble| simulated_stick_slip(py, ensemble)).transpose()?;
+    let (word, reason) = (found.stick_slip.word(), &found.reason);
+    let values = (word, reason, ends.0, ends.1, critical.0, critical.1, found.mean_drop, ensemble);
     STICK_SLIP_STABILITY.get(py)?.call1(values).map(StickSlipStability)
+}
+
+/// Whether a slider sticks and slips over single contacts.
+fn simulated_stick_slip<'py>(py: Python<'py>, found: &SimulatedStickSlip) -> PyResult<Bound<'py, PyAny>> {
+    let end = (found.persistent_stiffness.0, found.persistent_stiffness_std);
+    let values = (
+        found.simulations,
+        found.none,
+        found.transient,
+        found.persistent,
+        found.undecided,
+        found.mean_drop,
+        found.drop_std,
+        found.period_scatter,
+        end.0,
+        end.1,
+    );
+    SIMULATED_STICK_SLIP.get(py)?.call1(values)
 }
 
 /// Dimensions, name and unit of a variable of a record.

@@ -68,6 +68,44 @@ def test_whether_it_sticks_and_slips() -> None:
         asp.Block(asp.Ensemble(asp.Contacts(asp.Gaussian(1.0, 0.1)), size=100), 1.0).stick_slip()
 
 
+def test_whether_single_contacts_stick_and_slip() -> None:
+    block = asp.Block(THEORY, 0.5, "arrest", slip_fraction=0.3)
+    alone = block.stick_slip(resolution=0.2)
+    found = block.stick_slip(resolution=0.2, size=200, simulations=3, seed=7)
+    assert alone.ensemble is None
+    # The answer for infinitely many contacts is the same beside simulations.
+    assert found._replace(ensemble=None) == alone
+    single = found.ensemble
+    assert single is not None
+    assert (single.simulations, single.persistent, single.undecided) == (3, 3, 0)
+    assert single.mean_drop is not None
+    assert alone.mean_drop is not None
+    # The drive at a slip has a scatter and a bias of order N^(-2/3) = 0.03.
+    assert single.mean_drop == pytest.approx(alone.mean_drop, abs=0.03)
+    assert block.stick_slip(resolution=0.2, size=200, simulations=3, seed=7) == found
+    assert block.stick_slip(resolution=0.2, size=200, simulations=3, seed=8) != found
+    with pytest.raises(ValueError, match="size"):
+        block.stick_slip(size=0)
+    with pytest.raises(ValueError, match="simulations"):
+        block.stick_slip(size=10, simulations=0)
+
+
+def test_a_map_of_single_contacts_has_a_picture() -> None:
+    result = asp.run(
+        {
+            "contacts": {"thresholds": {"gaussian": {"mean": 1.0, "std": 0.1}}},
+            "block": {"stiffness": 1.0, "slip": "arrest", "slip_fraction": 0.3},
+            "stability": {"stiffnesses": [20.0, 0.5], "resolution": 1.0, "simulations": 2},
+            "ensemble": {"size": 100},
+        }
+    )
+    axes = result.plot()
+    drawn = {line.get_label(): np.asarray(line.get_ydata()).tolist() for line in axes.lines}
+    # In order of the stiffness: always persistent far below K_c = 3, never far above.
+    assert drawn["persistent"] == [1.0, 0.0]
+    assert drawn["no stick-slip"] == [0.0, 1.0]
+
+
 def test_slips_by_inertia() -> None:
     run = asp.Block(THEORY, 1.0, asp.Inertial(mass=2.0)).drive(2.0)
     # Where areas are equal; the integration in time is that accurate.

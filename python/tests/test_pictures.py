@@ -194,6 +194,7 @@ WITHOUT_PICTURE = {
     "Misfit",
     "Motion",
     "PosteriorNumber",
+    "SimulatedStickSlip",
     "Simulation",
     "Smoluchowski",
     "Stability",

@@ -147,3 +147,27 @@ fn what_is_written_is_read_back() {
     let trace = std::fs::read_to_string(place.join("trace.csv")).unwrap();
     assert!(trace.starts_with("drive,position,force,spring_force\n"), "{}", &trace[..80]);
 }
+
+#[test]
+fn a_map_of_stick_slip_has_the_fractions_of_the_simulations() {
+    let rest = "block = { stiffness = 1.0, slip = 'arrest', slip_fraction = 0.3 }
+        stability = { stiffnesses = [0.5, 1.0, 20.0], resolution = 0.2, simulations = 4 }
+        ensemble = { size = 100 }";
+    let outcome = run(BROAD, rest);
+    let column = |name: &str| outcome.record.values(name).unwrap();
+    let found = outcome.summary.numbers.stick_slip()[0].ensemble.as_ref().unwrap();
+    assert_eq!((found.simulations, outcome.summary.sample), (4, Some(100.0)));
+    // The second stiffness is that of the block.
+    assert_eq!(column("ensemble_persistent")[1], found.persistent as f64 / 4.0);
+    assert_eq!(column("ensemble_transient")[1], found.transient as f64 / 4.0);
+    // Persistent far below the end at 1.04, none far above K_c = 3.009.
+    assert_eq!((column("ensemble_persistent")[0], column("ensemble_none")[2]), (1.0, 1.0));
+    assert!(column("ensemble_drop")[2].is_nan());
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("map");
+    output::write(&place, &outcome, &[]).unwrap();
+    let table = std::fs::read_to_string(place.join("stability.csv")).unwrap();
+    let header = "stiffness,stick_slip,ensemble_none,ensemble_transient,ensemble_persistent,ensemble_drop,\
+                  ensemble_drop_std";
+    assert_eq!(table.lines().next(), Some(header));
+}

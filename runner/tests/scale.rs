@@ -42,7 +42,7 @@ const ALL: [Scale; 2] = [
 ];
 
 /// Numbers of a summary, and what they measure.
-const QUOTED: [(&str, Quantity); 34] = [
+const QUOTED: [(&str, Quantity); 37] = [
     ("/kinetic_friction", Quantity::Force),
     ("/static_friction/force", Quantity::Force),
     ("/static_friction/position", Quantity::Length),
@@ -62,6 +62,9 @@ const QUOTED: [(&str, Quantity); 34] = [
     ("/stability/critical_stiffness_sliding", Quantity::Stiffness),
     ("/stick_slip/0/persistent_stiffness", Quantity::Stiffness),
     ("/stick_slip/0/critical_stiffness", Quantity::Stiffness),
+    ("/stick_slip/0/mean_drop", Quantity::Force),
+    ("/stick_slip/0/ensemble/mean_drop", Quantity::Force),
+    ("/stick_slip/0/ensemble/persistent_stiffness", Quantity::Stiffness),
     ("/stick_slip/0/critical_stiffness_sliding", Quantity::Stiffness),
     ("/hold_curve/healing_per_decade", Quantity::Force),
     ("/hold_curve/healing_cutoff", Quantity::Time),
@@ -459,6 +462,7 @@ fn stability_has_no_scale() {
     invariant(&[
         &format!("{}{LOGARITHMIC}\n{block}{task}velocities = [ 0.5_v ]\n", contacts!()),
         &format!("{}\n{arrest}{task}", contacts!()),
+        &format!("{}\n{arrest}{task}simulations = 2\n[ensemble]\nsize = 500\n", contacts!()),
     ]);
 }
 

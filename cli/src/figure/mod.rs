@@ -40,6 +40,7 @@ mod space_time;
 mod spectrum;
 mod stability;
 mod stick_slip;
+mod stick_slip_scatter;
 mod stress_map;
 mod style;
 mod sweep;
@@ -115,6 +116,7 @@ fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String
         ),
         ("correlation", fitted(page, |page| spectrum::correlation(outcome, page))),
         ("stability", fitted(page, |page| stability::scene(outcome, page))),
+        ("stick_slip_scatter", fitted(page, |page| stick_slip_scatter::scene(outcome, page))),
         ("fit", fitted(page, |page| fit::scene(outcome, page))),
         ("free_form", fitted(page, |page| free_form::scene(outcome, page))),
         ("corner", fitted(page, |page| corner::scene(outcome, page))),

@@ -1,12 +1,12 @@
 //! `stability`: none, transient or persistent stick-slip over the velocity of the load point and the stiffness of the spring,
-//! with the stiffness at which persistent stick-slip ends and the critical stiffnesses.
+//! with the stiffness at which persistent stick-slip ends, also over single contacts, and the critical stiffnesses.
 
 use asperity_runner::output::Outcome;
-use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
-use super::curve::{Point, line};
+use super::curve::{Point, errors, line};
 use super::style::{self, BLACK, BLUE, GREY, ORANGE, Page, Plots, RED};
 use super::{legend, ticks};
 
@@ -57,6 +57,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
             legend.push(style::line(words, color, dashes));
         }
     }
+    simulated(outcome, velocities, ends, &mut plots, &mut legend);
     let mut sorted = velocities.to_vec();
     sorted.sort_by(f64::total_cmp);
     let (first, last) = style::decades(&sorted);
@@ -68,4 +69,32 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Stiffness K", record.get("stiffness")?));
     Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
+}
+
+/// The end of persistent stick-slip over single contacts, with its standard deviation over the simulations.
+fn simulated(
+    outcome: &Outcome,
+    velocities: &[f64],
+    (low, high): Point,
+    plots: &mut Plots,
+    legend: &mut Vec<LegendEntry>,
+) {
+    let values = |name| outcome.record.values(name);
+    let Some(means) = values("ensemble_persistent_stiffness") else { return };
+    let stds = values("ensemble_persistent_stiffness_std").unwrap_or_default();
+    let shown: Vec<usize> = (0..means.len()).filter(|&i| means[i] > low && means[i] < high).collect();
+    for &i in &shown {
+        let (at, mean) = (velocities[i], means[i]);
+        // The lower end of the axis is above 0; that of a bar may not be.
+        if let Some(std) = stds.get(i).filter(|std| **std > 0.0) {
+            let ends = vec![(at, (mean - std).max(low)), (at, (mean + std).min(high))];
+            plots.push(line(ends, RED, 1.4, None));
+        }
+        plots.extend(errors(&[at], &[mean], &[], RED));
+    }
+    if !shown.is_empty() {
+        let contacts = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
+        let words = format!("end of persistence ± std, N = {contacts}");
+        legend.push(style::marker(words, RED, MarkerShape::Circle));
+    }
 }

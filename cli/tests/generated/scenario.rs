@@ -363,7 +363,7 @@ impl<'a> Walk<'a> {
             "points" => 30,
             "size" => 2000,
             "seed" => 1000,
-            "pieces" | "runs" | "average" => 6,
+            "pieces" | "runs" | "average" | "simulations" => 6,
             "cells" | "distance" => 8,
             "slip_rates" => 40,
             "kernels" => 40,

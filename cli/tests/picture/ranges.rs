@@ -6,7 +6,7 @@ use asperity_runner::output::Outcome;
 use super::{frames, tags};
 
 /// Variables, each with the picture and the panel whose vertical axis shows them.
-const SHOWN: [(&str, usize, &str); 27] = [
+const SHOWN: [(&str, usize, &str); 28] = [
     ("catalogue", 0, "force"),
     ("creep", 0, "drive"),
     ("covariance", 0, "covariance_position"),
@@ -31,6 +31,7 @@ const SHOWN: [(&str, usize, &str); 27] = [
     ("static_fatigue", 0, "failure_time"),
     ("stick_slip", 0, "spring_force"),
     ("stick_slip", 0, "ensemble_spring_force"),
+    ("stick_slip_scatter", 0, "ensemble_persistent"),
     ("stress_map", 0, "row"),
     ("thresholds", 0, "measured_density"),
     ("velocity_curve", 0, "kinetic_friction"),

@@ -2,7 +2,7 @@
 
 use super::{
     Block, CellLoading, Compare, Disorder, Drive, Ensemble, FitNoise, Interface, MasterEquation, PerCell,
-    Pull, Task, VelocityCurve,
+    Pull, Stability, Task, VelocityCurve,
 };
 use crate::contacts::{Contacts, Initial};
 use crate::monitor::{Aside, Monitor};
@@ -121,9 +121,11 @@ impl Task<'_> {
         if let Some(compare) = &model.compare {
             compare.check(self).map_err(|e| e.under("compare"))?;
         }
-        if let (Task::Stability(_), Some(_)) = (self, &model.ensemble) {
-            let expected = "no ensemble with [stability], whose motions are those of the master equation ([drive] and [[protocol]] have one)";
-            return Err(Error::invalid("ensemble", expected, "one"));
+        if let (Task::Stability(Stability { simulations: Some(simulations), .. }), None) =
+            (self, &model.ensemble)
+        {
+            let expected = "none without [ensemble], which describes the single contacts";
+            return Err(Error::invalid("stability.simulations", expected, *simulations));
         }
         if let Task::Creep(_) = self {
             check_creep(model)?;

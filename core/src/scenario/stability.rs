@@ -23,11 +23,24 @@ pub struct Stability {
     /// The two stiffnesses that enclose the end of persistent stick-slip have a ratio up to 1 plus this number; from 1e-4 to 1.
     #[schemars(extend("minimum" = 1e-4, "maximum" = 1, "x-dimension" = "1"))]
     pub resolution: f64,
+    /// Number of simulations of single contacts, each of other ones, beside the master equation; 1 or more. Requires
+    /// `[ensemble]`, whose `size` is the number of contacts of each simulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 1, "default" = 10))]
+    pub simulations: Option<usize>,
 }
 
 impl Stability {
     /// Default of `resolution`.
     pub const RESOLUTION: f64 = 0.02;
+
+    /// Default of `simulations`, with an ensemble.
+    pub const SIMULATIONS: usize = 10;
+
+    /// Number of simulations, where there is an ensemble.
+    pub fn simulations(&self) -> usize {
+        self.simulations.unwrap_or(Self::SIMULATIONS)
+    }
 
     /// Checks every value.
     ///
@@ -40,15 +53,23 @@ impl Stability {
             }
             size::check(name, values.len(), size::BYTES_PER_POINT)?;
         }
-        if (1e-4..=1.0).contains(&self.resolution) {
-            return Ok(());
+        if !(1e-4..=1.0).contains(&self.resolution) {
+            return Err(Error::invalid("resolution", "a number from 1e-4 to 1", self.resolution));
         }
-        Err(Error::invalid("resolution", "a number from 1e-4 to 1", self.resolution))
+        if self.simulations == Some(0) {
+            return Err(Error::invalid("simulations", "1 simulation or more", 0));
+        }
+        size::check("simulations", self.simulations(), size::BYTES_PER_POINT)
     }
 }
 
 impl Default for Stability {
     fn default() -> Self {
-        Self { velocities: Vec::new(), stiffnesses: Vec::new(), resolution: Self::RESOLUTION }
+        Self {
+            velocities: Vec::new(),
+            stiffnesses: Vec::new(),
+            resolution: Self::RESOLUTION,
+            simulations: None,
+        }
     }
 }

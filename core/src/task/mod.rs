@@ -46,6 +46,7 @@ pub mod sliding;
 mod spectrum;
 mod stability;
 mod stick_slip;
+mod stick_slip_scatter;
 mod storage;
 pub mod summary;
 mod velocity_curve;
@@ -71,6 +72,7 @@ pub use linear_stability::{LinearStability, stability};
 pub use posterior::record_posterior;
 pub use pull::record_pull;
 pub use stick_slip::{StickSlipStability, stick_slip_stability};
+pub use stick_slip_scatter::{StickSlipScatter, stick_slip_scatter};
 pub use storage::{ColumnStore, Storage};
 use summary::{
     Comparison, Extended, FitSummary, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary,

@@ -2,10 +2,12 @@
 //! pull and of steady sliding.
 
 use super::drive::first_loading_distance;
+use super::in_time::finite_size_tolerance;
 use super::linear_stability::stability;
 use super::summary::{Extended, StickSlipNumbers};
 use crate::block::{Block, PersistenceLimit, Regime};
 use crate::contacts::Contacts;
+use crate::ensemble::Ensemble;
 use crate::error::positive;
 use crate::master::{DynamicStiffness, MasterEquation, Transport};
 use crate::monitor::{Aside, Monitor, Part, report};
@@ -70,12 +72,9 @@ pub fn stick_slip_stability(
     resolution: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<StickSlipStability> {
-    let springs = Springs::new(model, velocity, &mut Part::new(monitor, 0.0, 0.1))?;
-    let stiffness = springs.stiffness();
-    let regime = springs.regime(stiffness, &mut Part::new(monitor, 0.1, 0.1))?;
-    let limit = springs.limit(resolution, &mut Part::new(monitor, 0.2, 0.8))?;
+    let (_, answer) = Springs::answered(model, velocity, resolution, monitor)?;
     report(monitor, 1.0)?;
-    Ok(springs.answer(regime, limit))
+    Ok(answer)
 }
 
 /// Contacts that wait for a slider behind springs of any stiffness.
@@ -144,6 +143,44 @@ impl Springs {
         })
     }
 
+    /// The same with the answer for the spring of the block.
+    ///
+    /// # Errors
+    /// Those of [`stick_slip_stability`].
+    pub fn answered(
+        model: &Model,
+        velocity: Option<f64>,
+        resolution: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(Self, StickSlipStability)> {
+        let springs = Self::new(model, velocity, &mut Part::new(monitor, 0.0, 0.1))?;
+        let regime = springs.regime(springs.stiffness(), &mut Part::new(monitor, 0.1, 0.1))?;
+        let limit = springs.limit(resolution, &mut Part::new(monitor, 0.2, 0.8))?;
+        let answer = springs.answer(regime, limit);
+        Ok((springs, answer))
+    }
+
+    /// The same slider over single contacts.
+    ///
+    /// # Errors
+    /// Those of [`Ensemble::population_with`] and [`Ensemble::in_time_with`].
+    pub fn over(&self, ensemble: &Ensemble, monitor: &mut dyn Monitor) -> Result<Self> {
+        let (built, contacts) = match &self.contacts {
+            Waiting::Quasistatic(_) => {
+                let contacts = Waiting::Quasistatic(Box::new(ensemble.population_with(monitor)?));
+                (Drive::default().slider(Some(&self.table), true), contacts)
+            }
+            Waiting::InTime { velocity, tolerance, .. } => {
+                let contacts = Box::new(ensemble.in_time_with(monitor)?);
+                // Single contacts break at random: the scatter of slips is far above the tolerance of the master equation.
+                let tolerance = tolerance.max(self.mean * finite_size_tolerance(ensemble.size()));
+                (self.table.in_time(true), Waiting::InTime { contacts, velocity: *velocity, tolerance })
+            }
+        };
+        let block = built?.with_background(self.block.background())?;
+        Ok(Self { table: self.table.clone(), block, contacts, ..*self })
+    }
+
     /// The regime behind a spring.
     ///
     /// # Errors
@@ -167,7 +204,32 @@ impl Springs {
     pub fn limit(&self, resolution: f64, monitor: &mut dyn Monitor) -> Result<PersistenceLimit> {
         // Stick-slip has to begin, by the first pull or from steady sliding, so that the search begins there.
         let found = self.critical.into_iter().filter(|critical| critical.is_finite());
-        let highest = found.fold(0.0, f64::max).max(SOFTEST * self.all);
+        self.limit_from(found.fold(0.0, f64::max), resolution, monitor)
+    }
+
+    /// The same in a search that begins where stick-slip over infinitely many contacts ends, `expected`, if it does.
+    ///
+    /// # Errors
+    /// Those of [`PersistenceLimit::find`].
+    pub fn limit_near(
+        &self,
+        expected: PersistenceLimit,
+        resolution: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<PersistenceLimit> {
+        if expected.persists > 0.0 && expected.ended.is_finite() {
+            return self.limit_from(expected.ended, resolution, monitor);
+        }
+        self.limit(resolution, monitor)
+    }
+
+    fn limit_from(
+        &self,
+        highest: f64,
+        resolution: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<PersistenceLimit> {
+        let highest = highest.max(SOFTEST * self.all);
         let lowest = (SOFTEST * self.all).max(self.block.least_stiffness());
         let range = [lowest.min(highest), highest];
         PersistenceLimit::find(range, resolution, |stiffness| {
@@ -196,10 +258,15 @@ impl StickSlipStability {
             stiffness: self.stiffness,
             stick_slip: self.regime.into(),
             reason: self.regime.to_string(),
+            mean_drop: match self.regime {
+                Regime::Persistent { drop, .. } => Some(drop),
+                _ => None,
+            },
             persistent_stiffness: self.limit.persists,
             persistent_stiffness_above: Extended(self.limit.ended),
             critical_stiffness: Extended(self.critical_stiffness),
             critical_stiffness_sliding: Extended(self.critical_stiffness_sliding),
+            ensemble: None,
         }
     }
 }

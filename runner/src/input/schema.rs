@@ -44,7 +44,7 @@ fn combinations() -> Vec<Value> {
         never("interface", any(tasks_beside(["drive", "protocol", "renormalisation"]).map(key))),
         implies(key("renormalisation"), key("interface")),
         implies(key("stability"), key("block")),
-        never("stability", key("ensemble")),
+        implies(key("stability.simulations"), key("ensemble")),
         never("creep", key("ensemble")),
         refuses(having("contacts.free_friction.viscosity", json!({ "exclusiveMinimum": 0 })), key("creep")),
         refuses(

@@ -21,7 +21,7 @@ pub use creep::{CreepAtForce, CreepNumbers};
 pub use fit::{FitFixed, FitFreeForm, FitFriction, FitLaw, FitLaws, FitNumber, FitSummary, Uncertain};
 pub use posterior::{PosteriorNumber, PosteriorSummary};
 pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
-pub use stick_slip::{StickSlipKind, StickSlipNumbers};
+pub use stick_slip::{SimulatedStickSlip, StickSlipKind, StickSlipNumbers};
 pub use time::{
     CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, SlidingStability,
 };
