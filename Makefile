@@ -173,6 +173,7 @@ figures: $(venv)/installed
 	draw slow-slip slow stick_slip; \
 	draw velocity-curve-ageing ageing velocity_curve; \
 	draw precursors-edge precursors space_time; \
+	draw unequal-cells unequal space_time; \
 	draw healing healing hold_curve; \
 	draw creep creep creep_rate static_fatigue; \
 	draw velocity-step step velocity_step; \

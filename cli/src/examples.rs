@@ -54,6 +54,7 @@ const ORDER: &[&str] = &[
     "aftershocks",
     "front-chain",
     "precursors-edge",
+    "unequal-cells",
     "half-space-512",
     "front-ageing",
     "front-waves",

@@ -49,7 +49,7 @@ slip = 'overdamped'
 viscosity = 0.3
 ";
 
-/// The same cells along a protocol with a hold, with their slip rates.
+/// The same cells with unequal areas along a protocol with a hold, with their slip rates.
 const HELD: &str = "
 title = 'Precursors, and a hold'
 contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
@@ -68,6 +68,7 @@ loading = 'edge'
 slip = 'overdamped'
 viscosity = 0.3
 slip_rates = 100
+areas = [1.0, 1.2, 0.8, 1.5, 1.0, 0.9]
 ";
 
 /// Avalanches of contacts that break thermally, at a velocity.

@@ -283,6 +283,7 @@ fn pictures_are_those_that_the_program_draws() {
         ("velocity-curve-delay", "delay", &["velocity_curve"]),
         ("slow-slip", "slow", &["stick_slip"]),
         ("precursors-edge", "precursors", &["space_time"]),
+        ("unequal-cells", "unequal", &["space_time"]),
         ("healing", "healing", &["hold_curve"]),
         ("creep", "creep", &["creep_rate", "static_fatigue"]),
         ("velocity-step", "step", &["velocity_step"]),

@@ -28,10 +28,13 @@ fn main() {
     );
     for side in [128, 512] {
         let shape = Shape::Square([side, side]);
-        row("neighbours", neighbours(shape, Edges::Periodic, 1.0).unwrap());
-        row("half-space", half_space(shape, Edges::Periodic, 1.0, 1.0).unwrap());
+        let springs = || neighbours(shape, Edges::Periodic, 1.0).unwrap();
+        row("neighbours", springs(), disordered(side * side));
+        row("with unequal areas", springs(), unequal(side * side));
+        row("half-space", half_space(shape, Edges::Periodic, 1.0, 1.0).unwrap(), disordered(side * side));
     }
-    row("half-space", half_space(Shape::Square([1024; 2]), Edges::Periodic, 1.0, 1.0).unwrap());
+    let half_space = half_space(Shape::Square([1024; 2]), Edges::Periodic, 1.0, 1.0).unwrap();
+    row("half-space", half_space, disordered(1024 * 1024));
     println!(
         "\n{:<30} {:>8} {:>8} {:>12} {:>12} {:>20}",
         "chain of ageing contacts", "cells", "events", "cell slips", "CPU, s", "slips per CPU second"
@@ -128,6 +131,13 @@ fn disordered(number: usize) -> Curves {
     Curves::new(&population(), number).unwrap().scaled(scales).unwrap()
 }
 
+/// The same with areas from a half to two, evenly in their logarithm.
+fn unequal(number: usize) -> Curves {
+    let mut stream = Stream::new(2, Purpose::Cells, 0);
+    let areas = (0..number).map(|_| 0.5 * 4.0_f64.powf(stream.uniform())).collect();
+    disordered(number).with_areas(areas).unwrap()
+}
+
 /// Cell updates per second of one thread: forces of springs and forces and slopes of contacts.
 fn sweeps() {
     let (side, sweeps) = (512, 40);
@@ -154,7 +164,7 @@ fn sweeps() {
 }
 
 /// Events from a start on, until there have been some, or slides have taken long.
-fn row(name: &str, coupling: Box<dyn Coupling>) {
+fn row(name: &str, coupling: Box<dyn Coupling>, curves: Curves) {
     let number = coupling.shape().size();
     let setting = InterfaceParameters {
         connection: 0.5,
@@ -164,7 +174,7 @@ fn row(name: &str, coupling: Box<dyn Coupling>) {
         drive_tolerance: 1e-6,
         area: None,
     };
-    let mut interface = Interface::new(Box::new(disordered(number)), coupling, setting).unwrap();
+    let mut interface = Interface::new(Box::new(curves), coupling, setting).unwrap();
     // The first event follows a long way without any.
     interface.next(10.0).unwrap();
     let (begun, mut events, mut cells) = (ProcessTime::now(), 0, 0);

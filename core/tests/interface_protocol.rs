@@ -38,6 +38,7 @@ fn chain(scales: &[f64], connection: f64) -> Scenario {
         slip: Some(CellSlip::Overdamped),
         viscosity: Some(VISCOSITY),
         disorder: Some(Scales { scale: Some(scales.to_vec()), ..Scales::default() }),
+        areas: None,
         drive_tolerance: 1e-6,
         catalogue_from: 0.0,
         mass: None,

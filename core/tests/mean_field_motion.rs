@@ -390,6 +390,7 @@ fn alike_cells_of_an_interface_are_a_block_after_a_steady_start_and_a_hold() {
         slip: Some(CellSlip::Overdamped),
         viscosity: Some(viscosity),
         disorder: Some(scenario::Scales { scale: Some(scales), ..scenario::Scales::default() }),
+        areas: None,
         drive_tolerance: 1e-6,
         catalogue_from: 0.0,
         mass: None,

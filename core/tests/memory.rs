@@ -142,6 +142,7 @@ fn table(shape: Shape, coupling: scenario::Elasticity) -> scenario::Interface {
         slip: None,
         viscosity: None,
         disorder: None,
+        areas: None,
         drive_tolerance: 1e-3,
         catalogue_from: 0.0,
         mass: None,

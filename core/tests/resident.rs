@@ -88,6 +88,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         slip: None,
         viscosity: None,
         disorder: None,
+        areas: None,
         drive_tolerance: 1e-3,
         catalogue_from: 0.0,
         mass: None,

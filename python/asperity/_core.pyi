@@ -2076,14 +2076,18 @@ class Interface(Deformable):
     disorder
         The standard deviation of the scale factors of cells, which multiply all lengths of their contacts and are
         drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
+    areas
+        The area of each cell, row by row, in any unit: only ratios to the mean area count. The numbers of contacts,
+        connection, viscosity and mass are those of a cell of mean area, and proportional to the area; neighbours is
+        not. None for cells of the same area, and on a half-space.
     seed
         The seed of these scale factors and of single contacts.
     drive_tolerance
         The accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for time-dependent
         contacts.
     size
-        None for cells of many contacts, which follow the master equation; or the number of contacts in each cell,
-        which are drawn with the seed and followed one by one, with slip="overdamped".
+        None for cells of many contacts, which follow the master equation; or the number of contacts in each cell of
+        mean area, which are drawn with the seed and followed one by one, with slip="overdamped".
     quenched
         Whether these keep their thresholds.
 
@@ -2092,7 +2096,9 @@ class Interface(Deformable):
     ValueError
         For both or neither of neighbours and half_space, poisson_ratio or sliding beside neighbours; a connection,
         neighbours, half_space, viscosity, mass or drive_tolerance that is not above 0, and a poisson_ratio that is not
-        from -0.9 to 0.48; a disorder below 0, or another number of scale factors than of cells; a slip beside a mass,
+        from -0.9 to 0.48; a disorder below 0, or another number of scale factors than of cells; another number of
+        areas than of cells, an area that is not above 0 or that is less than 1e-4 of another one, and areas beside
+        half_space; a slip beside a mass,
         and none of viscosity, with slip="overdamped", and mass for time-dependent contacts; slip="reset" with a size,
         a size of 0, and quenched without a size; another word as edges, loading, slip, sliding or start; and cells
         that are not one or two numbers of 1 or more.
@@ -2124,12 +2130,17 @@ class Interface(Deformable):
         viscosity: _Number | None = None,
         mass: _Number | None = None,
         disorder: _Number | ArrayLike | None = None,
+        areas: ArrayLike | None = None,
         seed: _Seed = 1,
         drive_tolerance: _Number = 1e-06,
         size: SupportsIndex | None = None,
         quenched: bool = False,
         start: Literal["conditional", "relaxed", "steady"] = "conditional",
     ) -> Interface: ...
+    @property
+    def areas(self, /) -> _Array | None:
+        """The areas of the cells as they were given, shape (n,), or None."""
+
     @property
     def disorder(self, /) -> float | _Array | None:
         """The standard deviation of the scale factors of cells, or these, shape (n,); None if there are none."""

@@ -163,6 +163,7 @@ fn surface_arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()
         given(into, "disorder", scales.scale.clone())?;
         given(into, "seed", scales.seed.filter(|&seed| seed != 1))?;
     }
+    given(into, "areas", own.areas.clone())?;
     let Some(ensemble) = ensemble else { return Ok(()) };
     given(into, "seed", Some(ensemble.seed).filter(|&seed| seed != 1))?;
     let quenched = ensemble.disorder == Disorder::Quenched;

@@ -60,12 +60,16 @@ use crate::{error, simulated, typed, values};
 ///     drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
 /// seed
 ///     The seed of these scale factors and of single contacts.
+/// areas
+///     The area of each cell, row by row, in any unit: only ratios to the mean area count. The numbers of contacts,
+///     connection, viscosity and mass are those of a cell of mean area, and proportional to the area; neighbours is
+///     not. None for cells of the same area, and on a half-space.
 /// drive_tolerance
 ///     The accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for time-dependent
 ///     contacts.
 /// size
-///     None for cells of many contacts, which follow the master equation; or the number of contacts in each cell,
-///     which are drawn with the seed and followed one by one, with slip="overdamped".
+///     None for cells of many contacts, which follow the master equation; or the number of contacts in each cell of
+///     mean area, which are drawn with the seed and followed one by one, with slip="overdamped".
 /// quenched
 ///     Whether these keep their thresholds.
 ///
@@ -74,7 +78,9 @@ use crate::{error, simulated, typed, values};
 /// ValueError
 ///     For both or neither of neighbours and half_space, poisson_ratio or sliding beside neighbours; a connection,
 ///     neighbours, half_space, viscosity, mass or drive_tolerance that is not above 0, and a poisson_ratio that is not
-///     from -0.9 to 0.48; a disorder below 0, or another number of scale factors than of cells; a slip beside a mass,
+///     from -0.9 to 0.48; a disorder below 0, or another number of scale factors than of cells; another number of
+///     areas than of cells, an area that is not above 0 or that is less than 1e-4 of another one, and areas beside
+///     half_space; a slip beside a mass,
 ///     and none of viscosity, with slip="overdamped", and mass for time-dependent contacts; slip="reset" with a size,
 ///     a size of 0, and quenched without a size; another word as edges, loading, slip, sliding or start; and cells
 ///     that are not one or two numbers of 1 or more.
@@ -96,9 +102,9 @@ impl Interface {
     #[pyo3(
         signature = (
             contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, poisson_ratio = Real::new(0.0), sliding: "Literal['columns', 'rows']" = Argument::text("columns"), edges: "Literal['open', 'periodic']" = Argument::text("open"),
-            loading: "Literal['uniform', 'edge']" = Argument::text("uniform"), slip: "Literal['reset', 'overdamped'] | None" = None, viscosity = None, mass = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
+            loading: "Literal['uniform', 'edge']" = Argument::text("uniform"), slip: "Literal['reset', 'overdamped'] | None" = None, viscosity = None, mass = None, disorder: "_Number | ArrayLike | None" = None, areas: "ArrayLike | None" = None, seed = Seed(1),
             drive_tolerance = Real::new(1e-6), size = None, quenched = Argument::new(false), start: "Literal['conditional', 'relaxed', 'steady']" = Argument::text("conditional")),
-        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, poisson_ratio=0.0, sliding='columns', edges='open', loading='uniform', slip=None, viscosity=None, mass=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
+        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, poisson_ratio=0.0, sliding='columns', edges='open', loading='uniform', slip=None, viscosity=None, mass=None, disorder=None, areas=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
     fn new(
         contacts: Argument<Bound<'_, Contacts>>,
@@ -115,6 +121,7 @@ impl Interface {
         viscosity: Option<Real>,
         mass: Option<Real>,
         disorder: Option<&Bound<'_, PyAny>>,
+        areas: Option<&Bound<'_, PyAny>>,
         seed: Seed,
         drive_tolerance: Real,
         size: Option<Whole>,
@@ -167,6 +174,7 @@ impl Interface {
             mass,
             viscosity,
             disorder: disorder.map(|disorder| scales(disorder, seed.0)).transpose()?,
+            areas: areas.map(|areas| convert::list("areas", areas)).transpose()?,
             drive_tolerance,
             catalogue_from: 0.0,
             slip_rates: None,
@@ -247,6 +255,13 @@ impl Interface {
             (None, std) => std.into_bound_py_any(slf.py())?,
         };
         Ok(Some(typed::NumberOrArray(found)))
+    }
+
+    /// The areas of the cells as they were given, shape (n,), or None.
+    #[getter]
+    fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Array<'py>>> {
+        let areas = Deformable::plain(slf.as_super()).own.areas.clone();
+        areas.map(|areas| convert::row(slf.py(), areas).map(typed::Array)).transpose()
     }
 
     /// The accuracy of the drive at which equilibrium is lost, in mean thresholds.

@@ -95,6 +95,7 @@ impl Lattice {
             viscosity: None,
             mass: None,
             disorder: None,
+            areas: None,
             drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
             catalogue_from: 0.0,
             slip_rates: None,

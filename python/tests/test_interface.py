@@ -124,6 +124,7 @@ def test_few_contacts_of_a_cell_are_atoms_or_counted_in_bins() -> None:
             CONTACTS, [3, 4], half_space=(2.0, 1.0), poisson_ratio=0.3, sliding="rows", connection=0.5
         ),
         asp.Interface(CONTACTS, [2], neighbours=2.0, connection=0.5, disorder=[1.0, 0.9], loading="edge"),
+        asp.Interface(CONTACTS, [3], neighbours=2.0, connection=0.5, areas=[1.0, 4.0, 0.5]),
         asp.Interface(
             CONTACTS, [4], neighbours=2.0, connection=0.5, slip="overdamped", size=5, seed=3, quenched=True
         ),
@@ -263,6 +264,13 @@ def test_stretches_of_a_cell_in_time_carry_its_force(size: int | None) -> None:
             {"cells": [200], "disorder": 5.0},
             "interface.disorder.std: expected scales that leave all thresholds above 0",
         ),
+        ({"areas": [1.0]}, "interface.areas: expected 2 areas, one for each cell, got 1"),
+        ({"areas": [1.0, 0.0]}, "interface.areas.1: expected a number above 0, got 0"),
+        ({"areas": [np.nan, 1.0]}, "interface.areas.0: expected a number above 0, got NaN"),
+        (
+            {"neighbours": None, "half_space": (1.0, 1.0), "areas": [1.0, 2.0]},
+            "interface.areas: expected none beside coupling.half_space",
+        ),
         ({"viscosity": 0.0}, "interface.viscosity: expected a number above 0"),
         ({"size": 10}, "interface.slip: expected .overdamped. beside .ensemble."),
         ({"quenched": True}, "quenched: expected False without a size"),
@@ -272,6 +280,23 @@ def test_what_makes_no_interface_is_refused(arguments: dict[str, Any], message: 
     good: dict[str, Any] = {"cells": [2], "neighbours": 1.0, "connection": 1.0}
     with pytest.raises(ValueError, match=message):
         asp.Interface(CONTACTS, **(good | arguments))
+
+
+def test_areas_multiply_the_forces_of_cells_and_are_relative_to_their_mean() -> None:
+    areas = np.array([6.0, 2.0, 1.0])
+    chain = asp.Interface(CONTACTS, [3], neighbours=0.5, connection=0.5, areas=areas, slip="overdamped")
+    assert chain.areas is not None
+    np.testing.assert_array_equal(chain.areas, areas)
+    assert asp.Interface(CONTACTS, [3], neighbours=0.5, connection=0.5).areas is None
+    record = chain.drive(8.0, 81)
+    # Springs and contacts of all cells are proportional to their areas, so that they move together, as a
+    # cell of mean area.
+    single = asp.Interface(CONTACTS, [1], neighbours=0.5, connection=0.5, slip="overdamped").drive(8.0, 81)
+    expected = np.outer(single["cell_force"][:, 0], areas / areas.mean())
+    # To the accuracy of the drive at which balance is lost, as forces fall there.
+    np.testing.assert_allclose(record["cell_force"], expected, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(record["event_area"], 3.0, rtol=1e-12)
+    np.testing.assert_allclose(record["event_moment"], 3.0 * record["event_slip"], rtol=1e-9)
 
 
 @pytest.mark.parametrize("every", ["0.01s", timedelta(milliseconds=10)])

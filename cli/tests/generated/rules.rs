@@ -122,6 +122,8 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         // A hundred thousand contacts are not few.
         ("ensemble", "size") => Some(true),
         ("block", "slip") if in_time || task == "protocol" => Some(true),
+        // As many as there are cells.
+        ("interface", "areas") => no,
         ("interface", "slip" | "viscosity" | "disorder") if walk.single() => no,
         ("interface", "mass") if walk.single() || !walk.given("drive.velocity") => no,
         ("interface", "mass") if walk.given("contacts.background_force") => no,

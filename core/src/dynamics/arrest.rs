@@ -28,7 +28,7 @@ impl EquationOfMotion {
 
     /// Stiffness K_0j + A_jj + F' of spring, coupling and contacts against the displacement of cell j alone.
     pub fn resistance(&self, j: usize, cell: &SlidingCell, coupling: f64) -> f64 {
-        self.connection(j) + coupling + cell.known.tangent
+        self.connection(j, cell) + coupling + cell.known.tangent
     }
 
     /// Stiffness K + F' of spring and contacts of a single cell.
@@ -68,9 +68,10 @@ impl EquationOfMotion {
         self.background + cell.known.free.force
     }
 
-    /// Distance within which forces of this stiffness stop a cell with a velocity.
-    fn stopping_distance(&self, resistance: f64, velocity: f64) -> f64 {
-        velocity * (self.viscosity + (self.mass * resistance).sqrt()) / resistance
+    /// Distance within which forces of this stiffness stop a cell that goes back.
+    fn stopping_distance(&self, resistance: f64, cell: &SlidingCell) -> f64 {
+        let viscosity = cell.area * self.viscosity;
+        -cell.velocity * (viscosity + (self.mass(cell) * resistance).sqrt()) / resistance
     }
 
     /// Work of the drive on a cell at rest, by the trapezoidal rule, what the background force dissipates, and a correction
@@ -126,7 +127,7 @@ impl SliderMotion {
                 return None;
             }
             let resistance = equation.resistance(j, cell, solver.self_stiffness(j));
-            let back = equation.stopping_distance(resistance, -after);
+            let back = equation.stopping_distance(resistance, cell);
             (back > self.control.tolerance)
                 .then(|| (before / (before - after)).clamp(MotionStepControl::SHRINK, 0.9))
         };

@@ -16,6 +16,8 @@ use crate::rate_dependent::RateDependentContacts;
 pub struct SlidingCell {
     /// Shared between states between which they have not moved.
     pub contacts: Arc<dyn RateDependentContacts>,
+    /// a_j, the area of the contacts, by which K_0, η and M of the cell are multiplied.
+    pub area: f64,
     /// Position X_j.
     pub position: f64,
     /// Friction force F_j of the contacts.
@@ -91,8 +93,9 @@ impl SlidingCell {
         let velocity = contacts.steady_velocity().unwrap_or(0.0);
         let energies = Some(contacts.energies());
         let known = KnownContacts { energies, ..KnownContacts::of(contacts.as_ref(), force) };
+        let area = contacts.area();
         let (contacts, lag, trend) = (Arc::from(contacts), ContactLag::default(), SlopeTrend::default());
-        Self { contacts, position, force, velocity, back: 0.0, slope, trend, lag, known }
+        Self { contacts, area, position, force, velocity, back: 0.0, slope, trend, lag, known }
     }
 
     /// A copy of its contacts after an advance of the cell at constant velocity in the time `duration`.
@@ -165,8 +168,8 @@ impl SlidingCell {
         } else {
             (self.slope, self.trend)
         };
-        let (contacts, position) = (Arc::from(contacts), self.position + advance);
-        Self { contacts, position, force, velocity, back: 0.0, slope, trend, lag, known }
+        let (contacts, area, position) = (Arc::from(contacts), self.area, self.position + advance);
+        Self { contacts, area, position, force, velocity, back: 0.0, slope, trend, lag, known }
     }
 
     /// The cell after an advance so small that its contacts stay where they are.

@@ -2,7 +2,8 @@
 
 use super::{Arrest, SlidingCell};
 
-/// Coefficients of the equation of motion.
+/// Coefficients of the equation of motion. The stiffness of the spring, the mass and the viscosity are those of a cell of area 1, and
+/// proportional to its area.
 #[derive(Debug, Clone, Copy)]
 pub struct EquationOfMotion {
     /// Stiffness K_0 of the spring from a cell to the drive.
@@ -42,9 +43,19 @@ impl EquationOfMotion {
         self.mass == 0.0 && self.viscosity == 0.0
     }
 
-    /// Stiffness K_0j of the spring of a cell; 0 if it has none.
-    pub fn connection(&self, cell: usize) -> f64 {
-        if cell < self.connected { self.connection } else { 0.0 }
+    /// Stiffness K_0j = a_j K_0 of the spring of cell j; 0 if it has none.
+    pub fn connection(&self, j: usize, cell: &SlidingCell) -> f64 {
+        if j < self.connected { cell.area * self.connection } else { 0.0 }
+    }
+
+    /// Mass a_j M of a cell.
+    pub fn mass(&self, cell: &SlidingCell) -> f64 {
+        cell.area * self.mass
+    }
+
+    /// Viscosity of a cell, a_j η, and of its free contacts.
+    pub fn viscosity(&self, cell: &SlidingCell) -> f64 {
+        cell.area * self.viscosity + cell.known.free.viscosity
     }
 
     /// Acceleration Ẍ of cell j, on which the others act with the force `coupling`; 0 without mass, and of a cell at rest that
@@ -53,15 +64,14 @@ impl EquationOfMotion {
         if self.mass == 0.0 {
             return 0.0;
         }
-        let pull = self.connection(j) * (drive - cell.position) + coupling;
-        let viscosity = self.viscosity + cell.known.free.viscosity;
-        let free = (pull - cell.force - viscosity * cell.velocity) / self.mass;
+        let pull = self.connection(j, cell) * (drive - cell.position) + coupling;
+        let free = (pull - cell.force - self.viscosity(cell) * cell.velocity) / self.mass(cell);
         let stands = self.arrest == Arrest::Stand && cell.velocity == 0.0 && !cell.known.may_turn;
         if stands { free.max(0.0) } else { free }
     }
 
     /// Kinetic energy ½MẊ² of a cell.
     pub fn kinetic(&self, cell: &SlidingCell) -> f64 {
-        0.5 * self.mass * cell.velocity * cell.velocity
+        0.5 * self.mass(cell) * cell.velocity * cell.velocity
     }
 }

@@ -96,7 +96,7 @@ impl SliderMotion {
             return;
         }
         for (j, cell) in self.cells.iter_mut().enumerate() {
-            let connection = self.equation.connection(j);
+            let connection = self.equation.connection(j, cell);
             let jump = connection * change / (connection + cell.contacts.tangent());
             cell.velocity = (cell.velocity + jump).max(0.0);
         }

@@ -57,9 +57,10 @@ pub trait StageSolver {
 impl ImplicitStage<'_> {
     /// Inertia and drag M Ẍ + η Ẋ of a cell after an advance, without that of free contacts.
     pub fn drag(&self, cell: usize, advance: f64) -> f64 {
-        let rates = &self.rates[cell];
+        let (rates, from) = (&self.rates[cell], &self.from[cell]);
         let velocity = rates.velocity(advance);
-        self.equation.mass * rates.acceleration(velocity) + self.equation.viscosity * velocity
+        self.equation.mass(from) * rates.acceleration(velocity)
+            + from.area * self.equation.viscosity * velocity
     }
 
     /// Derivative of inertia, drag and spring force with respect to the advance.
@@ -67,9 +68,8 @@ impl ImplicitStage<'_> {
         // In both stages the velocity is linear in the advance, v = αδ + const, and the
         // acceleration linear in the velocity with the same α: γ = 2 − √2 makes the two stages
         // alike (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985)).
-        let (alpha, EquationOfMotion { mass, viscosity, .. }) = (self.rates[cell].alpha, self.equation);
-        let viscosity = viscosity + self.from[cell].known.free.viscosity;
-        (mass * alpha + viscosity) * alpha + self.equation.connection(cell)
+        let (alpha, from, equation) = (self.rates[cell].alpha, &self.from[cell], self.equation);
+        (equation.mass(from) * alpha + equation.viscosity(from)) * alpha + equation.connection(cell, from)
     }
 }
 
@@ -114,7 +114,8 @@ impl SliderMotion {
             let [one, two] = [(&first, velocities[1]), (&second, velocities[2])]
                 .map(|(stage, velocity)| stage.rates[j].acceleration(velocity));
             // An error of the velocity becomes an error of the position within about 1/ω = √(M/(K + A_jj + F')).
-            let time = (equation.mass / equation.resistance(j, &from[j], solver.self_stiffness(j))).sqrt();
+            let resistance = equation.resistance(j, &from[j], solver.self_stiffness(j));
+            let time = (equation.mass(&from[j]) / resistance).sqrt();
             of_position.max(time * error(duration, [start[j], one, two]).abs())
         };
         let error = (0..number).map(error_of).fold(0.0, f64::max);
@@ -153,14 +154,13 @@ fn work_and_drag(
     let (mut work, mut viscous) = (0.0, vec![0.0; states[0].len()]);
     for ((cells, time), weight) in states.into_iter().zip([0.0, GAMMA * duration, duration]).zip(WEIGHTS) {
         let position = drive.after(time);
-        let pull = |cell: &SlidingCell| equation.connection * (position - cell.position);
+        let pull = |cell: &SlidingCell| cell.area * equation.connection * (position - cell.position);
         // A quadrature through the three states that the method computes, exact to second degree:
         // as accurate as the motion itself.
         work +=
             weight * duration * drive.velocity * cells[..equation.connected].iter().map(pull).sum::<f64>();
         for (lost, cell) in viscous.iter_mut().zip(cells) {
-            let viscosity = equation.viscosity + cell.known.free.viscosity;
-            *lost += weight * duration * viscosity * cell.velocity * cell.velocity;
+            *lost += weight * duration * equation.viscosity(cell) * cell.velocity * cell.velocity;
         }
     }
     (work, viscous)

@@ -95,7 +95,9 @@ impl FinishedSlide<'_> {
     fn event(&self, slipped: &[Slipped]) -> Event {
         let Self { slide, model, after, pulls, force } = *self;
         let all = |of: &dyn Fn(usize) -> f64| slipped.iter().map(|s| of(s.cell)).sum::<f64>();
-        let mean = |of: &dyn Fn(usize) -> f64| all(of) / slipped.len() as f64;
+        let areas = model.springs.areas();
+        let slipped_area = all(&|cell| areas.of(cell));
+        let mean = |of: &dyn Fn(usize) -> f64| all(&|cell| areas.of(cell) * of(cell)) / slipped_area;
         // Without viscosity there is no time.
         let timed = slide.parameters.viscosity.map_or(f64::NAN, |_| 1.0);
         let [front_speed_left, front_speed_right] =
@@ -107,8 +109,8 @@ impl FinishedSlide<'_> {
             time: timed * (after.time + begin),
             epicentre: slipped[0].cell,
             cells: slipped.len(),
-            area: area * slipped.len() as f64,
-            moment: area * slipped.iter().map(|s| s.slip).sum::<f64>(),
+            area: area * slipped_area,
+            moment: area * slipped.iter().map(|s| areas.of(s.cell) * s.slip).sum::<f64>(),
             duration: timed * (slide.over - begin),
             front_speed_left,
             front_speed_right,
@@ -116,7 +118,7 @@ impl FinishedSlide<'_> {
             position_after: mean(&|cell| after.positions[cell]),
             force_before: slide.force,
             force_after: force,
-            broken_fraction: all(&|cell| model.cells.since_mark(cell).broken) / model.len() as f64,
+            broken_fraction: all(&|cell| model.cells.since_mark(cell).broken) / areas.total(model.len()),
             dissipated_breaks: all(&|cell| model.cells.since_mark(cell).lost),
             dissipated_slip: all(&|cell| pulls[cell] * self.slip(cell) - model.cells.since_mark(cell).work),
         }

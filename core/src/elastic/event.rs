@@ -16,7 +16,7 @@ pub struct Event {
     pub epicentre: usize,
     /// Number of cells that slipped.
     pub cells: usize,
-    /// Area of these cells; their number if cells have no area.
+    /// Area of these cells; where cells have no area, the sum of their relative areas, which is their number unless they differ.
     pub area: f64,
     /// Integral of the slip over that area, a volume (the seismic moment without the modulus).
     pub moment: f64,
@@ -27,7 +27,7 @@ pub struct Event {
     pub front_speed_left: f64,
     /// The same towards larger numbers.
     pub front_speed_right: f64,
-    /// Mean position of the cells that slipped, before the event.
+    /// Mean position of the cells that slipped, weighted by their areas, before the event.
     pub position_before: f64,
     /// Mean position of these cells after the event.
     pub position_after: f64,
@@ -66,7 +66,7 @@ impl Event {
         record(&[], Some(1.0))
     }
 
-    /// Mean slip of the cells that slipped, a length.
+    /// Mean slip of the cells that slipped, weighted by their areas, a length.
     pub fn slip(&self) -> f64 {
         self.position_after - self.position_before
     }

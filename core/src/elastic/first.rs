@@ -1,7 +1,7 @@
 //! The distribution of the drives at which the contacts of cells break for the first time.
 
 use super::{Interface, Standing};
-use crate::first_breaks::{FirstBreaks, broken};
+use crate::first_breaks::FirstBreaks;
 use crate::law::Law;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
@@ -14,7 +14,8 @@ const POINTS: [f64; 2] = [400.0, 40.0];
 
 impl Interface {
     /// Drives cells of relaxed contacts until all but 1e-6 of the contacts have broken, and returns the fraction that has
-    /// broken against (1 − κ) X_T, the stretch of contacts as long as none breaks. Cell j has thresholds of a law times s_j.
+    /// broken against (1 − κ) X_T, the stretch of contacts as long as none breaks. Cell j has thresholds of a law times s_j, and
+    /// contacts in proportion to its area.
     /// The curve is vertical in slides, and a chord between two points.
     ///
     /// `coupling` is κ = F'/(F' + K_0), with the slope F' of a cell none of whose contacts has broken: the fraction of the
@@ -70,6 +71,7 @@ impl Interface {
             Some(Standing { advance, renewed: false, .. }) => advance,
             _ => f64::INFINITY,
         };
-        broken(thresholds, (0..self.len()).map(advance))
+        let broken: Vec<f64> = (0..self.len()).map(|cell| thresholds.cumulative(advance(cell))).collect();
+        self.areas().mean(&broken)
     }
 }

@@ -79,10 +79,10 @@ impl InterfaceModel {
         balance: Residual,
         monitor: &mut dyn Monitor,
     ) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
-        let (number, springs) = (self.len(), self.springs);
+        let (number, springs) = (self.len(), self.springs.clone());
         let diagonal = self.diagonal(balance.tangents, 0.0);
         let mut velocities: Vec<f64> = (0..number).map(|j| springs.of(j)).collect();
-        let goal = SOLVED * springs.stiffness();
+        let goal = SOLVED * springs.largest();
         if self.coupling.solve_variable(&diagonal, &mut velocities, goal, monitor)?.is_none() {
             return Ok(None);
         }

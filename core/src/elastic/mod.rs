@@ -5,6 +5,9 @@
 //!
 //! K_0j(X_T − X_j) − (AX)_j = F_j.
 //!
+//! Cells may have areas a_j ([`CellAreas`]), in units of the cell that is described; contacts, K_0 and viscosity of a cell are
+//! proportional to its area.
+//!
 //! As X_T rises slowly the cells creep in balance, as long as the matrix F_j' δ_ij + K_0j δ_ij + A_ij is positive definite.
 //! Where that is lost, or contacts break together, cells slide at fixed X_T by the rule [`CellSlip`], until there is balance
 //! again. Cells move forward only, and a cell that advances pushes every other one forward. Hence no cell passes the nearest
@@ -34,7 +37,7 @@ mod state;
 mod stepper;
 mod uniform_stiffness;
 
-pub use cells::{Cells, Curves, Populations, Standing};
+pub use cells::{CellAreas, Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
 pub use event::{Event, Slipped};
 pub use parameters::{CellLoading, CellSlip, InterfaceParameters};
@@ -94,7 +97,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// The interface in balance: contacts keep the stretches of their populations, and the mean position of the cells is 0.
+    /// The interface in balance: contacts keep the stretches of their populations, and the mean position of the cells, weighted by
+    /// their areas, is 0.
     ///
     /// # Errors
     /// Parameters that are not finite and above 0; another number of cells than that of the coupling; those of the cells.
@@ -121,8 +125,8 @@ impl Interface {
         if number != shape.size() {
             return Err(Error::invalid("cells", format!("{} of them, as coupled", shape.size()), number));
         }
-        let mut model =
-            InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape), residuals: 0 };
+        let springs = DriveSprings::new(&parameters, shape, cells.areas());
+        let mut model = InterfaceModel { cells, coupling, springs, residuals: 0 };
         let configuration = model.initial_balance(monitor)?;
         Ok(Self {
             energy: EnergyBudget::new(&mut model, &configuration, monitor)?,
@@ -157,6 +161,16 @@ impl Interface {
     /// Position X_j of each cell, a length, row by row.
     pub fn positions(&self) -> &[f64] {
         &self.configuration.positions
+    }
+
+    /// Mean position of the cells, weighted by their areas, a length.
+    pub fn mean_position(&self) -> f64 {
+        self.model.springs.areas().mean(self.positions())
+    }
+
+    /// Areas a_j of the cells.
+    pub fn areas(&self) -> &CellAreas {
+        self.model.springs.areas()
     }
 
     /// Friction force F_j of each cell, row by row; their sum is [`Interface::force`].
@@ -210,7 +224,7 @@ impl Interface {
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.model.cells.energies().broken / self.len() as f64
+        self.model.cells.energies().broken / self.areas().total(self.len())
     }
 
     /// Estimated error of the force of a cell, the largest so far; 0 if contacts are simulated one by one.

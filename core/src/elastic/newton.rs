@@ -1,6 +1,6 @@
 //! Steps of Newton's method towards balance, and the test that a path of balances is stable.
 //!
-//! With the diagonal d_j = F_j' + K_0j + η/dt each step solves (d + A) δ = r for the advances δ of the cells, r being the
+//! With the diagonal d_j = F_j' + K_0j + η_j/dt each step solves (d + A) δ = r for the advances δ of the cells, r being the
 //! residual. A is an M-matrix: its off-diagonal entries are ≤ 0 and its rows add up to ≥ 0. If d + A is positive definite,
 //! it is an M-matrix too, and its inverse has no negative entry (A. Berman and R. J. Plemmons, *Nonnegative Matrices in the
 //! Mathematical Sciences*, SIAM 1994, chapter 6, doi:10.1137/1.9781611971262).
@@ -35,7 +35,7 @@ const CURVED: f64 = 0.1;
 pub(super) struct MonotoneStep {
     /// δ_j.
     pub by: Vec<f64>,
-    /// η/dt.
+    /// η/dt of a cell of area 1.
     pub rate: f64,
     /// Number of applications of the preconditioner.
     pub iterations: usize,
@@ -46,10 +46,10 @@ pub(super) struct MonotoneStep {
 impl InterfaceModel {
     /// A step that passes no balance: Newton's method with an upper bound of the slopes (J. M. Ortega and W. C. Rheinboldt,
     /// *Iterative Solution of Nonlinear Equations in Several Variables*, SIAM 2000, chapter 13,
-    /// doi:10.1137/1.9780898719468). None where d + A is not positive definite, or hardly so. `rate` is η/dt, and
+    /// doi:10.1137/1.9780898719468). None where d + A is not positive definite, or hardly so. `rate` is η/dt of a cell of area 1, and
     /// `rounding` the rounding error of the residual.
     ///
-    /// If D_j ≥ F_j' on the way that cell j takes, plus K_0j + η/dt, the step (D + A)⁻¹ r leaves a residual ≥ 0 where it
+    /// If D_j ≥ F_j' on the way that cell j takes, plus K_0j + η_j/dt, the step (D + A)⁻¹ r leaves a residual ≥ 0 where it
     /// was ≥ 0, because (D + A)⁻¹ has no negative entry. So all cells move forward, and none passes the nearest balance
     /// ahead. Where slopes fall on the way, the slope at its start is such a bound, and the step is Newton's. Otherwise D is
     /// the largest slope on the way of the Newton step, which is the longer one.
@@ -61,7 +61,8 @@ impl InterfaceModel {
         monitor: &mut dyn Monitor,
     ) -> Result<Option<MonotoneStep>> {
         let Residual { forces, tangents, largest: residual } = r;
-        let (number, springs) = (forces.len(), self.springs);
+        // The springs share the areas: to clone them is cheap.
+        let (number, springs) = (forces.len(), self.springs.clone());
         // An inexact Newton method (R. S. Dembo, S. C. Eisenstat and T. Steihaug, SIAM J. Numer.
         // Anal. 19, 400 (1982)): far from balance the linear system need not be solved to rounding.
         let goal = (SOLVED * residual).max(ROUNDED * rounding);
@@ -72,7 +73,7 @@ impl InterfaceModel {
         let near = |by: &[f64]| largest(number, |j| by[j].abs()) <= FAR * self.length();
         let Some(mut iterations) = solved.filter(|_| near(&by)) else { return Ok(None) };
         let mut slopes = self.slopes(&by, monitor)?;
-        let bound = |j: usize| slopes[j].largest + springs.of(j) + rate;
+        let bound = |j: usize| slopes[j].largest + springs.of(j) + springs.areas().of(j) * rate;
         if !all(number, |j| bound(j) <= diagonal[j]) {
             // (D + A)⁻¹ r = δ − (D + A)⁻¹ (D − d) δ, with the Newton step δ.
             let mut less = vec![0.0; number];
@@ -84,7 +85,8 @@ impl InterfaceModel {
             change(&mut by, |j, by| by - less[j]);
             slopes = self.slopes(&by, monitor)?;
         }
-        let fall = |j: usize| diagonal[j] - rate - springs.of(j) - slopes[j].least;
+        let damping = |j: usize| springs.areas().of(j) * rate;
+        let fall = |j: usize| diagonal[j] - damping(j) - springs.of(j) - slopes[j].least;
         let curved = largest(number, |j| fall(j) * by[j].abs()) > CURVED * residual;
         Ok(Some(MonotoneStep { by, rate, iterations, curved }))
     }
@@ -111,7 +113,7 @@ impl InterfaceModel {
     /// Because its off-diagonal entries are ≤ 0, M is positive definite if M x > 0 for some x > 0 (Berman and Plemmons,
     /// chapter 6). Two x are tried: the advances, and the solution of M x = 1.
     pub fn is_stable_ahead(&mut self, advances: &Advances, monitor: &mut dyn Monitor) -> Result<bool> {
-        let (number, springs, by) = (self.len(), self.springs, &advances.by);
+        let (number, springs, by) = (self.len(), self.springs.clone(), &advances.by);
         let slopes = self.slopes(by, monitor)?;
         let mut diagonal = vec![0.0; number];
         fill(&mut diagonal, |j| slopes[j].least + springs.of(j));

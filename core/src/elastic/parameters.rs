@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::cells::CellAreas;
 use crate::shape::Shape;
 use crate::{Error, Result};
 
@@ -21,8 +22,8 @@ pub enum CellLoading {
 
 /// Slip rule: what a cell does that loses its balance, at fixed X_T.
 ///
-/// A cell becomes unstable where it moves down a slope F_j' < −ΣK_0i/n, which the springs of all n cells together would
-/// not stabilise, having moved farther than the tolerance of the drive; or where contacts break together.
+/// A cell of area a_j becomes unstable where it moves down a slope F_j' < −a_j ΣK_0i/Σa_i, which the springs of all cells
+/// together would not stabilise, having moved farther than the tolerance of the drive; or where contacts break together.
 /// With `Reset`, and where contacts broke together, every unstable cell has slipped. Otherwise a cell has slipped if it
 /// moved farther than creep may within the tolerance δ of the drive (near a fold about √(δℓ), with the length ℓ on which
 /// slopes change), and at least a tenth as far as the cell that moved farthest: the others were pulled along.
@@ -41,18 +42,18 @@ pub enum CellSlip {
 /// How an interface is driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InterfaceParameters {
-    /// K_0, stiffness of the spring from a cell to the drive, force per length.
+    /// K_0, stiffness of the spring from a cell of area 1 to the drive, force per length.
     pub connection: f64,
     /// Which cells have such a spring.
     pub loading: CellLoading,
     /// Slip rule.
     pub slip: CellSlip,
-    /// η, viscous force on a cell per velocity during slides, above 0. Slides then have a duration, during which the drive is at
+    /// η, viscous force on a cell of area 1 per velocity during slides, above 0. Slides then have a duration, during which the drive is at
     /// rest. Without viscosity slides end in the same states and have no duration.
     pub viscosity: Option<f64>,
     /// Tolerance on the drive at which balance is lost, a length.
     pub drive_tolerance: f64,
-    /// Area of a cell; `None` where areas are counted in cells.
+    /// Area of a cell of relative area 1; `None` where areas are counted in cells.
     pub area: Option<f64>,
 }
 
@@ -81,47 +82,54 @@ impl InterfaceParameters {
     }
 }
 
-/// Springs from the cells to the drive: K_0j = K_0 for the first cells, 0 for the others.
-#[derive(Debug, Clone, Copy)]
+/// Springs from the cells to the drive: K_0j = a_j K_0 for the first cells, 0 for the others.
+#[derive(Debug, Clone)]
 pub(super) struct DriveSprings {
     stiffness: f64,
     /// Number of cells with a spring.
     connected: usize,
     /// Number of all cells.
     cells: usize,
+    areas: CellAreas,
 }
 
 impl DriveSprings {
-    pub fn new(parameters: &InterfaceParameters, shape: Shape) -> Self {
+    pub fn new(parameters: &InterfaceParameters, shape: Shape, areas: CellAreas) -> Self {
         let connected = match parameters.loading {
             CellLoading::Uniform => shape.size(),
             CellLoading::Edge => shape.first_row(),
         };
-        Self { stiffness: parameters.connection, connected, cells: shape.size() }
+        Self { stiffness: parameters.connection, connected, cells: shape.size(), areas }
     }
 
-    /// K_0.
-    pub fn stiffness(self) -> f64 {
-        self.stiffness
+    /// The largest a_j K_0.
+    pub fn largest(&self) -> f64 {
+        self.areas.largest() * self.stiffness
     }
 
     /// K_0j.
-    pub fn of(self, cell: usize) -> f64 {
-        if cell < self.connected { self.stiffness } else { 0.0 }
+    #[inline]
+    pub fn of(&self, cell: usize) -> f64 {
+        if cell < self.connected { self.areas.of(cell) * self.stiffness } else { 0.0 }
     }
 
     /// ΣK_0j.
-    pub fn total(self) -> f64 {
-        self.connected as f64 * self.stiffness
+    pub fn total(&self) -> f64 {
+        self.areas.total(self.connected) * self.stiffness
     }
 
-    /// ΣK_0j/n.
-    pub fn mean(self) -> f64 {
-        self.stiffness * self.connected as f64 / self.cells as f64
+    /// ΣK_0j/Σa_j.
+    pub fn per_area(&self) -> f64 {
+        self.stiffness * self.areas.total(self.connected) / self.areas.total(self.cells)
+    }
+
+    /// a_j.
+    pub fn areas(&self) -> &CellAreas {
+        &self.areas
     }
 
     /// Whether every cell has a spring.
-    pub fn hold_all(self) -> bool {
+    pub fn hold_all(&self) -> bool {
         self.connected == self.cells
     }
 }

@@ -92,7 +92,7 @@ impl InterfaceModel {
     /// K_0j(X_T − X_j) − (AX)_j, forces of drive and slider.
     pub fn pulls(&mut self, configuration: &Configuration, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let mut pulls = self.elastic_forces(configuration.displacements(), monitor)?;
-        let (springs, drive, positions) = (self.springs, configuration.drive, &configuration.positions);
+        let (springs, drive, positions) = (&self.springs, configuration.drive, &configuration.positions);
         change(&mut pulls, |j, elastic| springs.of(j) * (drive - positions[j]) + elastic);
         Ok(pulls)
     }
@@ -106,7 +106,7 @@ impl InterfaceModel {
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<f64>> {
         let mut pulls = self.elastic_forces(&now.displacements_halfway(before), monitor)?;
-        let (springs, drive) = (self.springs, now.drive);
+        let (springs, drive) = (&self.springs, now.drive);
         let middle = |j: usize| 0.5 * (before.positions[j] + now.positions[j]);
         change(&mut pulls, |j, elastic| springs.of(j) * (drive - middle(j)) + elastic);
         Ok(pulls)
@@ -134,7 +134,7 @@ impl InterfaceModel {
         monitor: &mut dyn Monitor,
     ) -> Result<Residual> {
         let mut pulls = self.elastic_forces(advances.displacements(), monitor)?;
-        let (springs, positions, by) = (self.springs, &configuration.positions, &advances.by);
+        let (springs, positions, by) = (&self.springs, &configuration.positions, &advances.by);
         let spring = |j: usize| springs.of(j) * (drive - positions[j] - by[j]);
         // Forces of the advances are added to those of the positions: A δ keeps the digits that A
         // (X + δ) would lose.
@@ -167,10 +167,21 @@ impl InterfaceModel {
         Ok(slopes)
     }
 
-    /// d_j = F_j' + K_0j + η/dt, where d_j δ_ij + A_ij is the derivative of the residual, sign aside; `rate` is η/dt.
+    /// K_0j + η_j/dt; `rate` is η/dt of a cell of area 1.
+    pub fn held(&self, cell: usize, rate: f64) -> f64 {
+        self.springs.of(cell) + self.springs.areas().of(cell) * rate
+    }
+
+    /// The largest slope |F_j'| of a cell per area.
+    pub fn steepest_per_area(&self) -> f64 {
+        self.cells.extremes().steepest / self.springs.areas().largest()
+    }
+
+    /// d_j = F_j' + K_0j + η_j/dt, where d_j δ_ij + A_ij is the derivative of the residual, sign aside; `rate` is η/dt of a cell
+    /// of area 1.
     pub fn diagonal(&self, tangents: Vec<f64>, rate: f64) -> Vec<f64> {
-        let (springs, mut diagonal) = (self.springs, tangents);
-        change(&mut diagonal, |j, tangent| tangent + (springs.of(j) + rate));
+        let mut diagonal = tangents;
+        change(&mut diagonal, |j, tangent| tangent + self.held(j, rate));
         diagonal
     }
 

@@ -152,13 +152,14 @@ impl SlideRecord {
         by: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Vec<(f64, u32, bool)>>> {
-        // Between −K_0j − A_jj and this slope a cell is held by neighbours that stand still, but
+        // Between −K_0j − A_jj and this slope per area a cell is held by neighbours that stand still, but
         // not by neighbours that move along with it.
-        let (steep, jumps) = (-model.springs.mean(), model.cells.extremes().jumps);
+        let (steep, jumps) = (-model.springs.per_area(), model.cells.extremes().jumps);
+        let areas = model.springs.areas();
         let moved = |cell: usize| configuration.positions[cell] + by[cell] - self.before.positions[cell];
         let is_far = |cell: usize| moved(cell) > self.parameters.drive_tolerance;
         let begins = |cell: usize| {
-            let below = if is_far(cell) { steep } else { f64::NEG_INFINITY };
+            let below = if is_far(cell) { areas.of(cell) * steep } else { f64::NEG_INFINITY };
             let Instability { at, together } = model.cells.instability(cell, by[cell], below)?;
             Some((at, cell as u32, together))
         };

@@ -39,7 +39,7 @@ const MARGIN: f64 = 3.0;
 pub(super) struct Stepper {
     /// η, if slides last some time.
     viscosity: Option<f64>,
-    /// Damping of the next step where cells are not stable.
+    /// Damping of the next step where cells are not stable, of a cell of area 1.
     damping: f64,
     /// Rounding error of the residual.
     rounding: f64,
@@ -86,7 +86,7 @@ impl Stepper {
     ) -> Result<Option<SlideStep>> {
         let r = self.uniform.residual(model, configuration, monitor)?;
         let residual = r.largest;
-        self.damping = eased(self.damping, residual / self.residual, model.cells.extremes().steepest);
+        self.damping = eased(self.damping, residual / self.residual, model.steepest_per_area());
         if self.is_balance(residual) {
             return Ok(None);
         }
@@ -119,7 +119,8 @@ impl Stepper {
         monitor: &mut dyn Monitor,
     ) -> Result<MonotoneStep> {
         let (number, largest, stiffness) = (model.len(), residual.largest, model.uniform_stiffness());
-        let least = self.viscosity.map_or(0.0, |_| euler_rate(model.cells.extremes(), largest));
+        let (steepest, Extremes { strongest, .. }) = (model.steepest_per_area(), model.cells.extremes());
+        let least = self.viscosity.map_or(0.0, |_| euler_rate([steepest, strongest], largest));
         let pull = sum(number, |j| residual.forces[j]);
         loop {
             let rate = least.max(self.damping);
@@ -134,14 +135,14 @@ impl Stepper {
             // The failed attempt has used up the residual; computing it anew is seldom needed, a
             // copy would be made in every step.
             residual = model.residual(configuration, monitor)?;
-            self.damping = (GROWTH * rate).max(DAMPED * model.cells.extremes().steepest);
+            self.damping = (GROWTH * rate).max(DAMPED * steepest);
         }
     }
 }
 
-/// η/dt of a step in time: short steps where cells move fast, and ever longer ones as they come to rest.
-fn euler_rate(extremes: Extremes, residual: f64) -> f64 {
-    let Extremes { steepest, strongest, .. } = extremes;
+/// η/dt of a step in time of a cell of area 1, from the steepest slope per area and the strongest force: short steps where cells
+/// move fast, and ever longer ones as they come to rest.
+fn euler_rate([steepest, strongest]: [f64; 2], residual: f64) -> f64 {
     steepest / PACE * (residual / (SLOW * strongest)).min(1.0)
 }
 

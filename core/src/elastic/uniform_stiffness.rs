@@ -123,7 +123,7 @@ impl UniformStiffnessStep {
             self.stiffness = self.stiffness.max(model.uniform_stiffness());
         };
         // As A δ = r − c δ, the elastic forces need not be computed.
-        let (springs, stiffness) = (model.springs, self.stiffness);
+        let (springs, stiffness) = (&model.springs, self.stiffness);
         change(&mut pulls, |j, pull| pull - residual[j] + (stiffness - springs.of(j)) * by[j]);
         self.pulls = Some(pulls);
         Ok(by)
@@ -131,8 +131,8 @@ impl UniformStiffnessStep {
 }
 
 impl InterfaceModel {
-    /// c, the sum of K_0 and the largest F_j' that a cell may still meet.
+    /// c, the sum of the largest K_0j and the largest F_j' that a cell may still meet.
     pub fn uniform_stiffness(&self) -> f64 {
-        self.cells.largest_tangent() + self.springs.stiffness()
+        self.cells.largest_tangent() + self.springs.largest()
     }
 }

@@ -93,9 +93,7 @@ impl Ensemble {
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
-        if size == 0 {
-            return Err(Error::invalid("size", "at least one contact", size));
-        }
+        has_contacts(size)?;
         contacts.check(&initial)?;
         if let Some(Ageing::MeanField { .. }) = contacts.rules.ageing {
             let expected =
@@ -115,6 +113,15 @@ impl Ensemble {
         Self { first, ..self }
     }
 
+    /// The same with another number of contacts, which represent the same real ones.
+    ///
+    /// # Errors
+    /// No contacts.
+    pub fn of_size(self, size: usize) -> Result<Self> {
+        has_contacts(size)?;
+        Ok(Self { size, ..self })
+    }
+
     /// Number of contacts drawn.
     pub fn size(&self) -> usize {
         self.size
@@ -129,6 +136,11 @@ impl Ensemble {
     pub fn initial(&self) -> &Initial {
         &self.initial
     }
+}
+
+/// Refuses an ensemble without contacts.
+fn has_contacts(size: usize) -> Result<()> {
+    if size > 0 { Ok(()) } else { Err(Error::invalid("size", "at least one contact", size)) }
 }
 
 /// Whether a contact of any threshold can re-form below it.

@@ -34,6 +34,12 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Instantaneous tangent dF/dX, the stiffness of the attached contacts.
     fn tangent(&self) -> f64;
 
+    /// Area that they take, as a multiple of that for which K_0, η and M of a cell of an interface are given: these are
+    /// proportional to it, as the force is.
+    fn area(&self) -> f64 {
+        1.0
+    }
+
     /// Friction force and viscosity of the contacts that are free.
     fn free_friction(&self) -> FreeFriction {
         FreeFriction::default()

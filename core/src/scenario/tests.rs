@@ -252,6 +252,7 @@ fn cells() -> Interface {
         slip: None,
         viscosity: None,
         disorder: Some(Scales { std: Some(0.1), ..Scales::default() }),
+        areas: None,
         drive_tolerance: Interface::DRIVE_TOLERANCE,
         catalogue_from: 0.0,
         mass: None,

@@ -22,17 +22,20 @@ impl Model {
         }
     }
 
-    /// Adds the background force of each of the `cells` of an interface to the forces in its record, and the friction coefficient
-    /// of all cells together. Cells move forward only, so that the background force changes nothing else.
-    pub(super) fn add_background_of_cells(&self, cells: usize, record: &mut Record) {
+    /// Adds the background force of each of the `cells` of an interface, proportional to their `areas` of mean 1, to the forces in its
+    /// record, and the friction coefficient of all cells together. Cells move forward only, so that the background force changes nothing else.
+    pub(super) fn add_background_of_cells(&self, cells: usize, areas: Option<&[f64]>, record: &mut Record) {
+        let of_cell = |cell: usize| areas.map_or(1.0, |areas| areas[cell % areas.len()]) * self.background;
         let cells = cells as f64;
         for variable in &mut record.variables {
-            let force = match variable.name.as_str() {
-                "cell_force" => self.background,
-                "force" | "event_force_before" | "event_force_after" => cells * self.background,
-                _ => continue,
-            };
-            variable.values.iter_mut().for_each(|value| *value += force);
+            let values = variable.values.iter_mut();
+            match variable.name.as_str() {
+                "cell_force" => values.enumerate().for_each(|(i, value)| *value += of_cell(i)),
+                "force" | "event_force_before" | "event_force_after" => {
+                    values.for_each(|value| *value += cells * self.background);
+                }
+                _ => {}
+            }
         }
         add_coefficient("force", self.normal_load.map(|load| cells * load), record);
     }

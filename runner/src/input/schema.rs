@@ -118,6 +118,7 @@ fn combinations() -> Vec<Value> {
                 key("interface.viscosity"),
                 key("interface.mass"),
                 key("interface.disorder"),
+                key("interface.areas"),
                 key("interface.coupling.half_space"),
                 key("ensemble.size"),
                 key("contacts.stiffness_per_threshold"),
@@ -131,6 +132,7 @@ fn combinations() -> Vec<Value> {
             edge,
             any(["contacts.background_force", "contacts.background_coefficient", "renormalisation"].map(key)),
         ),
+        refuses(key("interface.areas"), key("interface.coupling.half_space")),
         refuses(
             key("interface.disorder.std"),
             any(["interface.disorder.file", "interface.disorder.scale"].map(key)),

@@ -1,4 +1,4 @@
-//! Cells that share one friction curve, F_j(X) = s_j F(X/s_j), so that the state of a cell is its advance.
+//! Cells that share one friction curve, F_j(X) = a_j s_j F(X/s_j), so that the state of a cell is its advance.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,8 @@ use super::cell::Cell;
 use super::curve::{Curve, LANES};
 use super::tabulate::CurveTable;
 use super::{
-    CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, Standing, checked,
+    CellAreas, CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, Standing,
+    checked,
 };
 use crate::elastic::batch::{change, change_chunks, fill_with, gather, largest};
 use crate::monitor::Monitor;
@@ -18,7 +19,8 @@ use crate::{Error, Result};
 ///
 /// All cells start from the state of the population. After all contacts of a cell have broken together it follows the curve
 /// of contacts that have just re-formed. The scale s_j of a cell multiplies thresholds and the stretches at which contacts
-/// re-form, hence lengths and forces, but not stiffness.
+/// re-form, hence lengths and forces, but not stiffness. Its area a_j multiplies the number of contacts, hence forces, stiffness
+/// and energies, but not lengths.
 #[derive(Debug)]
 pub struct Curves {
     /// The curve from the start.
@@ -32,7 +34,9 @@ pub struct Curves {
     courses: Vec<CellCourse>,
     /// s_j; empty where all are 1.
     scales: Vec<f64>,
-    largest_scale: f64,
+    areas: CellAreas,
+    /// The largest a_j s_j.
+    largest_strength: f64,
     /// Lower bound of the distance from any cell to the end of its tabulated curve; 0 where it has to be computed anew.
     margin: f64,
     /// Energies and breaks of the cells before their contacts last re-formed together.
@@ -78,7 +82,8 @@ impl Curves {
             advances: vec![0.0; number],
             courses: vec![CellCourse::First; number],
             scales: Vec::new(),
-            largest_scale: 1.0,
+            areas: CellAreas::default(),
+            largest_strength: 1.0,
             margin: 0.0,
             settled: CellEnergies::default(),
             marked: Vec::new(),
@@ -93,15 +98,33 @@ impl Curves {
     /// Another number of scales than of cells; a scale that is not a finite number above 0, naming its cell.
     pub fn scaled(mut self, scales: Vec<f64>) -> Result<Self> {
         checked(&scales, self.advances.len())?;
-        self.largest_scale = scales.iter().fold(0.0, |most, scale| scale.max(most));
         (self.scales, self.margin) = (scales, 0.0);
+        self.largest_strength = self.find_largest_strength();
         Ok(self)
+    }
+
+    /// The same cells with areas a_j, one for each: a_j times the contacts, and a_j times the force.
+    ///
+    /// # Errors
+    /// Those of [`CellAreas::new`].
+    pub fn with_areas(mut self, areas: Vec<f64>) -> Result<Self> {
+        self.areas = CellAreas::new(areas, self.advances.len())?;
+        self.largest_strength = self.find_largest_strength();
+        Ok(self)
+    }
+
+    fn find_largest_strength(&self) -> f64 {
+        let batch = self.batch();
+        largest(self.advances.len(), |cell| {
+            let cell = batch.cell(cell);
+            cell.area * cell.scale
+        })
     }
 
     /// The data that threads share.
     fn batch(&self) -> Batch<'_> {
-        let Self { first, fresh, advances, courses, scales, .. } = self;
-        Batch { first: &first.curve, fresh: &fresh.curve, advances, courses, scales }
+        let Self { first, fresh, advances, courses, scales, areas, .. } = self;
+        Batch { first: &first.curve, fresh: &fresh.curve, advances, courses, scales, areas }
     }
 
     /// Extends the curves to cover an advance of all cells by `most`. Returns true if they had to be extended.
@@ -156,6 +179,7 @@ struct Batch<'a> {
     advances: &'a [f64],
     courses: &'a [CellCourse],
     scales: &'a [f64],
+    areas: &'a CellAreas,
 }
 
 impl Batch<'_> {
@@ -163,7 +187,8 @@ impl Batch<'_> {
     fn cell(&self, cell: usize) -> Cell<'_> {
         let curve = if self.is_renewed(cell) { self.fresh } else { self.first };
         let scale = if self.scales.is_empty() { 1.0 } else { self.scales[cell] };
-        Cell { curve, advance: self.advances[cell], scale, free: self.courses[cell] == CellCourse::Free }
+        let (advance, free) = (self.advances[cell], self.courses[cell] == CellCourse::Free);
+        Cell { curve, advance, scale, area: self.areas.of(cell), free }
     }
 
     /// Whether its contacts have all broken together.
@@ -208,14 +233,18 @@ impl Batch<'_> {
         let (advances, by) = (&self.advances[cells.clone()], &by[cells.clone()]);
         let mut scales = [1.0; LANES];
         if !self.scales.is_empty() {
-            scales.copy_from_slice(&self.scales[cells]);
+            scales.copy_from_slice(&self.scales[cells.clone()]);
+        }
+        let mut areas = [1.0; LANES];
+        if let Some(all) = self.areas.all() {
+            areas.copy_from_slice(&all[cells]);
         }
         let places = std::array::from_fn(|lane| (advances[lane] + by[lane]) / scales[lane]);
         let [carried, slopes] = curve.responses(places);
         for lane in 0..LANES {
-            forces[lane] -= scales[lane] * carried[lane];
+            forces[lane] -= areas[lane] * scales[lane] * carried[lane];
+            tangents[lane] = areas[lane] * slopes[lane];
         }
-        tangents.copy_from_slice(&slopes);
     }
 
     /// Energies and breaks of a cell since its contacts last re-formed together, at an advance since then.
@@ -230,11 +259,15 @@ impl Cells for Curves {
     }
 
     fn extremes(&self) -> Extremes {
-        self.first.extremes().and(self.fresh.extremes()).scaled(self.largest_scale)
+        self.first.extremes().and(self.fresh.extremes()).scaled(self.largest_strength, self.areas.largest())
     }
 
     fn error(&self) -> f64 {
-        self.largest_scale * self.first.error().max(self.fresh.error())
+        self.largest_strength * self.first.error().max(self.fresh.error())
+    }
+
+    fn areas(&self) -> CellAreas {
+        self.areas.clone()
     }
 
     fn extend_curves(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<bool> {
@@ -249,7 +282,9 @@ impl Cells for Curves {
             };
             gather(self.len(), || f64::INFINITY, |least: f64, cell| least.min(place(cell)), f64::min)
         };
-        self.first.largest_tangent(nearest(false)).max(self.fresh.largest_tangent(nearest(true)))
+        let steepest =
+            self.first.largest_tangent(nearest(false)).max(self.fresh.largest_tangent(nearest(true)));
+        self.areas.largest() * steepest
     }
 
     fn residual(
@@ -298,7 +333,7 @@ impl Cells for Curves {
         // All contacts of the cell break and re-form: it keeps the elastic energy of re-formed contacts, and
         // the rest is dissipated.
         let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
-        let done = batch.cell(cell).done(by).renewed(newborn.elastic);
+        let done = batch.cell(cell).done(by).renewed(newborn.elastic, batch.areas.of(cell));
         self.detached.insert(cell, DetachedCell { done: done - begun, course: self.courses[cell] });
         self.settled = self.settled + CellEnergies { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;

@@ -1,5 +1,6 @@
 //! The contacts of all cells of an interface as one batch: functions take and fill slices with one value per cell.
 
+mod areas;
 mod cell;
 mod curve;
 mod curves;
@@ -7,6 +8,7 @@ mod populations;
 mod scales;
 mod tabulate;
 
+pub use areas::CellAreas;
 pub use curves::Curves;
 pub use populations::Populations;
 pub use scales::scales;
@@ -25,7 +27,7 @@ pub struct CellEnergies {
     pub elastic: f64,
     /// Energy dissipated in breaks: Σ over breaks of ½k x_b², minus the ½k r² of re-formed contacts.
     pub lost: f64,
-    /// Breaks, per contact of a cell.
+    /// Breaks, per contact of a cell of area 1.
     pub broken: f64,
 }
 
@@ -38,11 +40,18 @@ impl CellEnergies {
         Self { work: energy * self.work, elastic: energy * self.elastic, lost: energy * self.lost, ..self }
     }
 
-    /// The energies after all contacts have broken and re-formed with the elastic energy `newborn`.
+    /// The energies and breaks of a cell of this area.
     #[must_use]
-    pub(super) fn renewed(self, newborn: f64) -> Self {
+    pub(super) fn of_area(self, area: f64) -> Self {
+        let Self { work, elastic, lost, broken } = self;
+        Self { work: area * work, elastic: area * elastic, lost: area * lost, broken: area * broken }
+    }
+
+    /// The energies after all contacts of a cell of this area have broken and re-formed with the elastic energy `newborn`.
+    #[must_use]
+    pub(super) fn renewed(self, newborn: f64, area: f64) -> Self {
         let lost = self.lost + self.elastic - newborn;
-        Self { lost, broken: self.broken + 1.0, elastic: newborn, ..self }
+        Self { lost, broken: self.broken + area, elastic: newborn, ..self }
     }
 }
 
@@ -123,9 +132,9 @@ impl Extremes {
         }
     }
 
-    /// The extremes of cells of this scale.
-    fn scaled(self, scale: f64) -> Self {
-        Self { strongest: scale * self.strongest, ..self }
+    /// The extremes of cells whose forces are at most `strength` times and whose slopes are at most `area` times as large.
+    fn scaled(self, strength: f64, area: f64) -> Self {
+        Self { strongest: strength * self.strongest, steepest: area * self.steepest, ..self }
     }
 }
 
@@ -146,6 +155,11 @@ pub trait Cells: std::fmt::Debug + Send + Sync {
     /// Whether there are no cells.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Areas of the cells; each is 1 unless they are given. What acts on a cell per area is multiplied by them.
+    fn areas(&self) -> CellAreas {
+        CellAreas::default()
     }
 
     /// Largest slope and force of their curves.

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
 use super::tabulate::CurveTable;
-use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, checked};
+use super::{
+    CellAreas, CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, checked,
+};
 use crate::elastic::batch::{all, change_chunks, fill_with, gather, largest};
 use crate::monitor::{Monitor, report};
 use crate::population::{Direction, Population};
@@ -21,6 +23,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub struct Populations {
     cells: Vec<PopulationCell>,
+    areas: CellAreas,
     /// Extremes of the tabulated curves, now and at the mark.
     known: Extremes,
     known_at_mark: Extremes,
@@ -33,6 +36,8 @@ struct PopulationCell {
     first: Arc<dyn Population>,
     /// s.
     scale: f64,
+    /// a.
+    area: f64,
     now: SinceReset,
     /// Advances X/s at which its contacts re-formed all together, each since the one before.
     resets: Vec<f64>,
@@ -80,6 +85,7 @@ impl PopulationCell {
             now: SinceReset::new(first.clone(), CellEnergies::default(), monitor)?,
             first,
             scale: 1.0,
+            area: 1.0,
             resets: Vec::new(),
             marked: (0.0, CellEnergies::default()),
             detached: None,
@@ -88,7 +94,7 @@ impl PopulationCell {
 
     fn on_curve(&self) -> Cell<'_> {
         let SinceReset { table, advance, free, .. } = &self.now;
-        Cell { curve: &table.curve, advance: *advance, scale: self.scale, free: *free }
+        Cell { curve: &table.curve, advance: *advance, scale: self.scale, area: self.area, free: *free }
     }
 
     /// Whether its curve covers an advance.
@@ -113,8 +119,8 @@ impl PopulationCell {
         let place = self.on_curve().place(by);
         let mut now =
             SinceReset::new(renewed(&*self.now.base, place, monitor)?, CellEnergies::default(), monitor)?;
-        let newborn = now.table.curve.energies(0.0).scaled(self.scale);
-        now.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(newborn.elastic) };
+        let newborn = now.table.curve.energies(0.0).scaled(self.scale).of_area(self.area);
+        now.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(newborn.elastic, self.area) };
         now.free = true;
         self.resets.push(place);
         self.detached = Some(Box::new(std::mem::replace(&mut self.now, now)));
@@ -225,8 +231,12 @@ impl Populations {
     pub fn new(populations: Vec<Box<dyn Population>>, monitor: &mut dyn Monitor) -> Result<Self> {
         let cells: Result<Vec<PopulationCell>> =
             populations.into_iter().map(|p| PopulationCell::new(p, monitor)).collect();
-        let mut populations =
-            Self { cells: cells?, known: Extremes::default(), known_at_mark: Extremes::default() };
+        let mut populations = Self {
+            cells: cells?,
+            areas: CellAreas::default(),
+            known: Extremes::default(),
+            known_at_mark: Extremes::default(),
+        };
         populations.know();
         Ok(populations)
     }
@@ -243,11 +253,23 @@ impl Populations {
         Ok(self)
     }
 
+    /// The same cells with areas a_j, one for each; see [`super::Curves::with_areas`].
+    ///
+    /// # Errors
+    /// Those of [`CellAreas::new`].
+    pub fn with_areas(mut self, areas: Vec<f64>) -> Result<Self> {
+        self.areas = CellAreas::new(areas, self.len())?;
+        self.cells.iter_mut().enumerate().for_each(|(j, cell)| cell.area = self.areas.of(j));
+        self.known = Extremes::default();
+        self.know();
+        Ok(self)
+    }
+
     /// Updates the extremes of the tabulated curves.
     fn know(&mut self) {
         let most = |known: Extremes, cell: usize| {
-            let PopulationCell { scale, now: SinceReset { table, .. }, .. } = &self.cells[cell];
-            known.and(table.extremes().scaled(*scale))
+            let PopulationCell { scale, area, now: SinceReset { table, .. }, .. } = &self.cells[cell];
+            known.and(table.extremes().scaled(area * scale, *area))
         };
         self.known = gather(self.len(), || self.known, most, Extremes::and);
     }
@@ -260,6 +282,10 @@ impl Cells for Populations {
 
     fn extremes(&self) -> Extremes {
         self.known
+    }
+
+    fn areas(&self) -> CellAreas {
+        self.areas.clone()
     }
 
     fn extend_curves(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<bool> {
@@ -278,7 +304,7 @@ impl Cells for Populations {
     fn largest_tangent(&self) -> f64 {
         let from = |cell: usize| {
             let own = &self.cells[cell];
-            own.now.table.largest_tangent(own.on_curve().place(0.0))
+            own.area * own.now.table.largest_tangent(own.on_curve().place(0.0))
         };
         largest(self.len(), from)
     }

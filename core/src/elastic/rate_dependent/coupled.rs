@@ -136,7 +136,7 @@ impl CoupledCells<'_> {
         let mut excess = vec![0.0; positions.len()];
         self.0.forces(&positions, &mut excess, &mut watch)?;
         for (j, (excess, guess)) in excess.iter_mut().zip(guesses).enumerate() {
-            *excess += stage.equation.connection(j) * (stage.drive - positions[j]);
+            *excess += stage.equation.connection(j, &stage.from[j]) * (stage.drive - positions[j]);
             *excess -= guess.force + stage.drag(j, guess.advance);
         }
         Ok(excess)

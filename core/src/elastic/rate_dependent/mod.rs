@@ -35,20 +35,20 @@ use slips::{MotionSnapshot, Seen, Slips};
 /// How an interface is driven in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateDependentInterfaceParameters {
-    /// K_0, stiffness of the spring from a cell to the drive, force per length.
+    /// K_0, stiffness of the spring from a cell of area 1 to the drive, force per length.
     pub connection: f64,
     /// Which cells have such a spring.
     pub loading: CellLoading,
-    /// M, mass of a cell, 0 or above.
+    /// M, mass of a cell of area 1, 0 or above.
     pub mass: f64,
-    /// η, viscous force on a cell per velocity, 0 or above; mass or viscosity limit the velocity of slip.
+    /// η, viscous force on a cell of area 1 per velocity, 0 or above; mass or viscosity limit the velocity of slip.
     pub viscosity: f64,
     /// Tolerance of a step in time: the largest error of the position of a cell, a length.
     pub tolerance: f64,
     /// Fraction of the contacts of a cell that breaks in the smallest event: above 0 for contacts so few that each break makes
     /// its cell slip a little.
     pub slip_fraction: f64,
-    /// Area of a cell; `None` where areas are counted in cells.
+    /// Area of a cell of relative area 1; `None` where areas are counted in cells.
     pub area: Option<f64>,
 }
 
@@ -140,7 +140,7 @@ struct Stored {
 }
 
 impl RateDependentInterface {
-    /// The interface in balance with the present stretches of its contacts, at a mean position of 0: at rest, or, where
+    /// The interface in balance with the present stretches of its contacts, at a mean position of 0 weighted by area: at rest, or, where
     /// contacts slide steadily, at their velocity, which must then be the same in all cells.
     ///
     /// # Errors
@@ -191,14 +191,16 @@ impl RateDependentInterface {
             background: 0.0,
             arrest: Arrest::Stand,
         };
-        let pull = connected as f64 * connection;
+        let areas: Vec<f64> = contacts.iter().map(|contacts| contacts.area()).collect();
+        let pull = areas[..connected].iter().sum::<f64>() * connection;
         // At this drive the springs carry the total friction force, and the drag of steady sliding. The equilibrium
         // positions solve a linear system, because contacts do not move with them.
         let resistance = |contacts: &dyn RateDependentContacts| {
-            contacts.force() + viscosity * contacts.steady_velocity().unwrap_or(0.0)
+            contacts.force() + contacts.area() * viscosity * contacts.steady_velocity().unwrap_or(0.0)
         };
         let drive = contacts.iter().map(|contacts| resistance(contacts.as_ref())).sum::<f64>() / pull;
-        let springs: Vec<f64> = (0..number).map(|j| equation.connection(j)).collect();
+        let spring = |j: usize| if j < connected { areas[j] * connection } else { 0.0 };
+        let springs: Vec<f64> = (0..number).map(spring).collect();
         let balance = springs
             .iter()
             .zip(&contacts)
@@ -217,7 +219,7 @@ impl RateDependentInterface {
             },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
-            slips: Slips::new(number, slip_fraction, area, mass > 0.0),
+            slips: Slips::new(areas, slip_fraction, area, mass > 0.0),
             rates: None,
             path: (drive, drive),
         };
@@ -280,12 +282,29 @@ impl RateDependentInterface {
 
     /// Fraction of detached contacts.
     pub fn free(&self) -> f64 {
-        self.motion.cells.iter().map(|cell| cell.contacts.free()).sum::<f64>() / self.len() as f64
+        self.mean(|cell| cell.contacts.free())
     }
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.motion.cells.iter().map(|cell| cell.energies().broken).sum::<f64>() / self.len() as f64
+        self.mean(|cell| cell.energies().broken)
+    }
+
+    /// Mean position of the cells, weighted by their areas, a length.
+    pub fn mean_position(&self) -> f64 {
+        self.mean(|cell| cell.position)
+    }
+
+    /// Mean velocity of the cells, weighted by their areas.
+    pub fn mean_velocity(&self) -> f64 {
+        self.mean(|cell| cell.velocity)
+    }
+
+    /// Mean of a value of each cell, weighted by area.
+    fn mean(&self, of: impl Fn(&SlidingCell) -> f64) -> f64 {
+        let cells = &self.motion.cells;
+        let area: f64 = cells.iter().map(|cell| cell.area).sum();
+        cells.iter().map(|cell| cell.area * of(cell)).sum::<f64>() / area
     }
 
     /// Estimates the error from now on ([`RateDependentInterface::error`]). Steps take about three times as long, since contacts
@@ -499,7 +518,8 @@ impl RateDependentInterface {
     /// Stored energies at present.
     fn stored(&self) -> Stored {
         let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
-        let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
+        let cells = &self.motion.cells;
+        let spring = |j: usize| 0.5 * equation.connection(j, &cells[j]) * (drive - positions[j]).powi(2);
         let add = |sum: ContactEnergies, cell: &SlidingCell| {
             let energies = cell.energies();
             ContactEnergies {
@@ -507,7 +527,7 @@ impl RateDependentInterface {
                 lost: sum.lost + energies.lost,
                 strengthening: sum.strengthening + energies.strengthening,
                 sliding: sum.sliding + energies.sliding,
-                broken: sum.broken + energies.broken,
+                broken: sum.broken + cell.area * energies.broken,
             }
         };
         Stored {

@@ -1,4 +1,4 @@
-//! Contacts whose lengths are larger than those of others.
+//! Contacts whose lengths are larger than those of others, and cells of a larger area.
 
 use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
@@ -6,11 +6,13 @@ use crate::monitor::Monitor;
 use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 
-/// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
+/// Contacts all of whose lengths, and with them forces, are s times those of others, and of which there are a times as many, on an
+/// area a times as large: F(X, t) = a s F̂(X/s, t).
 #[derive(Debug)]
 pub struct Scaled {
     contacts: Box<dyn RateDependentContacts>,
     scale: f64,
+    area: f64,
 }
 
 impl Scaled {
@@ -20,9 +22,20 @@ impl Scaled {
     /// A scale that is not above 0.
     pub fn new(contacts: Box<dyn RateDependentContacts>, scale: f64) -> Result<Self> {
         if scale > 0.0 && scale.is_finite() {
-            return Ok(Self { contacts, scale });
+            return Ok(Self { contacts, scale, area: 1.0 });
         }
         Err(Error::invalid("scale", "a scale above 0, so that thresholds are", scale))
+    }
+
+    /// The same on an area `area` times as large.
+    ///
+    /// # Errors
+    /// An area that is not above 0.
+    pub fn on_area(self, area: f64) -> Result<Self> {
+        if area > 0.0 && area.is_finite() {
+            return Ok(Self { area: area * self.area, ..self });
+        }
+        Err(Error::invalid("area", "a number above 0", area))
     }
 }
 
@@ -36,23 +49,27 @@ impl RateDependentContacts for Scaled {
     }
 
     fn force(&self) -> f64 {
-        self.scale * self.contacts.force()
+        self.area * self.scale * self.contacts.force()
     }
 
     fn tangent(&self) -> f64 {
-        self.contacts.tangent()
+        self.area * self.contacts.tangent()
+    }
+
+    fn area(&self) -> f64 {
+        self.area
     }
 
     fn free_friction(&self) -> FreeFriction {
         let FreeFriction { force, viscosity } = self.contacts.free_friction();
-        FreeFriction { force: self.scale * force, viscosity }
+        FreeFriction { force: self.area * self.scale * force, viscosity: self.area * viscosity }
     }
 
     fn energies(&self) -> ContactEnergies {
         let energies = self.contacts.energies();
         let ContactEnergies { elastic, lost, strengthening, sliding, .. } = energies;
-        let [elastic, lost, strengthening, sliding] =
-            [elastic, lost, strengthening, sliding].map(|energy| self.scale * self.scale * energy);
+        let [elastic, lost, strengthening, sliding] = [elastic, lost, strengthening, sliding]
+            .map(|energy| self.area * (self.scale * self.scale * energy));
         ContactEnergies { elastic, lost, strengthening, sliding, ..energies }
     }
 
@@ -90,13 +107,12 @@ impl RateDependentContacts for Scaled {
     }
 
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
-        let scaled =
-            |contacts| Box::new(Self { contacts, scale: self.scale }) as Box<dyn RateDependentContacts>;
+        let scaled = |contacts| Box::new(Self { contacts, ..*self }) as Box<dyn RateDependentContacts>;
         self.contacts.rough().map(scaled)
     }
 
     fn copy(&self) -> Box<dyn RateDependentContacts> {
-        Box::new(Self { contacts: self.contacts.copy(), scale: self.scale })
+        Box::new(Self { contacts: self.contacts.copy(), ..*self })
     }
 
     fn state(&self) -> ContactsState {

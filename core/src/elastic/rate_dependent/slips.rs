@@ -41,9 +41,12 @@ pub(super) struct Slips {
     /// Fraction of the contacts of a cell that breaks in the smallest event.
     #[serde(skip)]
     fraction: f64,
-    /// Area of a cell, if it has one.
+    /// Area of a cell of relative area 1, if it has one.
     #[serde(skip)]
     pub area: Option<f64>,
+    /// Relative areas a_j of the cells.
+    #[serde(skip)]
+    areas: Vec<f64>,
     /// Whether cells have a mass.
     #[serde(skip)]
     inertial: bool,
@@ -123,9 +126,9 @@ impl OpenEvent {
 }
 
 impl Slips {
-    pub fn new(cells: usize, fraction: f64, area: Option<f64>, inertial: bool) -> Self {
-        let (slipping, member) = (vec![false; cells], vec![None; cells]);
-        Self { fraction, area, inertial, slipping, member, events: Vec::new(), next: 0 }
+    pub fn new(areas: Vec<f64>, fraction: f64, area: Option<f64>, inertial: bool) -> Self {
+        let (slipping, member) = (vec![false; areas.len()], vec![None; areas.len()]);
+        Self { fraction, area, areas, inertial, slipping, member, events: Vec::new(), next: 0 }
     }
 
     /// Updates the events after a step between two snapshots, at a velocity of the drive.
@@ -231,20 +234,22 @@ impl Slips {
         }
         let all = |of: fn(&Seen) -> f64| started.iter().map(|s| part(of, s)).sum::<f64>();
         let (time, drive, force_before) = event.begun;
-        let (number, cells) = (started.len(), self.member.len());
+        let area_of = |s: &Started| self.areas[s.cell];
+        let slipped_area: f64 = started.iter().map(area_of).sum();
+        let on_area = |of: &dyn Fn(&Started) -> f64| started.iter().map(|s| area_of(s) * of(s)).sum::<f64>();
         let slip = |s: &Started| part(|seen| seen.position, s);
         let slipped: Vec<Slipped> =
             started.iter().map(|s| Slipped { cell: s.cell, start: s.time - time, slip: slip(s) }).collect();
-        let mean = |of: &dyn Fn(&Started) -> f64| started.iter().map(of).sum::<f64>() / number as f64;
+        let mean = |of: &dyn Fn(&Started) -> f64| on_area(of) / slipped_area;
         let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape());
         let area = self.area.unwrap_or(1.0);
         let event = Event {
             drive,
             time,
             epicentre: started[0].cell,
-            cells: number,
-            area: area * number as f64,
-            moment: area * all(|seen| seen.position),
+            cells: started.len(),
+            area: area * slipped_area,
+            moment: area * on_area(&slip),
             duration: end.time - time,
             front_speed_left,
             front_speed_right,
@@ -252,7 +257,7 @@ impl Slips {
             position_after: mean(&|s| end.cells[s.cell].position),
             force_before,
             force_after: end.force(),
-            broken_fraction: all(|seen| seen.broken) / cells as f64,
+            broken_fraction: on_area(&|s| part(|seen| seen.broken, s)) / self.areas.iter().sum::<f64>(),
             dissipated_breaks: all(|seen| seen.lost),
             dissipated_slip: all(|seen| seen.viscous),
         };
@@ -272,7 +277,8 @@ impl Slips {
     /// Restores the state of an interface of the same parameters.
     pub fn resume(&mut self, kept: Self) {
         let Self { fraction, area, inertial, .. } = *self;
-        *self = Self { fraction, area, inertial, ..kept };
+        let areas = std::mem::take(&mut self.areas);
+        *self = Self { fraction, area, areas, inertial, ..kept };
     }
 }
 
@@ -305,7 +311,7 @@ mod tests {
 
     fn ended(velocities: &[[f64; 9]], fraction: f64) -> Vec<(Event, Vec<Slipped>)> {
         let coupling = neighbours(Shape::Chain(9), Edges::Open, 1.0).unwrap();
-        let mut slips = Slips::new(9, fraction, None, false);
+        let mut slips = Slips::new(vec![1.0; 9], fraction, None, false);
         let mut all = Vec::new();
         for pair in looks(velocities).windows(2) {
             slips.pass(&pair[0], &pair[1], 1.0, coupling.as_ref());

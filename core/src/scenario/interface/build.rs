@@ -53,7 +53,7 @@ impl Interface {
     }
 
     /// Cells whose contacts move together. They follow the master equation, or are those of an `ensemble`: `size` contacts in
-    /// each cell, the first ones in the first cell.
+    /// each cell of mean area, the first ones in the first cell.
     ///
     /// # Errors
     /// What the master equation, the ensemble, cells and couplings refuse; stopped by the monitor.
@@ -68,18 +68,21 @@ impl Interface {
         let length = contacts.thresholds.mean();
         let scales = self.disorder.as_ref().map(|scales| scales.build(self.size())).transpose();
         let scales = scales.map_err(|e| e.under("interface"))?;
+        let areas = self.relative_areas();
         let cells: Box<dyn Cells> = match ensemble {
             Some(ensemble) => {
                 let drawn = self.drawn(&ensemble.build(contacts, initial.clone())?, monitor)?;
                 let cells = Populations::new(drawn, monitor)?;
-                Box::new(if let Some(scales) = scales { cells.scaled(&scales)? } else { cells })
+                let cells = if let Some(scales) = scales { cells.scaled(&scales)? } else { cells };
+                Box::new(if let Some(areas) = areas { cells.with_areas(areas)? } else { cells })
             }
             None => {
                 let aside = &mut Aside { fraction: 0.0, monitor };
                 let population =
                     MasterEquation::new_with(contacts, initial, aside)?.population_with(tolerance, aside)?;
                 let cells = Curves::new_with(&population, self.size(), monitor)?;
-                Box::new(if let Some(scales) = scales { cells.scaled(scales)? } else { cells })
+                let cells = if let Some(scales) = scales { cells.scaled(scales)? } else { cells };
+                Box::new(if let Some(areas) = areas { cells.with_areas(areas)? } else { cells })
             }
         };
         let aside = &mut Aside { fraction: 0.0, monitor };
@@ -88,7 +91,7 @@ impl Interface {
     }
 
     /// Cells that move in time. Time-dependent contacts are solved by transport with a `tolerance`, athermal ones by the master
-    /// equation, or they are those of an `ensemble`: `size` contacts in each cell, the first ones in the first cell. `step` is the
+    /// equation, or they are those of an `ensemble`: `size` contacts in each cell of mean area, the first ones in the first cell. `step` is the
     /// tolerance of a step of a cell, a length.
     ///
     /// # Errors
@@ -109,12 +112,17 @@ impl Interface {
             CellStart::Initial(initial) if !contacts.rules.are_time_dependent() => {
                 self.athermal_in_time(contacts, initial, tolerance, ensemble, monitor)?
             }
-            _ => rate_dependent(contacts, &scales, start, tolerance, ensemble, monitor)?,
+            _ => {
+                let sizes = ensemble.map(|ensemble| self.contacts_of_cells(ensemble.size()));
+                let ensemble = ensemble.zip(sizes.as_deref());
+                rate_dependent(contacts, &scales, start, tolerance, ensemble, monitor)?
+            }
         };
-        let scaled = |(cell, &scale): (_, &f64)| -> Result<Box<dyn RateDependentContacts>> {
-            Ok(Box::new(Scaled::new(cell, scale)?))
+        let areas = self.relative_areas().unwrap_or_else(|| vec![1.0; self.size()]);
+        let scaled = |((cell, &scale), &area): ((_, &f64), &f64)| -> Result<Box<dyn RateDependentContacts>> {
+            Ok(Box::new(Scaled::new(cell, scale)?.on_area(area)?))
         };
-        let cells = cells.into_iter().zip(&scales).map(scaled).collect::<Result<_>>()?;
+        let cells = cells.into_iter().zip(&scales).zip(&areas).map(scaled).collect::<Result<_>>()?;
         let elastic::InterfaceParameters { connection, loading, area, .. } = self.setting(1.0);
         let setting = RateDependentInterfaceParameters {
             connection,
@@ -195,11 +203,13 @@ impl Interface {
         ensemble: &crate::ensemble::Ensemble,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Box<dyn Population>>> {
-        let cell = |cell: usize| -> Result<Box<dyn Population>> {
-            let first = (cell * ensemble.size()) as u64;
-            Ok(Box::new(ensemble.clone().numbered_from(first).population_with(monitor)?))
+        let mut first = 0;
+        let cell = |size: usize| -> Result<Box<dyn Population>> {
+            let cell = ensemble.clone().of_size(size)?.numbered_from(first);
+            first += size as u64;
+            Ok(Box::new(cell.population_with(monitor)?))
         };
-        (0..self.size()).map(cell).collect()
+        self.contacts_of_cells(ensemble.size()).into_iter().map(cell).collect()
     }
 
     /// Athermal contacts of each cell, in units of its scale.
@@ -261,19 +271,20 @@ impl Interface {
     }
 }
 
-/// Time-dependent contacts of cells of these scales, in units of these.
+/// Time-dependent contacts of cells of these scales, in units of these. An ensemble has so many contacts in each cell.
 fn rate_dependent(
     contacts: &Contacts,
     scales: &[f64],
     start: CellStart<'_>,
     tolerance: f64,
-    ensemble: Option<&Ensemble>,
+    ensemble: Option<(&Ensemble, &[usize])>,
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<Box<dyn RateDependentContacts>>> {
     // Cells of the same temperature, and, in steady sliding, of the same velocity, share one solution, which takes long to
     // compute.
     let mut alike: HashMap<[Option<u64>; 2], Transport> = HashMap::new();
     let each = 1.0 / scales.len() as f64;
+    let mut first = 0;
     let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
         let monitor = &mut Part::new(monitor, cell as f64 * each, each);
         report(monitor, 0.0)?;
@@ -285,12 +296,12 @@ fn rate_dependent(
             CellStart::Steady(velocity) => Some((velocity / scale).to_bits()),
         };
         let cell: Box<dyn RateDependentContacts> = match ensemble {
-            Some(ensemble) => {
-                let first = (cell * ensemble.size()) as u64;
+            Some((ensemble, sizes)) => {
                 let CellStart::Initial(initial) = start else { return Err(no_steady_ensemble()) };
-                Box::new(
-                    ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time_with(monitor)?,
-                )
+                let drawn = ensemble.build(contacts, initial.clone())?.of_size(sizes[cell])?;
+                let drawn = drawn.numbered_from(first);
+                first += sizes[cell] as u64;
+                Box::new(drawn.in_time_with(monitor)?)
             }
             None => Box::new(match alike.entry([energy, velocity]) {
                 Entry::Occupied(known) => known.get().clone(),

@@ -160,6 +160,7 @@ impl Interface {
     fn many(&self, ensemble: Option<&Ensemble>, bytes: [f64; 2]) -> Result<()> {
         let check = || {
             self.shape()?.check(self.edges)?;
+            self.check_areas()?;
             self.disorder.as_ref().map_or(Ok(()), |scales| scales.try_out(self.size()))
         };
         check().map_err(|e| e.under("interface"))?;
@@ -218,6 +219,7 @@ impl Interface {
             ("mass", self.mass.is_some(), "slide at once", "one"),
             ("slip_rates", self.slip_rates.is_some(), "slide at once", "a number of steps"),
             ("disorder", self.disorder.is_some(), "draw their thresholds from contacts.thresholds", "one"),
+            ("areas", self.areas.is_some(), "are all alike but for their thresholds", "areas"),
             ("loading", self.loading == CellLoading::Edge, "are all pulled by the drive", "edge"),
         ];
         if let Some((key, _, why, found)) = given.into_iter().find(|given| given.1) {

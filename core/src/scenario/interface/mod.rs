@@ -1,5 +1,6 @@
 //! `[interface]`: cells, or single contacts, coupled by the elasticity of a slider that deforms.
 
+mod areas;
 mod build;
 mod check;
 mod main_shocks;
@@ -63,6 +64,13 @@ pub struct Interface {
     /// How cells of many contacts differ; without this table they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disorder: Option<Scales>,
+    /// Area of each cell of many contacts, above 0, row by row of the lattice, in any unit: only ratios to the mean area count. The
+    /// numbers of contacts, the stiffness of `connection`, `mass`, `viscosity` and the normal load are those of a cell of mean
+    /// area, and proportional to the area; springs between neighbours are not. Without it all cells have the same area. Not for
+    /// `coupling.half_space`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-dimension" = "1"))]
+    pub areas: Option<Vec<f64>>,
     /// Accuracy of the drive at which equilibrium is lost, in mean thresholds; with time-dependent contacts there is no such
     /// drive, and `master_equation.tolerance` is the accuracy of a step of a cell.
     #[serde(default = "drive_tolerance")]

@@ -87,7 +87,7 @@ impl DrivenInterface for DrivenCells {
     }
 
     fn trace(&self) -> Vec<f64> {
-        vec![mean(self.interface.positions()), self.force()]
+        vec![self.interface.mean_position(), self.force()]
     }
 
     fn maps(&self) -> Vec<Vec<f64>> {
@@ -123,11 +123,6 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
         add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
     }
     record
-}
-
-/// Mean of the values of all cells.
-pub fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Calls `next` for one slide after the other until there have been `most` events. Returns whether there are no more slides.

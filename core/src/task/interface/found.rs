@@ -20,6 +20,8 @@ pub struct CellColumns<'a> {
     model: &'a Model,
     /// Number of populations of contacts.
     populations: usize,
+    /// Areas of the cells relative to their mean, unless all are alike.
+    areas: Option<Vec<f64>>,
     /// The columns that number the cells.
     sides: Vec<Column>,
 }
@@ -27,7 +29,8 @@ pub struct CellColumns<'a> {
 impl<'a> CellColumns<'a> {
     /// Those of the cells that `interface` describes.
     pub fn of(model: &'a Model, interface: &Interface) -> Self {
-        Self { model, populations: contacts_of_all(interface), sides: sides_of(interface) }
+        let (populations, areas) = (contacts_of_all(interface), interface.relative_areas());
+        Self { model, populations, areas, sides: sides_of(interface) }
     }
 }
 
@@ -103,14 +106,14 @@ impl<'a> Found<'a> {
     /// They cannot be stored.
     pub fn put_into_store(&mut self) -> Result<()> {
         let Some(store) = &mut self.store else { return Ok(()) };
-        let CellColumns { model, populations, sides } = &self.described;
+        let CellColumns { model, populations, areas, sides } = &self.described;
         let (no_events, none_slipped) = (without_values(&self.events), without_values(&self.slipped));
         let mut record = events(
             std::mem::replace(&mut self.events, no_events),
             std::mem::replace(&mut self.slipped, none_slipped),
         );
         add_maps(self.maps_of, self.maps.iter_mut().map(std::mem::take), sides, &mut record);
-        model.add_background_of_cells(*populations, &mut record);
+        model.add_background_of_cells(*populations, areas.as_deref(), &mut record);
         self.stored = true;
         record.variables.iter().try_for_each(|variable| store.append(variable))
     }

@@ -9,7 +9,7 @@ use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, CellStart, Model};
 use crate::{Error, Result};
 
-use super::cells::{from_slide_to_slide, mean, slipped};
+use super::cells::{from_slide_to_slide, slipped};
 use super::model::DrivenInterface;
 use crate::task::finite_size_tolerance;
 
@@ -232,7 +232,7 @@ impl DrivenInterface for DrivenRateDependentCells {
 
     fn trace(&self) -> Vec<f64> {
         let Self { interface, .. } = self;
-        vec![self.time(), mean(&interface.positions()), mean(&interface.velocities()), self.force()]
+        vec![self.time(), interface.mean_position(), interface.mean_velocity(), self.force()]
     }
 
     fn maps(&self) -> Vec<Vec<f64>> {

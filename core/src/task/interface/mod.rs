@@ -209,7 +209,8 @@ fn drive<D: DrivenInterface>(
     let numbers = InterfaceNumbers { catalogue };
     let mut record = record::<D>(interface, output_points, found);
     record.variables.extend(rates.variables);
-    model.add_background_of_cells(contacts_of_all(interface), &mut record);
+    let areas = interface.relative_areas();
+    model.add_background_of_cells(contacts_of_all(interface), areas.as_deref(), &mut record);
     let output = Output { seed: seed(model, interface), sample: None, ..Output::new(model, numbers, record) };
     match error {
         Some(force) => accuracy(model, force).of(model, "the force of a cell", output),

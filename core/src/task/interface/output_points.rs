@@ -80,6 +80,7 @@ mod tests {
             viscosity: None,
             mass: None,
             disorder: None,
+            areas: None,
             drive_tolerance: 1e-6,
             catalogue_from: 0.0,
             slip_rates: None,
