@@ -68,9 +68,7 @@ impl Page {
     /// A picture with its caption.
     pub fn picture(&mut self, name: &str, caption: &str, scene: Scene) {
         let scene = cut(scene);
-        let size = format!("width=\"{}\" height=\"{}\"", scene.width, scene.height);
-        let scaled = format!("{size} viewBox=\"0 0 {} {}\"", scene.width, scene.height);
-        let drawn = SvgBackend::new().render_scene(&scene).replacen(&size, &scaled, 1);
+        let drawn = with_view_box(&SvgBackend::new().render_scene(&scene));
         self.pictures.push((format!("{name}.svg"), typography::typeset(&drawn, "")));
         self.text(&format!("![{caption}]({name}.svg)\n\n*{caption}*"));
     }
@@ -96,6 +94,17 @@ impl Page {
         }
         fs::write(folder.join("index.md"), text.trim_end().to_owned() + "\n")
     }
+}
+
+/// A picture that can be scaled. Its size is read from its head, where it is rounded.
+fn with_view_box(picture: &str) -> String {
+    let value = |name: &str| {
+        let (_, after) = picture.split_once(&format!("{name}=\"")).expect("a size");
+        after.split_once('"').expect("a quote").0
+    };
+    let height = format!("height=\"{}\"", value("height"));
+    let scaled = format!("{height} viewBox=\"0 0 {} {}\"", value("width"), value("height"));
+    picture.replacen(&height, &scaled, 1)
 }
 
 /// A number with two digits, as a power of ten where it is small.
