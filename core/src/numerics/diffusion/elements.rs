@@ -231,13 +231,15 @@ impl Elements {
     }
 
     /// Joins neighbours where one element represents both to `allowed`(lower end, half width), but never
-    /// across the positions `kept`.
+    /// across the positions `kept`. Widths of neighbours that are joined differ little, unless a narrow one is alone among wide
+    /// ones and need not be kept for a floor that rises.
     #[must_use]
-    pub fn coarsened(mut self, allowed: impl Fn(f64, f64) -> f64, kept: &[f64]) -> Self {
+    pub fn coarsened(mut self, allowed: impl Fn(f64, f64) -> f64, kept: &[f64], rises: bool) -> Self {
         let mut i = 0;
         // A joint element may be joinable with the one before it: one step back after each success.
         while i + 1 < self.count() {
-            if let Some(joint) = self.joint(i, &allowed).filter(|_| !kept.contains(&self.edges[i + 1])) {
+            if let Some(joint) = self.joint(i, &allowed, rises).filter(|_| !kept.contains(&self.edges[i + 1]))
+            {
                 self.edges.remove(i + 1);
                 self.series.remove(i + 1);
                 self.series[i] = joint;
@@ -251,12 +253,11 @@ impl Elements {
 
     /// One series for an element and the next, if it represents both.
     ///
-    /// Their widths differ little, so that a layer that spreads meets elements that grow with the distance from it, unless the
-    /// narrow one is alone among wide ones: left so after a jump has become smooth, it would limit the steps in time by the
-    /// rounding of the flux through it.
-    fn joint(&self, i: usize, allowed: &impl Fn(f64, f64) -> f64) -> Option<Nodal> {
+    /// Their widths differ little, so that a layer that spreads meets elements that grow with the distance from it. A narrow one
+    /// that is left alone after a jump has become smooth would limit the steps in time by the rounding of the flux through it.
+    fn joint(&self, i: usize, allowed: &impl Fn(f64, f64) -> f64, rises: bool) -> Option<Nodal> {
         let narrower = if self.width(i) < self.width(i + 1) { i } else { i + 1 };
-        if self.differ_much(i, i + 1) && !self.is_alone(narrower) {
+        if self.differ_much(i, i + 1) && (rises || !self.is_alone(narrower)) {
             return None;
         }
         let (low, high) = (self.edges[i], self.edges[i + 2]);
@@ -324,7 +325,7 @@ mod tests {
         let fine = Elements::of(bell, &[0.0, 0.3, 1.0], |_| 1e-15, 1e-6);
         let moments = |p: &Elements| p.sums(|h| [1.0, h, h * h]);
         let cut = fine.on(&[0.0, 0.11, 0.2, 0.3, 0.5, 0.6, 0.9, 1.0]);
-        let joined = cut.clone().coarsened(|_, half| 1e-13 / half, &[]);
+        let joined = cut.clone().coarsened(|_, half| 1e-13 / half, &[], false);
         assert!(joined.count() < cut.count());
         for other in [&cut, &joined] {
             for (a, b) in moments(&fine).iter().zip(moments(other)) {
@@ -339,11 +340,11 @@ mod tests {
     #[test]
     fn an_element_far_narrower_than_its_neighbours_is_joined_with_them() {
         let narrow = Elements::of(bell, &[0.0, 0.5, 0.5 + 1e-9, 1.0], |_| 1e-15, 1e-6);
-        let joined = narrow.clone().coarsened(|_, half| 1e-13 / half, &[]);
+        let joined = narrow.clone().coarsened(|_, half| 1e-13 / half, &[], false);
         let narrowest = |p: &Elements| (0..p.count()).map(|i| p.width(i)).fold(f64::INFINITY, f64::min);
         // The tolerance of elements bounds their width from below, of a bell of this width at about a fifth of it.
         assert!(narrowest(&narrow) < 1e-8 && narrowest(&joined) > 0.02, "{}", narrowest(&joined));
-        let kept = narrow.coarsened(|_, half| 1e-13 / half, &[0.5]);
+        let kept = narrow.coarsened(|_, half| 1e-13 / half, &[0.5], false);
         assert!(kept.edges.contains(&0.5));
     }
 

@@ -99,7 +99,7 @@ impl Evolution<'_> {
         let (floor, near) = (density.edges[0], self.unsmoothed(&density));
         let allowed =
             |low: f64, half: f64| 0.1 * self.tolerance / counted_half_width(low - floor, half, near);
-        let mut start = density.coarsened(allowed, self.kinks);
+        let mut start = density.coarsened(allowed, self.kinks, self.velocity > 0.0);
         for tries in 0.. {
             let motion = self.motion(&start, limit - self.time);
             let lost = |done: f64, place: f64| {
