@@ -317,7 +317,7 @@ class Stability(NamedTuple):
 
 
 class SimulatedStickSlip(NamedTuple):
-    """What a slider does over single contacts, in simulations of other contacts each.
+    """What a slider does over single contacts, in simulations with different contacts.
 
     Standard deviations are those of one simulation about the mean of all.
 

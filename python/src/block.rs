@@ -296,7 +296,7 @@ impl Block {
     ///
     /// The slider is moved until its motion decides, first behind its own spring, then behind others: the stiffness at
     /// which persistent stick-slip ends is bisected, down to 1e-3 of the stiffness of all contacts. With a size, this is
-    /// repeated over that many single contacts, in several simulations of other contacts each, in which an event is a slip
+    /// repeated over that many single contacts, in several simulations with different contacts, in which an event is a slip
     /// if it breaks more than the slip_fraction of the block.
     ///
     /// Parameters

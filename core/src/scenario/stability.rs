@@ -23,8 +23,8 @@ pub struct Stability {
     /// The two stiffnesses that enclose the end of persistent stick-slip have a ratio up to 1 plus this number; from 1e-4 to 1.
     #[schemars(extend("minimum" = 1e-4, "maximum" = 1, "x-dimension" = "1"))]
     pub resolution: f64,
-    /// Number of simulations of single contacts, each of other ones, beside the master equation; 1 or more. Requires
-    /// `[ensemble]`, whose `size` is the number of contacts of each simulation.
+    /// Number of simulations with different single contacts, beside the master equation; 1 or more. Requires `[ensemble]`,
+    /// whose `size` is the number of contacts of each simulation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 1, "default" = 10))]
     pub simulations: Option<usize>,

@@ -1,4 +1,4 @@
-//! Stick-slip over N single contacts: what simulations of other contacts each answer, and how their answers scatter.
+//! Stick-slip over N single contacts: the answers of simulations with different contacts, and their scatter.
 
 use super::stick_slip::{Springs, StickSlipStability};
 use super::summary::{Extended, SimulatedStickSlip, StickSlipKind};
@@ -21,7 +21,7 @@ pub struct StickSlipScatter {
 }
 
 /// As [`stick_slip_stability`](super::stick_slip_stability), and in addition the answers over the single contacts of the ensemble
-/// of `model`, in `simulations` simulations with other contacts each. An event is a slip if it breaks more than
+/// of `model`, in `simulations` simulations with different contacts. An event is a slip if it breaks more than
 /// `block.slip_fraction` of the contacts, and breaks of single contacts set off small slips at any stiffness: with few contacts
 /// stick-slip may be found to persist above the stiffness at which it ends for infinitely many, with smaller drops of the force.
 ///

@@ -41,7 +41,7 @@ pub struct StickSlipNumbers {
     pub ensemble: Option<SimulatedStickSlip>,
 }
 
-/// What a slider does over the single contacts of an ensemble, in simulations of other contacts each. Standard deviations are
+/// What a slider does over the single contacts of an ensemble, in simulations with different contacts. Standard deviations are
 /// those of one simulation about the mean of all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimulatedStickSlip {
