@@ -2076,12 +2076,12 @@ class Interface(Deformable):
     disorder
         The standard deviation of the scale factors of cells, which multiply all lengths of their contacts and are
         drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
+    seed
+        The seed of these scale factors and of single contacts.
     areas
         The area of each cell, row by row, in any unit: only ratios to the mean area count. The numbers of contacts,
         connection, viscosity and mass are those of a cell of mean area, and proportional to the area; neighbours is
         not. None for cells of the same area, and on a half-space.
-    seed
-        The seed of these scale factors and of single contacts.
     drive_tolerance
         The accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for time-dependent
         contacts.
