@@ -91,6 +91,7 @@ def test_whether_single_contacts_stick_and_slip() -> None:
 
 
 def test_a_map_of_single_contacts_has_a_picture() -> None:
+    pytest.importorskip("matplotlib")
     result = asp.run(
         {
             "contacts": {"thresholds": {"gaussian": {"mean": 1.0, "std": 0.1}}},
