@@ -71,6 +71,18 @@ function difference(a, b) {
  */
 const allowed = (name) => (name === "force_std" ? 1e-7 : 1e-10);
 
+/** The values of variables by their names. */
+const valuesOf = (variables) => new Map(variables.map(({ name, values }) => [name, values]));
+
+/** The same with the cells that slipped in an event in the order of their numbers: rounding decides which of two begins first. */
+function byCell(values) {
+  const [events, cells] = [values.get("slipped_event"), values.get("slipped_cell")];
+  if (!events) return values;
+  const order = events.map((_, i) => i).sort((a, b) => events[a] - events[b] || cells[a] - cells[b]);
+  const ordered = ([name, all]) => [name, name.startsWith("slipped_") ? order.map((i) => all[i]) : all];
+  return new Map([...values].map(ordered));
+}
+
 test("uPlot in the repository is that of npm", () => {
   const [own, published] = ["uplot/", "node_modules/uplot/dist/"].map((folder) => new URL(folder, import.meta.url));
   for (const name of ["uPlot.iife.min.js", "uPlot.min.css"]) {
@@ -81,23 +93,24 @@ test("uPlot in the repository is that of npm", () => {
 test("the engine is small", () => {
   const compressed = execFileSync("gzip", ["-9", "-c", module], { maxBuffer: 2 ** 26 }).length;
   console.log(`the engine has ${(compressed / 1e6).toFixed(2)} MB compressed`);
-  assert.ok(compressed <= 1.21e6, `${compressed} bytes`);
+  assert.ok(compressed <= 1.2e6, `${compressed} bytes`);
 });
 
 test("WebAssembly and native code agree on the shipped scenarios", async () => {
   const folder = fileURLToPath(new URL("../scenarios", import.meta.url));
   const compared = [];
   for (const name of readdirSync(folder).filter((name) => name.endsWith(".toml"))) {
-    // Cells at equal distances from the edge, and neighbours of equal area, begin to slip together; rounding decides which is first.
-    if (name === "precursors-edge.toml" || name === "unequal-cells.toml") continue;
+    // Cells at equal distances from the edge begin to slip together, and rounding decides which is first.
+    if (name === "precursors-edge.toml") continue;
     const request = { text: readFileSync(join(folder, name), "utf8"), parts: ["task"] };
     // The engine of a page has no fits.
     if (/^\[fit/m.test(request.text)) continue;
-    const expected = (await native(request, 2000))?.task?.record.variables;
-    if (!expected) continue;
+    const variables = (await native(request, 2000))?.task?.record.variables;
+    if (!variables) continue;
     const reported = [];
-    const found = new Map(webAssembly((fraction) => reported.push(fraction))(request).task.record.variables.map((variable) => [variable.name, variable.values]));
-    for (const { name: variable, values } of expected) {
+    const expected = byCell(valuesOf(variables));
+    const found = byCell(valuesOf(webAssembly((fraction) => reported.push(fraction))(request).task.record.variables));
+    for (const [variable, values] of expected) {
       const far = difference(values, found.get(variable));
       assert.ok(far <= allowed(variable), `${name}: ${variable} ${far}`);
     }

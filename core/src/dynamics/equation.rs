@@ -2,8 +2,8 @@
 
 use super::{Arrest, SlidingCell};
 
-/// Coefficients of the equation of motion. The stiffness of the spring, the mass and the viscosity are those of a cell of area 1, and
-/// proportional to its area.
+/// Coefficients of the equation of motion. The stiffness of the spring, the mass and the viscosity are those of a cell of area
+/// 1, and proportional to the area.
 #[derive(Debug, Clone, Copy)]
 pub struct EquationOfMotion {
     /// Stiffness K_0 of the spring from a cell to the drive.

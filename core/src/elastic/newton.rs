@@ -46,8 +46,8 @@ pub(super) struct MonotoneStep {
 impl InterfaceModel {
     /// A step that passes no balance: Newton's method with an upper bound of the slopes (J. M. Ortega and W. C. Rheinboldt,
     /// *Iterative Solution of Nonlinear Equations in Several Variables*, SIAM 2000, chapter 13,
-    /// doi:10.1137/1.9780898719468). None where d + A is not positive definite, or hardly so. `rate` is η/dt of a cell of area 1, and
-    /// `rounding` the rounding error of the residual.
+    /// doi:10.1137/1.9780898719468). None where d + A is not positive definite, or hardly so. `rate` is η/dt of a cell of
+    /// area 1, and `rounding` the rounding error of the residual.
     ///
     /// If D_j ≥ F_j' on the way that cell j takes, plus K_0j + η_j/dt, the step (D + A)⁻¹ r leaves a residual ≥ 0 where it
     /// was ≥ 0, because (D + A)⁻¹ has no negative entry. So all cells move forward, and none passes the nearest balance

@@ -48,8 +48,8 @@ pub struct InterfaceParameters {
     pub loading: CellLoading,
     /// Slip rule.
     pub slip: CellSlip,
-    /// η, viscous force on a cell of area 1 per velocity during slides, above 0. Slides then have a duration, during which the drive is at
-    /// rest. Without viscosity slides end in the same states and have no duration.
+    /// η, viscous force on a cell of area 1 per velocity during slides, above 0. Slides then have a duration, during which
+    /// the drive is at rest. Without viscosity slides end in the same states and have no duration.
     pub viscosity: Option<f64>,
     /// Tolerance on the drive at which balance is lost, a length.
     pub drive_tolerance: f64,

@@ -22,8 +22,9 @@ impl Model {
         }
     }
 
-    /// Adds the background force of each of the `cells` of an interface, proportional to their `areas` of mean 1, to the forces in its
-    /// record, and the friction coefficient of all cells together. Cells move forward only, so that the background force changes nothing else.
+    /// Adds the background force of each of the `cells` of an interface, proportional to their `areas` of mean 1, to the forces in
+    /// its record, and the friction coefficient of all cells together. Cells move forward only, so that the background force changes
+    /// nothing else.
     pub(super) fn add_background_of_cells(&self, cells: usize, areas: Option<&[f64]>, record: &mut Record) {
         let of_cell = |cell: usize| areas.map_or(1.0, |areas| areas[cell % areas.len()]) * self.background;
         let cells = cells as f64;

@@ -9,6 +9,9 @@ use sha2::{Digest, Sha256};
 use super::fault::Fault;
 use super::{short, text};
 
+/// Whether there is a file system. The code that reads files is left out of WebAssembly, which has none.
+const HAS_FILES: bool = cfg!(not(target_family = "wasm"));
+
 /// Replaces every `file` key by the content of the file, whose path is relative to `folder`; without a folder, no file is read.
 pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Fault> {
     for (key, table) in scenario.tables() {
@@ -101,15 +104,18 @@ impl Measured<'_> {
     }
 }
 
-/// Where a file is.
+/// Where a file is, unless there is no folder or no file system.
 fn place(folder: Option<&Path>, file: &str) -> Result<PathBuf, Fault> {
     let refused =
         || Fault::new("the values themselves, since no files are read here", &format!("\"{}\"", short(file)));
-    Ok(folder.ok_or_else(refused)?.join(file))
+    Ok(folder.filter(|_| HAS_FILES).ok_or_else(refused)?.join(file))
 }
 
 /// Which file was read.
 fn source(path: &Path, name: String) -> Result<FitSource, Fault> {
+    if !HAS_FILES {
+        unreachable!("no file has a place without a file system");
+    }
     let bytes = fs::read(path);
     let bytes = bytes.map_err(|why| Fault::new("a file that can be read", &why.to_string()))?;
     let digits = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
@@ -149,6 +155,9 @@ fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
 
 /// The number of the layout of a CSV file, among the given ones, and its columns. The heading of a single column is optional.
 fn read_one_of(path: &Path, layouts: &[&[&str]]) -> Result<(usize, Vec<Vec<f64>>), Fault> {
+    if !HAS_FILES {
+        unreachable!("no file has a place without a file system");
+    }
     let name = path.display();
     let expected = layouts.iter().map(|columns| columns.join(",")).collect::<Vec<_>>().join(" or ");
     let expected = format!("a CSV file with columns {expected}");

@@ -548,7 +548,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::law::Gaussian;
+    use crate::law::{Exponential, Gaussian};
 
     #[test]
     fn between_gaussians_thresholds_are_those_of_the_closed_form() {
@@ -572,6 +572,34 @@ mod tests {
                 assert!((aged.spread(newborn) - std / 0.1).abs() < 1e-5, "{age} {z}");
                 // Bisection to rounding.
                 assert!((aged.newborn(found) - newborn).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// Towards an exponential distribution of mean 1 thresholds diffuse with a constant drift above a reflecting end.
+    #[test]
+    fn towards_an_exponential_distribution_thresholds_are_those_of_reflected_brownian_motion() {
+        let time = 2.0;
+        let newborn: SharedLaw = Arc::new(Gaussian::new(0.5, 0.2).unwrap());
+        let mature: SharedLaw = Arc::new(Exponential::new(1.0).unwrap());
+        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 1.0 / time);
+        let ranks = RankTable::new(&newborn, &maturing, time, &mut ()).unwrap();
+        let normal = |u: f64| 0.5 * libm::erfc(-u * std::f64::consts::FRAC_1_SQRT_2);
+        // J. M. Harrison, Brownian Motion and Stochastic Flow Systems (1985): the fraction below h of those that began at h_0,
+        // with the drift −D and the variance 2Dt.
+        let below = |h: f64, born: f64, age: f64| {
+            let (moved, width) = (age / time, (2.0 * age / time).sqrt());
+            normal((h - born + moved) / width) - (-h).exp() * normal((-h - born + moved) / width)
+        };
+        for age in [0.05, 0.5, 3.0, 20.0] {
+            for rank in [0.02, 0.3, 0.5, 0.8, 0.99] {
+                let threshold = ranks.at(age).threshold(newborn.quantile(rank));
+                let of = |born: f64| newborn.density(born) * below(threshold, born, age);
+                // Sixteen points on each standard deviation, up to where 1e-13 of the newborn thresholds are left.
+                let found: f64 =
+                    (0..10).map(f64::from).map(|k| RULE.integrate(0.2 * k, 0.2 * (k + 1.0), of)).sum();
+                // The table's own estimate, and rounding.
+                assert!((found - rank).abs() < ranks.error() + 1e-12, "{age} {rank}: {:e}", found - rank);
             }
         }
     }

@@ -231,8 +231,11 @@ impl Elements {
     }
 
     /// Joins neighbours where one element represents both to `allowed`(lower end, half width), but never
-    /// across the positions `kept`. Widths of neighbours that are joined differ little, unless a narrow one is alone among wide
-    /// ones and need not be kept for a floor that rises.
+    /// across the positions `kept`.
+    ///
+    /// Widths of elements that are joined differ little, so that a layer that spreads meets elements that grow with the distance
+    /// from it. A floor that `rises` keeps all narrow elements, which resolve the layer above it. Otherwise one that is left alone
+    /// among wide ones after a jump has become smooth is joined, too: the rounding of the flux through it would limit the steps.
     #[must_use]
     pub fn coarsened(mut self, allowed: impl Fn(f64, f64) -> f64, kept: &[f64], rises: bool) -> Self {
         let mut i = 0;
@@ -252,9 +255,6 @@ impl Elements {
     }
 
     /// One series for an element and the next, if it represents both.
-    ///
-    /// Their widths differ little, so that a layer that spreads meets elements that grow with the distance from it. A narrow one
-    /// that is left alone after a jump has become smooth would limit the steps in time by the rounding of the flux through it.
     fn joint(&self, i: usize, allowed: &impl Fn(f64, f64) -> f64, rises: bool) -> Option<Nodal> {
         let narrower = if self.width(i) < self.width(i + 1) { i } else { i + 1 };
         if self.differ_much(i, i + 1) && (rises || !self.is_alone(narrower)) {

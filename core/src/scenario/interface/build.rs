@@ -91,8 +91,8 @@ impl Interface {
     }
 
     /// Cells that move in time. Time-dependent contacts are solved by transport with a `tolerance`, athermal ones by the master
-    /// equation, or they are those of an `ensemble`: `size` contacts in each cell of mean area, the first ones in the first cell. `step` is the
-    /// tolerance of a step of a cell, a length.
+    /// equation, or they are those of an `ensemble`: `size` contacts in each cell of mean area, the first ones in the first
+    /// cell. `step` is the tolerance of a step of a cell, a length.
     ///
     /// # Errors
     /// What transport, the ensemble, cells and couplings refuse; an ensemble in steady sliding.
