@@ -142,9 +142,9 @@ impl ThresholdFokkerPlanck {
         tolerance: f64,
         stops: &'a dyn Fn() -> bool,
     ) -> Evolution<'a> {
-        /// The narrowest element at a jump of the density, in units of the width of P_cf.
+        /// The narrowest element at a jump of the density, in units of the width of the narrower distribution.
         const FINEST: f64 = 1e-5;
-        let finest = FINEST * self.width();
+        let finest = FINEST * self.width().min(self.newborn.std());
         Evolution {
             density: self.fresh_density(self.support.0, |_| 0.1 * tolerance, finest),
             field: Field { slope, diffusion: self.diffusion, loss: None },

@@ -27,8 +27,8 @@ const SPREAD: f64 = 2.0 * FAR / (RANKS - 1) as f64;
 const SPACING: f64 = 0.04;
 const OLDEST: f64 = 200.0;
 
-/// s in units of the time in which the distribution of fresh thresholds changes, given its width; if it has
-/// jumps, these change at once.
+/// s in units of τ, or of the time in which diffusion broadens a narrower distribution of fresh thresholds by its own width; if it
+/// has jumps, these change at once.
 const SOON: f64 = 0.2;
 const AT_ONCE: f64 = 1e-6;
 
@@ -160,10 +160,10 @@ impl RankTable {
         let mean = newborn.mean();
         let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
         let edged = newborn.breakpoints().iter().any(jumps);
-        // The time in which diffusion broadens the fresh distribution by its own width. The table
+        // The time in which diffusion broadens the fresh distribution by its own width, in units of τ. The table
         // must resolve it; edges change faster than any width.
-        let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
-        let soon = if edged { AT_ONCE } else { own };
+        let own = (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
+        let soon = own * if edged { AT_ONCE } else { SOON };
         if soon <= AT_ONCE {
             return Self::starting(newborn, maturing, time, soon, monitor);
         }
@@ -238,21 +238,17 @@ impl RankTable {
         let mut most = 0.0_f64;
         for rank in 1..RANKS - 1 {
             ask()?;
-            // Errors of thresholds are converted to fractions of contacts, in which all ranks count
-            // alike.
-            let contacts = contacts_at(psi(rank));
-            let per_length = |row: &[f64]| contacts * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
             for row in (every / 2..older).step_by(every) {
                 let stencil = Stencil::at(row as f64 / every as f64, ages + 1);
                 let interpolated = stencil.value(|age| self.rows[age * every][rank]);
-                most = most.max((interpolated - self.rows[row][rank]).abs() * per_length(&self.rows[row]));
+                most = most.max(contacts_between(&self.rows[row], rank, interpolated));
             }
             if rank % every == every / 2 && rank < farther {
                 for row in &self.rows {
                     // The values left out are known: the difference is the interpolation error at this spacing.
                     let interpolated =
                         Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
-                    most = most.max((interpolated - row[rank]).abs() * per_length(row));
+                    most = most.max(contacts_between(row, rank, interpolated));
                 }
             }
         }
@@ -420,6 +416,15 @@ fn contacts_at(psi: f64) -> f64 {
     1.0 / ((1.0 + psi.exp()) * (1.0 + (-psi).exp()))
 }
 
+/// The fraction of contacts between a tabulated rank and a threshold, given the thresholds of all ranks at one age.
+fn contacts_between(row: &[f64], rank: usize, threshold: f64) -> f64 {
+    let above = row.partition_point(|h| *h <= threshold);
+    let between = |low: usize| low as f64 + (threshold - row[low]) / (row[low + 1] - row[low]);
+    let place = above.checked_sub(1).map_or(0.0, |low| if above < RANKS { between(low) } else { low as f64 });
+    let below = |place: f64| 1.0 / (1.0 + (FAR - SPREAD * place).exp());
+    (below(place) - below(rank as f64)).abs()
+}
+
 /// The tabulated rank beyond which ψ lies, if it lies beyond one.
 fn end(psi: f64) -> Option<usize> {
     (psi.abs() > FAR).then_some(if psi < 0.0 { 0 } else { RANKS - 1 })
@@ -548,7 +553,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::law::{Exponential, Gaussian};
+    use crate::law::{Exponential, Gaussian, Rectangular};
 
     #[test]
     fn between_gaussians_thresholds_are_those_of_the_closed_form() {
@@ -572,6 +577,35 @@ mod tests {
                 assert!((aged.spread(newborn) - std / 0.1).abs() < 1e-5, "{age} {z}");
                 // Bisection to rounding.
                 assert!((aged.newborn(found) - newborn).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// Towards a Gaussian distribution thresholds are an Ornstein–Uhlenbeck process. The rectangular ones of c.v. 2e-4 have jumps,
+    /// which diffuse over a narrow distribution at once.
+    #[test]
+    fn towards_a_gaussian_distribution_thresholds_between_jumps_are_those_of_the_ornstein_uhlenbeck_process()
+    {
+        let (low, high) = (0.8, 0.8005);
+        let newborn: SharedLaw = Arc::new(Rectangular::new(low, high).unwrap());
+        let mature: SharedLaw = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
+        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 0.0025);
+        let ranks = RankTable::new(&newborn, &maturing, 1.0, &mut ()).unwrap();
+        // The estimate for the first ages, at which thresholds beside the jumps move like √t.
+        assert!(ranks.error() < 1e-7, "{:e}", ranks.error());
+        let normal = |u: f64| 0.5 * libm::erfc(-u * std::f64::consts::FRAC_1_SQRT_2);
+        // ∫ of the distribution function of the standard normal distribution.
+        let integral = |u: f64| u * normal(u) + (-0.5 * u * u).exp() / (2.0 * std::f64::consts::PI).sqrt();
+        for age in [1e-11_f64, 1e-9, 1e-7, 1e-5, 1e-3, 0.1, 1.0] {
+            let [low, high] = [low, high].map(|h| 1.0 - (1.0 - h) * (-age).exp());
+            let std = 0.05 * (-(-2.0 * age).exp_m1()).sqrt();
+            for rank in [1e-6, 1e-4, 0.02, 0.3, 0.5, 0.9, 0.999] {
+                let threshold = ranks.at(age).threshold(newborn.quantile(rank));
+                let below = |mean: f64| integral((threshold - mean) / std);
+                let found = std / (high - low) * (below(low) - below(high));
+                // Rounding of thresholds over the width: 1e-16/5e-4, and of the difference of integrals, at a width of 0.01 of
+                // the mature one.
+                assert!((found - rank).abs() < 1e-9, "{age} {rank}: {:e}", found - rank);
             }
         }
     }
