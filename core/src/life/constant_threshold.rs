@@ -1,7 +1,9 @@
 //! Thermal breaking of contacts with a constant threshold, in closed form.
 
 use crate::contacts::Barrier;
-use crate::numerics::incomplete::{cubic, dawson_by_table};
+use crate::numerics::exponential::exp;
+use crate::numerics::incomplete::{cubic, cubics, dawson_by_table, dawsons_by_table};
+use crate::numerics::legendre::{NODES, Nodal};
 
 /// Contacts with one threshold h that formed at one stretch r.
 ///
@@ -27,6 +29,17 @@ pub(super) struct ConstantThreshold {
     before: f64,
 }
 
+/// Sixteen groups of such contacts that formed at any one stretch.
+#[derive(Debug)]
+pub(super) struct ConstantThresholds {
+    barrier: Barrier,
+    thresholds: Nodal,
+    /// E_0/T.
+    wholes: Nodal,
+    /// s.
+    lengths: Nodal,
+}
+
 /// If the exponents differ by less, the closed form would cancel, and a Gauss rule is used.
 const ALIKE: f64 = 1.0 / 32.0;
 
@@ -43,13 +56,7 @@ const FEW: [(f64, f64); 6] = [
 impl ConstantThreshold {
     /// Contacts with the barrier E_0 = `whole` × T at zero stretch.
     pub(super) fn new(barrier: Barrier, threshold: f64, whole: f64, start: f64) -> Self {
-        // For tiny thresholds it would round to 0.
-        let whole = whole.max(f64::MIN_POSITIVE);
-        let length = match barrier {
-            Barrier::Elastic => threshold / whole.sqrt(),
-            Barrier::Bell => threshold / whole,
-            Barrier::Catastrophe => threshold / whole.cbrt().powi(2),
-        };
+        let (whole, length) = lengths(barrier, threshold, whole);
         let begun = whole * barrier.height_at(start, threshold);
         let mut constant = Self { barrier, threshold, whole, start, begun, length, before: 0.0 };
         constant.before = constant.gain(start) * (-begun).exp();
@@ -63,7 +70,7 @@ impl ConstantThreshold {
         let exponent = self.whole * self.barrier.height_at(stretch, self.threshold);
         let now = (-exponent).exp();
         if self.begun - exponent < ALIKE && self.before > 0.0 {
-            return (self.short(stretch, advance), now);
+            return (short(self.barrier, (self.threshold, self.whole), stretch, advance), now);
         }
         (self.length * (self.gain(stretch) * now - self.before), now)
     }
@@ -77,20 +84,110 @@ impl ConstantThreshold {
             Barrier::Catastrophe => cubic(((self.threshold - stretch).max(0.0) / self.length).sqrt()),
         }
     }
+}
 
-    /// The integral by a Gauss rule in q = √(1 − ξ/h), in which every barrier is smooth.
-    fn short(&self, stretch: f64, advance: f64) -> f64 {
-        let left = (1.0 - stretch / self.threshold).max(0.0);
-        // √(1 − r/h) from the advance, which for short advances is more accurate than the difference of
-        // stretches.
-        let (near, far) = (left.sqrt(), (left + advance / self.threshold).sqrt());
-        let half = 0.5 * advance / (self.threshold * (near + far).max(f64::MIN_POSITIVE));
-        let term = |(t, weight): (f64, f64)| {
-            let q = near + half * (1.0 + t);
-            weight * q * (-self.whole * self.barrier.height(1.0 - q * q)).exp()
-        };
-        2.0 * self.threshold * half * FEW.into_iter().map(term).sum::<f64>()
+impl ConstantThresholds {
+    /// Contacts with these thresholds, and the barriers E_0 = `wholes` × T at zero stretch.
+    pub(super) fn new(barrier: Barrier, thresholds: Nodal, wholes: Nodal) -> Self {
+        let both: [_; NODES] = std::array::from_fn(|i| lengths(barrier, thresholds[i], wholes[i]));
+        Self { barrier, thresholds, wholes: both.map(|both| both.0), lengths: both.map(|both| both.1) }
     }
+
+    /// ∫_r^x e^{−ΔE/T} dξ after an advance from r = `start`, and e^{−ΔE(x)/T}.
+    #[inline(always)]
+    pub(super) fn at(&self, start: f64, advance: f64) -> [Nodal; 2] {
+        let stretch = start + advance;
+        let (begun, exponents) = (self.exponents(start), self.exponents(stretch));
+        let (before, gains) = (self.gains(start), self.gains(stretch));
+        let (mut sums, mut now) = ([0.0; NODES], [0.0; NODES]);
+        for i in 0..NODES {
+            now[i] = exp(-exponents[i]);
+            sums[i] = self.lengths[i] * (gains[i] * now[i] - before[i] * exp(-begun[i]));
+        }
+        for i in 0..NODES {
+            if begun[i] - exponents[i] < ALIKE {
+                sums[i] = short(self.barrier, (self.thresholds[i], self.wholes[i]), stretch, advance);
+            }
+        }
+        [sums, now]
+    }
+
+    /// e^{−ΔE(x)/T}.
+    #[inline(always)]
+    pub(super) fn rates(&self, stretch: f64) -> Nodal {
+        let (exponents, mut out) = (self.exponents(stretch), [0.0; NODES]);
+        for i in 0..NODES {
+            out[i] = exp(-exponents[i]);
+        }
+        out
+    }
+
+    /// ΔE(x)/T.
+    #[inline(always)]
+    fn exponents(&self, stretch: f64) -> Nodal {
+        let mut out = self.wholes;
+        let missing = |h: f64| ((h - stretch) / h).max(0.0);
+        match self.barrier {
+            Barrier::Elastic => {
+                for i in 0..NODES {
+                    out[i] *= missing(self.thresholds[i]) * (1.0 + stretch / self.thresholds[i]);
+                }
+            }
+            Barrier::Bell => (0..NODES).for_each(|i| out[i] *= missing(self.thresholds[i])),
+            Barrier::Catastrophe => {
+                for i in 0..NODES {
+                    let missing = missing(self.thresholds[i]);
+                    out[i] *= missing * missing.sqrt();
+                }
+            }
+        }
+        out
+    }
+
+    /// G.
+    #[inline(always)]
+    fn gains(&self, stretch: f64) -> Nodal {
+        let mut places = [1.0; NODES];
+        match self.barrier {
+            Barrier::Elastic => {
+                (0..NODES).for_each(|i| places[i] = stretch / self.lengths[i]);
+                dawsons_by_table(&places)
+            }
+            Barrier::Bell => places,
+            Barrier::Catastrophe => {
+                for i in 0..NODES {
+                    places[i] = ((self.thresholds[i] - stretch).max(0.0) / self.lengths[i]).sqrt();
+                }
+                cubics(&places)
+            }
+        }
+    }
+}
+
+/// E_0/T, and s.
+fn lengths(barrier: Barrier, threshold: f64, whole: f64) -> (f64, f64) {
+    // For tiny thresholds it would round to 0.
+    let whole = whole.max(f64::MIN_POSITIVE);
+    let length = match barrier {
+        Barrier::Elastic => threshold / whole.sqrt(),
+        Barrier::Bell => threshold / whole,
+        Barrier::Catastrophe => threshold / whole.cbrt().powi(2),
+    };
+    (whole, length)
+}
+
+/// The integral by a Gauss rule in q = √(1 − ξ/h), in which every barrier is smooth.
+fn short(barrier: Barrier, (threshold, whole): (f64, f64), stretch: f64, advance: f64) -> f64 {
+    let left = (1.0 - stretch / threshold).max(0.0);
+    // √(1 − r/h) from the advance, which for short advances is more accurate than the difference of
+    // stretches.
+    let (near, far) = (left.sqrt(), (left + advance / threshold).sqrt());
+    let half = 0.5 * advance / (threshold * (near + far).max(f64::MIN_POSITIVE));
+    let term = |(t, weight): (f64, f64)| {
+        let q = near + half * (1.0 + t);
+        weight * q * (-whole * barrier.height(1.0 - q * q)).exp()
+    };
+    2.0 * threshold * half * FEW.into_iter().map(term).sum::<f64>()
 }
 
 #[cfg(test)]
@@ -118,6 +215,12 @@ mod tests {
                     sum / cells - 1.0
                 );
                 assert!((now / rate(start + advance) - 1.0).abs() < 2e-13);
+                let sixteen = ConstantThresholds::new(barrier, [threshold; NODES], [whole; NODES]);
+                let [sums, all_now] = sixteen.at(start, advance);
+                // Two ways to compute exponentials.
+                assert!(sums.iter().all(|other| (other / sum - 1.0).abs() < 1e-13), "{sums:?} {sum}");
+                assert!(all_now.iter().all(|other| (other / now - 1.0).abs() < 1e-14));
+                assert_eq!(sixteen.rates(start + advance), all_now);
             }
         }
     }

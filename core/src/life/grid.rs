@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
 use super::cells::{NEGLIGIBLE, edges, with_atoms};
+use super::constant_threshold::ConstantThresholds;
 use super::hazard_table::HazardSeries;
 use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt};
 use crate::contacts::{Label, NodalLabels, Rank, ThresholdEvolution};
@@ -42,6 +43,8 @@ pub(super) struct GridPart {
     /// The labels of its points and the ranks of its ends, found when first needed.
     labels: OnceLock<NodalLabels>,
     ranks: [OnceLock<Option<Rank>>; 2],
+    /// Its points where thresholds are constant, found when first needed.
+    constants: OnceLock<ConstantThresholds>,
     halves: Option<Box<[GridPart; 2]>>,
 }
 
@@ -275,6 +278,10 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
                     ThresholdGroups { newborn, weights, present: Some(present), broken, rates }
                 },
             ),
+            None if self.grid.evolution.is_constant() => {
+                let constants = part.constants.get_or_init(|| self.exposed.constants(part.points));
+                self.with_constants(part.points, weights, constants)
+            }
             None => Self::with(part.points, weights, |i| self.known.at(part.place + 1 + i)),
         };
         (self.visit)(&groups);
@@ -305,6 +312,9 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
                     ThresholdGroups { newborn, weights, present: Some(present), broken, rates }
                 },
             ),
+            None if self.grid.evolution.is_constant() => {
+                self.with_constants(newborn, weights, &self.exposed.constants(newborn))
+            }
             None => Self::with(newborn, weights, |i| self.exposed.hazards(newborn[i])),
         };
         (self.visit)(&groups);
@@ -317,6 +327,20 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
         let hazards = self.exposed.hazards(newborn);
         let groups = Self::with([newborn; NODES], weights, |_| hazards);
         (self.visit)(&groups);
+    }
+
+    /// Groups with constant thresholds.
+    fn with_constants(
+        &self,
+        newborn: Nodal,
+        weights: Nodal,
+        constants: &ConstantThresholds,
+    ) -> ThresholdGroups {
+        let [broken, rates] = vectorised(
+            #[inline(always)]
+            || self.exposed.hazards_of(constants),
+        );
+        ThresholdGroups { newborn, weights, present: Some(newborn), broken, rates }
     }
 
     /// Groups whose hazards are known one by one.
@@ -464,7 +488,8 @@ impl GridPart {
         let points = RULE.nodes.map(|t| middle + half * t);
         let weights = std::array::from_fn(|i| half * RULE.weights[i] * law.density(points[i]));
         let ranks = std::array::from_fn(|_| OnceLock::new());
-        Self { ends, points, weights, place, labels: OnceLock::new(), ranks, halves: None }
+        let (labels, constants) = (OnceLock::new(), OnceLock::new());
+        Self { ends, points, weights, place, labels, ranks, constants, halves: None }
     }
 
     /// Its index among all parts.

@@ -1,7 +1,7 @@
 //! Thermal breaking during motion at constant velocity: the breaking rate and its integral (the cumulative
 //! hazard).
 
-use super::constant_threshold::ConstantThreshold;
+use super::constant_threshold::{ConstantThreshold, ConstantThresholds};
 use crate::contacts::{
     Barrier, Contacts, Label, NodalLabels, Stiffness, Temperature, ThresholdEvolution, ThresholdTrajectory,
     ThresholdsAtAge,
@@ -280,7 +280,33 @@ impl ThermalHazardAt<'_> {
         (self.cumulative_hazard(newborn), self.rate(newborn))
     }
 
-    /// The same if A is known as a function of the advance.
+    /// Sixteen constant thresholds.
+    pub(super) fn constants(&self, thresholds: Nodal) -> ConstantThresholds {
+        let wholes = thresholds.map(|h| self.thermal.exponent(0.0, h));
+        ConstantThresholds::new(self.thermal.temperature.barrier, thresholds, wholes)
+    }
+
+    /// A, and w/v now, of contacts with sixteen constant thresholds.
+    #[inline(always)]
+    pub(super) fn hazards_of(&self, constants: &ConstantThresholds) -> [Nodal; 2] {
+        let attempts = self.thermal.attempts();
+        let [mut broken, mut rates] = match self.common {
+            Some(common) => {
+                let rates = constants.rates(self.stretch);
+                let mut broken = rates;
+                broken.iter_mut().for_each(|rate| *rate *= common);
+                [broken, rates]
+            }
+            None => constants.at(self.start, self.advance),
+        };
+        for i in 0..NODES {
+            broken[i] *= attempts;
+            rates[i] *= attempts;
+        }
+        [broken, rates]
+    }
+
+    /// A, and w/v now, if A is known as a function of the advance.
     #[inline]
     pub(super) fn interpolated_hazards(&self, newborn: f64, broken: &Piecewise) -> Hazards {
         (broken.value_in(broken.nearest(self.advance), self.advance), self.rate(newborn))

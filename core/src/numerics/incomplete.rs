@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::dawson::dawson;
-use super::legendre::RULE;
+use super::legendre::{NODES, Nodal, RULE};
 use super::table::Table;
 
 /// (1 + x)² D(x)/x.
@@ -17,10 +17,30 @@ pub fn dawson_by_table(x: f64) -> f64 {
     x / (1.0 + x).powi(2) * DAWSON.value(x)
 }
 
+/// D at sixteen places.
+#[inline(always)]
+pub fn dawsons_by_table(x: &Nodal) -> Nodal {
+    let mut values = DAWSON.values(x);
+    for i in 0..NODES {
+        values[i] *= x[i] / ((1.0 + x[i]) * (1.0 + x[i]));
+    }
+    values
+}
+
 /// g(t) = e^{t³} ∫_t^∞ 2τ e^{−τ³} dτ for t ≥ 0, an incomplete gamma function.
 #[inline]
 pub fn cubic(t: f64) -> f64 {
     CUBIC.value(t) / (1.0 + t)
+}
+
+/// g at sixteen places.
+#[inline(always)]
+pub fn cubics(t: &Nodal) -> Nodal {
+    let mut values = CUBIC.values(t);
+    for i in 0..NODES {
+        values[i] /= 1.0 + t[i];
+    }
+    values
 }
 
 /// g(t), up to e^{−40} of its integrand, in panels over which that falls by e⁻⁴.
