@@ -53,16 +53,18 @@ impl RankedThresholds {
         let parts = [first, second].map(|group| group.fresh() / whole);
         let lefts = [first, second].map(|group| group.left);
         let both = |(one, other): (&(f64, f64), &(f64, f64))| (one.0, mixed(parts, [one.1, other.1]));
+        let met = lefts[0].met + part * (lefts[1].met - lefts[0].met);
         SurvivingRanks {
-            met: lefts[0].met + part * (lefts[1].met - lefts[0].met),
+            met,
             atoms: lefts[0].atoms.iter().zip(&lefts[1].atoms).map(both).collect(),
-            band: self.merged_band(lefts, parts),
+            band: self.merged_band(lefts, parts, met),
             newborn: lefts[0].newborn,
         }
     }
 
-    /// A on the panels on which some contacts of either group have broken and some have not.
-    fn merged_band(&self, lefts: [&SurvivingRanks; 2], parts: [f64; 2]) -> Option<Band> {
+    /// A on the panels on which some contacts of either group have broken and some have not, of those that reach above the
+    /// threshold met.
+    fn merged_band(&self, lefts: [&SurvivingRanks; 2], parts: [f64; 2], met: f64) -> Option<Band> {
         /// A where no contact is left.
         const NONE_LEFT: f64 = 1e3;
         let [Some(one), Some(other)] = lefts.map(|left| left.band.as_ref()) else { return None };
@@ -70,7 +72,7 @@ impl RankedThresholds {
             return Some(Band::default());
         }
         let firsts = [0, 1].map(|i| self.first_panel(lefts[i]));
-        let first = firsts[0].min(firsts[1]);
+        let first = firsts[0].min(firsts[1]).max(self.panel_above(met));
         let at = |band: &Band, begin: u64, number: u64| -> Nodal {
             let none = if number < begin { NONE_LEFT } else { 0.0 };
             let known = number.checked_sub(begin).and_then(|place| band.exponents.get(place as usize));

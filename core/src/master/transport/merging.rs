@@ -121,6 +121,14 @@ mod tests {
     }
 
     #[test]
+    fn merged_cohorts_of_weak_contacts_have_the_same_force() {
+        let temperature = Some(Temperature::new(0.05, 1.0));
+        let thresholds: SharedLaw = Arc::new(Gaussian::new(1.0, 0.25).unwrap());
+        let weak = Contacts { thresholds, ..contacts(Rules { temperature, ..Rules::default() }) };
+        with_and_without_merging(&weak, 1e-3, 200);
+    }
+
+    #[test]
     fn merged_cohorts_with_temperature_have_the_same_force() {
         // Contacts break over some energies, before and at their thresholds.
         for energy in [0.005, 0.1] {

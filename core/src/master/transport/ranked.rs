@@ -227,11 +227,15 @@ impl RankedThresholds {
 
     /// The panel at which the band of contacts begins, or would begin.
     pub(super) fn first_panel(&self, left: &SurvivingRanks) -> u64 {
-        match (&self.thermal, &left.band) {
-            (_, Some(band)) if !band.is_empty() => band.first,
-            (Some((_, grid)), _) => grid.above(left.met),
-            (None, _) => 0,
+        match &left.band {
+            Some(band) if !band.is_empty() => band.first,
+            _ => self.panel_above(left.met),
         }
+    }
+
+    /// The first panel that reaches above a fresh threshold.
+    pub(super) fn panel_above(&self, newborn: f64) -> u64 {
+        self.thermal.as_ref().map_or(0, |(_, grid)| grid.above(newborn))
     }
 
     /// S(h_0).
