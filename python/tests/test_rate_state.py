@@ -1,11 +1,14 @@
 """Rate-and-state parameters of measured curves, against known ones and those of curve_fit of scipy."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import asperity as asp
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
 POSITION = np.arange(-60.0, 200.0)
@@ -149,3 +152,61 @@ def test_a_step_behind_the_spring_of_a_machine() -> None:
         asp.fit_velocity_step(displacement, force, ratio, 50.0, states=3)
     with pytest.raises(ValueError, match="law"):
         asp.fit_velocity_step(displacement, force, ratio, 50.0, law="other")  # type: ignore[arg-type]
+
+
+Slope = Callable[[float, NDArray[np.float64]], list[float]]
+
+
+def slopes(load: float, a: float, b: float, distance: float, stiffness: float) -> Slope:
+    """The rates of ln V and ln theta by the ageing law, behind a spring whose load point moves at `load`."""
+
+    def slope(_time: float, y: NDArray[np.float64]) -> list[float]:
+        speed, theta = np.exp(y)
+        evolved = 1.0 / theta - speed / distance
+        return [(stiffness * (load - speed) - b * evolved) / a, evolved]
+
+    return slope
+
+
+SOLVED: dict[str, Any] = {"method": "Radau", "rtol": 1e-9, "atol": 1e-11}
+
+
+def held(
+    hold: float, a: float, b: float, distance: float, velocity: float, stiffness: float
+) -> tuple[float, float]:
+    """The highest force after a hold and the force at its end, above that of steady sliding."""
+
+    def as_fast(_time: float, y: NDArray[np.float64]) -> float:
+        return float(y[0] - np.log(velocity))
+
+    as_fast.terminal = True  # type: ignore[attr-defined]
+    as_fast.direction = 1.0  # type: ignore[attr-defined]
+    start = np.log([velocity, distance / velocity])
+    rest = solve_ivp(slopes(0.0, a, b, distance, stiffness), (0.0, hold), start, **SOLVED).y[:, -1]
+    moving = slopes(velocity, a, b, distance, stiffness)
+    # The motion ends where the slider is as fast as the load point.
+    again = solve_ivp(moving, (0.0, 1e4), rest, events=as_fast, **SOLVED).y[:, -1]
+    peak, end = (a * (y[0] - start[0]) + b * (y[1] - start[1]) for y in (again, rest))
+    return float(peak), float(end)
+
+
+def test_healing_behind_the_spring_of_a_machine() -> None:
+    a, b, distance, velocity, stiffness = 0.01, 0.013, 5.0, 10.0, 1e-3
+    hold = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]
+    peaks, ends = np.transpose([held(time, a, b, distance, velocity, stiffness) for time in hold])
+    known = asp.fit_healing(hold, 0.6 + peaks, 0.6, velocity, stiffness, a=a)
+    # Integrated to 1e-8 of a factor e of velocity and theta, times what a fit amplifies.
+    assert (known.a, known.b, known.distance) == pytest.approx((a, b, distance), rel=1e-4)
+    assert known.residual_relative < 1e-6
+    np.testing.assert_allclose(known.fitted, 0.6 + peaks, atol=1e-8)
+    np.testing.assert_allclose(known.fitted_held, 0.6 + ends, atol=1e-6)
+    found = asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends)
+    assert (found.a, found.b, found.distance) == pytest.approx((a, b, distance), rel=1e-4)
+    slip = asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends, law="slip")
+    assert slip.residual > 100.0 * found.residual
+    with pytest.raises(ValueError, match="a: expected a of a velocity step, or held"):
+        asp.fit_healing(hold, peaks, 0.0, velocity, stiffness)
+    with pytest.raises(ValueError, match="held: expected 7 forces, one for each hold"):
+        asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends[1:])
+    with pytest.raises(ValueError, match="law"):
+        asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, a=a, law="other")  # type: ignore[arg-type]
