@@ -210,3 +210,41 @@ def test_healing_behind_the_spring_of_a_machine() -> None:
         asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends[1:])
     with pytest.raises(ValueError, match="law"):
         asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, a=a, law="other")  # type: ignore[arg-type]
+
+
+def test_a_compared_step_is_read_with_the_spring_of_its_machine() -> None:
+    a, b, distance, stiffness = 0.01, 0.015, 0.8, 2.0
+    x = np.linspace(0.0, 10.0, 201)
+    start = np.log([0.1, distance / 0.1])
+    # At the velocity 1 the displacement of the load point since the step is the time.
+    found = solve_ivp(slopes(1.0, a, b, distance, stiffness), (0.0, 10.0), start, t_eval=x, **SOLVED)
+    force = 0.6 + a * (found.y[0] - start[0]) + b * (found.y[1] - start[1])
+    scenario: dict[str, Any] = {
+        "contacts": {
+            "thresholds": {"gaussian": {"mean": 1.0, "std": 0.25}},
+            "ageing": {"logarithmic": {"growth": 0.04, "time": 1.0}},
+        },
+        "protocol": [
+            {"velocity": 0.1, "distance": 5.0, "start": "steady"},
+            {"velocity": 1.0, "distance": 10.0},
+        ],
+        "compare": {
+            "position": [*np.linspace(0.0, 4.9, 50), *(5.0 + x)],
+            "force": [*np.full(50, 0.6), *force],
+        },
+    }
+    rigid = {**scenario, "compare": {**scenario["compare"], "stiffness": stiffness}}
+    block = {**scenario, "block": {"stiffness": stiffness}}
+    for result in (asp.run(rigid), asp.run(block)):
+        read = result.summary["steps"][1]["measured_spring"]
+        # Integrated to 1e-8 of a factor e of velocity and theta, times what a fit amplifies.
+        assert read["residual_relative"] < 1e-6
+        assert (read["a"], *read["b"], *read["distance"]) == pytest.approx((a, b, distance), rel=1e-4)
+    assert "residual" in result.summary["steps"][1]["rate_state_spring"]
+    with pytest.raises(ValueError, match=r"compare\.stiffness: expected none beside \[block\]"):
+        asp.run({**rigid, "block": {"stiffness": stiffness}})
+    pytest.importorskip("matplotlib").use("agg")
+    axes = result.plot(kind="compared")
+    np.testing.assert_array_equal(axes.lines[0].get_xdata(), result["drive"])
+    np.testing.assert_array_equal(axes.lines[-1].get_ydata(), result["compared_force"])
+    assert "X_\\mathrm{T}" in axes.get_xlabel() or "X_T" in axes.get_xlabel()
