@@ -37,6 +37,7 @@ from asperity._values import (
     FrictionEstimates,
     InterfaceEnergy,
     Label,
+    MachineHealing,
     MachineStep,
     MeasuredNoise,
     Misfit,
@@ -128,6 +129,7 @@ __all__ = [
     "_sweep_cases",
     "critical_coupling",
     "fit",
+    "fit_healing",
     "fit_steady",
     "fit_velocity_step",
     "kinetic_friction",
@@ -5291,6 +5293,69 @@ def fit(
     True
     >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 4 * found.params['thresholds.mean'].error)
     True
+    """
+
+def fit_healing(
+    hold: ArrayLike,
+    force: ArrayLike,
+    before: _Number,
+    velocity: _Number,
+    stiffness: _Number,
+    *,
+    held: ArrayLike | None = None,
+    a: _Number | None = None,
+    law: Literal["ageing", "slip"] = "ageing",
+    progress: _Progress = None,
+) -> MachineHealing:
+    """Fits rate-and-state friction, solved with the spring of the machine, to slide-hold-slide tests, computed or measured.
+
+    The load point moves at v, rests for the time of the hold, and moves at v again. In the hold the slider creeps on and
+    unloads the spring; after it the force is highest where the slider has reached v. Both depend on the stiffness of the
+    machine and on v. b and D are found by least squares, by the method of Levenberg and Marquardt, and a too if it is not
+    given. The misfit is stated, and no errors: what a fit leaves of a computed curve is what the equation does not describe
+    (read_healing gives errors of the growth per decade, without a spring).
+
+    Parameters
+    ----------
+    hold
+        Hold times, a list of at least 4 numbers above 0.
+    force
+        The highest force after each hold.
+    before
+        The force F_0 of steady sliding before the holds; 0 if forces are differences from it.
+    velocity
+        The velocity v of the load point before and after the holds, above 0.
+    stiffness
+        The stiffness K of the machine, a force per length, above 0.
+    held
+        The force at the end of each hold, if it is known. It is needed without a: peaks alone do not determine a.
+    a
+        The direct effect a, if it is known, for example of a velocity step (fit_velocity_step), above 0.
+    law
+        "ageing", with d(theta)/dt = 1 - V theta/D, or "slip", with d(theta)/dt = -(V theta/D) ln(V theta/D).
+    progress
+        As for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Returns
+    -------
+    MachineHealing
+
+    Raises
+    ------
+    ValueError
+        For fewer than 4 holds, holds, a velocity, a stiffness or a that are not above 0, another number of forces than of
+        holds, numbers that are not finite, another word as law, neither a nor held, and forces that do not differ from F_0
+        or that rate-and-state friction does not describe.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import asperity as asp
+    >>> hold = np.array([1.0, 10.0, 100.0, 1000.0, 10000.0])
+    >>> force = 0.6 + 0.01 * np.log1p(hold / 2.0)
+    >>> found = asp.fit_healing(hold, force, 0.6, velocity=1.0, stiffness=0.01, a=0.008)
+    >>> round(found.b, 3)
+    0.01
     """
 
 def fit_steady(

@@ -86,6 +86,19 @@ def force(record: "Record", ax: "Axes", **style: Any) -> None:
         _plot.legend_above(ax)
 
 
+def compared(record: "Record", ax: "Axes", **style: Any) -> None:
+    """The force of a motion in time and the measured curve: F(X), or that of the spring against the drive."""
+    if np.array_equal(record["drive"], record["position"]):
+        return force(record, ax, **style)
+    first = len(ax.lines)
+    _plot.sliding(record, ax, **style)
+    points = (record["compared_position"], record["compared_force"])
+    ax.plot(*points, ".", color=ink(), markersize=4, zorder=1.5, label="measured")
+    if "label" not in style:
+        ax.lines[first].set_label("master equation")
+        _plot.legend_above(ax)
+
+
 def few(values: "NDArray[Any]", most: int) -> "NDArray[Any]":
     """At most as many values, at equal distances."""
     return values[:: max(1, math.ceil(len(values) / most))]
@@ -627,7 +640,7 @@ KINDS: Mapping[str, Kind] = {
     "motion": Kind(motion, ("time", "force"), ("event_drive",)),
     "trace": Kind(sliding, ("drive", "force")),
     "force": Kind(force, ("position", "force"), ("drive", "time", "expected")),
-    "compared": Kind(force, ("compared_position", "compared_force", "position", "force", "time")),
+    "compared": Kind(compared, ("compared_position", "compared_force", "position", "force", "time")),
     "residuals": Kind(residuals, ("reading_position", "whitened_residual")),
     "whitened": Kind(residuals, ("position", "whitened")),
     "free_form": Kind(free_form, ("free_form_threshold", "free_form_density")),

@@ -293,6 +293,37 @@ class MachineStep(NamedTuple):
     """The fitted force at the displacements, shape (n,)."""
 
 
+class MachineHealing(NamedTuple):
+    """Rate-and-state friction behind the spring of a machine, fitted to slide-hold-slide tests.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> import numpy as np
+    >>> hold = np.array([1.0, 10.0, 100.0, 1000.0])
+    >>> fitted = asp.fit_healing(hold, 0.01 * np.log1p(hold), 0.0, velocity=1.0, stiffness=0.01, a=0.01)
+    >>> type(fitted).__name__
+    'MachineHealing'
+    """
+
+    residual: float
+    """The root-mean-square residual of the fit, a force."""
+    residual_relative: float
+    """The residual relative to the difference between the largest and the smallest force, F_0 among them."""
+    a: float
+    """The direct effect a, a force per ln(V/v)."""
+    b: float
+    """The evolution effect b, a force per ln(V/v)."""
+    distance: float
+    """The characteristic slip distance D, a length."""
+    before: float
+    """The force F_0 of steady sliding."""
+    fitted: "NDArray[np.float64]"
+    """The fitted highest force after each hold, shape (n,)."""
+    fitted_held: "NDArray[np.float64]"
+    """The fitted force at the end of each hold, shape (n,)."""
+
+
 class Stability(NamedTuple):
     """Linear stability of steady sliding at one velocity.
 

@@ -25,6 +25,7 @@ mod history;
 mod interface;
 mod lattice;
 mod law;
+mod machine_healing;
 mod machine_step;
 mod measured;
 mod model;
@@ -101,6 +102,8 @@ mod _core {
     use crate::lattice::Lattice;
     #[pymodule_export]
     use crate::law::{Law, critical_coupling};
+    #[pymodule_export]
+    use crate::machine_healing::fit_healing;
     #[pymodule_export]
     use crate::machine_step::fit_velocity_step;
     #[pymodule_export]

@@ -17,6 +17,14 @@ enum LawWord {
     Slip,
 }
 
+/// The law of the state variables, by its word.
+pub fn law_of(law: Argument<String>) -> PyResult<StateLaw> {
+    Ok(match convert::word("law", &law.get("law")?)? {
+        LawWord::Ageing => StateLaw::Ageing,
+        LawWord::Slip => StateLaw::Slip,
+    })
+}
+
 /// Fits rate-and-state friction, solved with the spring of the machine, to any curve of a velocity step, computed or
 /// measured.
 ///
@@ -80,13 +88,9 @@ pub fn fit_velocity_step<'py>(
 ) -> PyResult<typed::MachineStep<'py>> {
     let ratio = ratio.get("ratio")?;
     let stiffness = stiffness.get("stiffness")?;
-    let law = law.get("law")?;
+    let law = law_of(law)?;
     let displacement = convert::list("displacement", displacement)?;
     let force = convert::list("force", force)?;
-    let law = match convert::word("law", &law)? {
-        LawWord::Ageing => StateLaw::Ageing,
-        LawWord::Slip => StateLaw::Slip,
-    };
     let states = states.get("states")?;
     let found = watched(progress, py, |monitor| {
         MachineStep::read(&displacement, &force, ratio, stiffness, (law, states), monitor)

@@ -100,6 +100,7 @@ objects! {
     Profile: "Profile",
     PosteriorNumbers: "dict[str, PosteriorNumber]",
     Draws: "dict[str, _Array]",
+    MachineHealing: "MachineHealing",
     MachineStep: "MachineStep",
     Stability: "Stability",
     StickSlipStability: "StickSlipStability",

@@ -15,8 +15,9 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use crate::convert::{Import, array, row};
 use crate::typed::{
     Atoms, BlockEnergy, Correlations, Course, Equilibria, Estimate, Estimates, Events, FreeForm,
-    FrictionEstimates, InterfaceEnergy, MachineStep, MeasuredNoise, Misfit, PosteriorNumbers, Potential,
-    Prediction, Profile, Sizes, Stability, State, StaticFriction, StickSlipStability, StretchDensity,
+    FrictionEstimates, InterfaceEnergy, MachineHealing, MachineStep, MeasuredNoise, Misfit, PosteriorNumbers,
+    Potential, Prediction, Profile, Sizes, Stability, State, StaticFriction, StickSlipStability,
+    StretchDensity,
 };
 
 static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction");
@@ -36,6 +37,7 @@ static MEASURED_NOISE: Import = Import::new("asperity._values", "MeasuredNoise")
 static STABILITY: Import = Import::new("asperity._values", "Stability");
 static SIMULATED_STICK_SLIP: Import = Import::new("asperity._values", "SimulatedStickSlip");
 static STICK_SLIP_STABILITY: Import = Import::new("asperity._values", "StickSlipStability");
+static MACHINE_HEALING: Import = Import::new("asperity._values", "MachineHealing");
 static MACHINE_STEP: Import = Import::new("asperity._values", "MachineStep");
 static SIZES: Import = Import::new("asperity._values", "Sizes");
 static COURSE: Import = Import::new("asperity._values", "Course");
@@ -107,6 +109,20 @@ pub fn machine_step<'py>(
     let (b, distance) = (column(|state| state.evolution)?, column(|state| state.distance)?);
     let values = (misfit.0, misfit.1, found.direct, b, distance, found.before, row(py, fitted)?);
     MACHINE_STEP.get(py)?.call1(values).map(MachineStep)
+}
+
+/// Slide–hold–slide tests behind the spring of a machine.
+pub fn machine_healing<'py>(
+    py: Python<'py>,
+    found: &rate_state::MachineHealing,
+    hold: &[f64],
+) -> PyResult<MachineHealing<'py>> {
+    let (peaks, held): (Vec<f64>, Vec<f64>) = found.forces(hold).into_iter().unzip();
+    let (misfit, state) = ((found.residual, found.residual_relative), found.state);
+    let fitted = (row(py, peaks)?, row(py, held)?);
+    let values =
+        (misfit.0, misfit.1, found.direct, state.evolution, state.distance, found.before, fitted.0, fitted.1);
+    MACHINE_HEALING.get(py)?.call1(values).map(MachineHealing)
 }
 
 /// Whether a slider sticks and slips.

@@ -188,6 +188,7 @@ WITHOUT_PICTURE = {
     "InterfaceEnergy",
     "Label",
     "Logarithmic",
+    "MachineHealing",
     "MachineStep",
     "MeanField",
     "MeasuredNoise",

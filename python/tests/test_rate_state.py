@@ -1,11 +1,14 @@
 """Rate-and-state parameters of measured curves, against known ones and those of curve_fit of scipy."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import asperity as asp
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
 
 POSITION = np.arange(-60.0, 200.0)
@@ -149,3 +152,99 @@ def test_a_step_behind_the_spring_of_a_machine() -> None:
         asp.fit_velocity_step(displacement, force, ratio, 50.0, states=3)
     with pytest.raises(ValueError, match="law"):
         asp.fit_velocity_step(displacement, force, ratio, 50.0, law="other")  # type: ignore[arg-type]
+
+
+Slope = Callable[[float, NDArray[np.float64]], list[float]]
+
+
+def slopes(load: float, a: float, b: float, distance: float, stiffness: float) -> Slope:
+    """The rates of ln V and ln theta by the ageing law, behind a spring whose load point moves at `load`."""
+
+    def slope(_time: float, y: NDArray[np.float64]) -> list[float]:
+        speed, theta = np.exp(y)
+        evolved = 1.0 / theta - speed / distance
+        return [(stiffness * (load - speed) - b * evolved) / a, evolved]
+
+    return slope
+
+
+SOLVED: dict[str, Any] = {"method": "Radau", "rtol": 1e-9, "atol": 1e-11}
+
+
+def held(
+    hold: float, a: float, b: float, distance: float, velocity: float, stiffness: float
+) -> tuple[float, float]:
+    """The highest force after a hold and the force at its end, above that of steady sliding."""
+
+    def as_fast(_time: float, y: NDArray[np.float64]) -> float:
+        return float(y[0] - np.log(velocity))
+
+    as_fast.terminal = True  # type: ignore[attr-defined]
+    as_fast.direction = 1.0  # type: ignore[attr-defined]
+    start = np.log([velocity, distance / velocity])
+    rest = solve_ivp(slopes(0.0, a, b, distance, stiffness), (0.0, hold), start, **SOLVED).y[:, -1]
+    moving = slopes(velocity, a, b, distance, stiffness)
+    # The motion ends where the slider is as fast as the load point.
+    again = solve_ivp(moving, (0.0, 1e4), rest, events=as_fast, **SOLVED).y[:, -1]
+    peak, end = (a * (y[0] - start[0]) + b * (y[1] - start[1]) for y in (again, rest))
+    return float(peak), float(end)
+
+
+def test_healing_behind_the_spring_of_a_machine() -> None:
+    a, b, distance, velocity, stiffness = 0.01, 0.013, 5.0, 10.0, 1e-3
+    hold = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]
+    peaks, ends = np.transpose([held(time, a, b, distance, velocity, stiffness) for time in hold])
+    known = asp.fit_healing(hold, 0.6 + peaks, 0.6, velocity, stiffness, a=a)
+    # Integrated to 1e-8 of a factor e of velocity and theta, times what a fit amplifies.
+    assert (known.a, known.b, known.distance) == pytest.approx((a, b, distance), rel=1e-4)
+    assert known.residual_relative < 1e-6
+    np.testing.assert_allclose(known.fitted, 0.6 + peaks, atol=1e-8)
+    np.testing.assert_allclose(known.fitted_held, 0.6 + ends, atol=1e-6)
+    found = asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends)
+    assert (found.a, found.b, found.distance) == pytest.approx((a, b, distance), rel=1e-4)
+    slip = asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends, law="slip")
+    assert slip.residual > 100.0 * found.residual
+    with pytest.raises(ValueError, match="a: expected a of a velocity step, or held"):
+        asp.fit_healing(hold, peaks, 0.0, velocity, stiffness)
+    with pytest.raises(ValueError, match="held: expected 7 forces, one for each hold"):
+        asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends[1:])
+    with pytest.raises(ValueError, match="law"):
+        asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, a=a, law="other")  # type: ignore[arg-type]
+
+
+def test_a_compared_step_is_read_with_the_spring_of_its_machine() -> None:
+    a, b, distance, stiffness = 0.01, 0.015, 0.8, 2.0
+    x = np.linspace(0.0, 10.0, 201)
+    start = np.log([0.1, distance / 0.1])
+    # At the velocity 1 the displacement of the load point since the step is the time.
+    found = solve_ivp(slopes(1.0, a, b, distance, stiffness), (0.0, 10.0), start, t_eval=x, **SOLVED)
+    force = 0.6 + a * (found.y[0] - start[0]) + b * (found.y[1] - start[1])
+    scenario: dict[str, Any] = {
+        "contacts": {
+            "thresholds": {"gaussian": {"mean": 1.0, "std": 0.25}},
+            "ageing": {"logarithmic": {"growth": 0.04, "time": 1.0}},
+        },
+        "protocol": [
+            {"velocity": 0.1, "distance": 5.0, "start": "steady"},
+            {"velocity": 1.0, "distance": 10.0},
+        ],
+        "compare": {
+            "position": [*np.linspace(0.0, 4.9, 50), *(5.0 + x)],
+            "force": [*np.full(50, 0.6), *force],
+        },
+    }
+    rigid = {**scenario, "compare": {**scenario["compare"], "stiffness": stiffness}}
+    block = {**scenario, "block": {"stiffness": stiffness}}
+    for result in (asp.run(rigid), asp.run(block)):
+        read = result.summary["steps"][1]["measured_spring"]
+        # Integrated to 1e-8 of a factor e of velocity and theta, times what a fit amplifies.
+        assert read["residual_relative"] < 1e-6
+        assert (read["a"], *read["b"], *read["distance"]) == pytest.approx((a, b, distance), rel=1e-4)
+    assert "residual" in result.summary["steps"][1]["rate_state_spring"]
+    with pytest.raises(ValueError, match=r"compare\.stiffness: expected none beside \[block\]"):
+        asp.run({**rigid, "block": {"stiffness": stiffness}})
+    pytest.importorskip("matplotlib").use("agg")
+    axes = result.plot(kind="compared")
+    np.testing.assert_array_equal(axes.lines[0].get_xdata(), result["drive"])
+    np.testing.assert_array_equal(axes.lines[-1].get_ydata(), result["compared_force"])
+    assert "X_\\mathrm{T}" in axes.get_xlabel() or "X_T" in axes.get_xlabel()

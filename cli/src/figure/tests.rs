@@ -606,6 +606,8 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
             residual_relative: 0.01,
         }),
         measured: None,
+        rate_state_spring: None,
+        measured_spring: None,
         not_read: None,
     }];
     let mut outcome = timed(ProtocolNumbers { force_error: 1e-6, steps, compare: None });

@@ -1,7 +1,7 @@
 //! `velocity_step`: the force after each velocity step, with the fitted rate-and-state curve, and the residuals of a measured one
 //! below.
 
-use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState};
+use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState, SpringRateState};
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
 use kuva::render::figure::Figure;
@@ -60,7 +60,7 @@ fn entries(outcome: &Outcome) -> Vec<LegendEntry> {
     if outcome.record.get("compared_force").is_some() {
         entries.push(style::marker("measured", GREEN, MarkerShape::Circle));
     }
-    if outcome.summary.numbers.steps().iter().any(|step| step.measured.is_some()) {
+    if outcome.summary.numbers.steps().iter().any(ProtocolStep::is_measured) {
         entries.push(style::line("fit of measured", BLACK, Some(DASHES)));
     }
     entries
@@ -84,8 +84,10 @@ fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Ve
     let fitted: Vec<Point> =
         computed.iter().filter(|p| p.0 >= read.peak).map(|p| (p.0, fit(step, read, p.0))).collect();
     let size = (step.velocity / read.velocity_before).ln();
-    let compared_fit: Vec<Point> =
-        step.measured.iter().flat_map(|found| fit_of(found, size, &compared)).collect();
+    let compared_fit: Vec<Point> = match &step.measured_spring {
+        Some(found) => fit_behind(found, &compared),
+        None => step.measured.iter().flat_map(|found| fit_of(found, size, &compared)).collect(),
+    };
     let heights: Vec<f64> =
         [&computed, &compared, &fitted, &compared_fit].into_iter().flatten().map(|p| p.1).collect();
     let (low, high) = style::range([heights.as_slice()]);
@@ -125,6 +127,13 @@ fn fit(step: &ProtocolStep, read: &RateState, displacement: f64) -> f64 {
     let fallen = -(-(displacement - read.peak) / read.distance).exp_m1();
     let size = (step.velocity / read.velocity_before).ln();
     read.force_before + size * (read.a - read.b * fallen)
+}
+
+/// The fit with the spring of a machine at points after the step.
+pub fn fit_behind(found: &SpringRateState, points: &[Point]) -> Vec<Point> {
+    let at: Vec<f64> = points.iter().map(|point| point.0).collect();
+    let forces = found.forces(&at);
+    at.into_iter().zip(forces).collect()
 }
 
 /// The fit of the compared curve at its points from the peak on.

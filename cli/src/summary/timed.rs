@@ -1,9 +1,10 @@
 //! Text of the summary for motion in time: steps, curves, and rate-and-state parameters.
 
-use asperity::rate_state::MeasuredValue;
+use asperity::rate_state::{MeasuredValue, StateLaw};
 use asperity::record::Quantity;
 use asperity::task::summary::{
-    CurveLimits, Fitted, HealingCurve, MeasuredRateState, ProtocolStep, RateState, SlidingStability, Summary,
+    CurveLimits, Fitted, HealingCurve, MeasuredRateState, ProtocolStep, RateState, SlidingStability,
+    SpringRateState, Summary,
 };
 
 use super::{digits, fitted, with_unit};
@@ -21,7 +22,11 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     for step in summary.numbers.steps().iter().take(LISTED) {
         lines.push(("step", step_text(summary, step)));
         lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
+        let computed = step.rate_state_spring.iter();
+        lines.extend(computed.flat_map(|read| behind_spring(summary, "  rate and state", read)));
         lines.extend(step.measured.iter().flat_map(|read| measured(summary, read)));
+        let compared = step.measured_spring.iter();
+        lines.extend(compared.flat_map(|read| behind_spring(summary, "  compared curve", read)));
         lines.extend(
             step.not_read.iter().map(|why| ("  compared curve", format!("not read as a step: {why}"))),
         );
@@ -91,6 +96,31 @@ fn read_as(summary: &Summary, read: &RateState) -> String {
     let distance = short(summary, read.distance, Quantity::Length);
     let residual = percent(read.residual_relative);
     format!("a = {a}, b = {b}, D_c = {distance}, residual {residual} of the range of F")
+}
+
+/// The misfit, and the parameters behind the spring of the machine.
+fn behind_spring(
+    summary: &Summary,
+    name: &'static str,
+    read: &SpringRateState,
+) -> [(&'static str, String); 2] {
+    let residual = percent(read.residual_relative);
+    let rms = short(summary, read.residual, Quantity::Force);
+    let law = match read.law {
+        StateLaw::Ageing => "ageing law",
+        StateLaw::Slip => "slip law",
+    };
+    let stiffness = value(summary, read.stiffness, Quantity::Stiffness);
+    let all = |numbers: &[f64], quantity| {
+        let numbers: Vec<_> = numbers.iter().map(|number| short(summary, *number, quantity)).collect();
+        numbers.join(" and ")
+    };
+    let (b, distance) = (all(&read.b, Quantity::Force), all(&read.distance, Quantity::Length));
+    let a = short(summary, read.a, Quantity::Force);
+    [
+        (name, format!("residual {residual} of the range of F, rms {rms}, {law} behind K = {stiffness}")),
+        ("", format!("a = {a}, b = {b}, D_c = {distance}")),
+    ]
 }
 
 /// A computed value with four digits: the curve does not follow the fitted equation more closely.

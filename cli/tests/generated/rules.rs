@@ -107,7 +107,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
             "drive" if !walk.given("block") => None,
             _ => no,
         },
-        ("", "compare") if !(task == "pull" || task == "protocol" && !walk.given("block")) => no,
+        ("", "compare") if !matches!(task, "pull" | "protocol") => no,
         // Ten simulations of dozens of slips are more than a test can wait for where time passes.
         ("", "ensemble") if matches!(task, "renormalisation" | "stability" | "creep") => no,
         ("", "ensemble") if walk.is("contacts.ageing", "mean_field") => no,
@@ -118,6 +118,8 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("stability", "simulations") => Some(walk.given("ensemble")),
         ("drive", "maps") if !interface => no,
         ("compare", "position" | "force") => Some(true),
+        ("compare", "stiffness") if task == "pull" || walk.given("block") => no,
+        ("compare", "law" | "states") if !walk.given("compare.stiffness") && !walk.given("block") => no,
         ("ensemble", "size") if interface => Some(!walk.single()),
         // A hundred thousand contacts are not few.
         ("ensemble", "size") => Some(true),

@@ -368,13 +368,18 @@ impl<'a> Walk<'a> {
             "slip_rates" => 40,
             "kernels" => 40,
             "draws" | "chains" => 6,
+            "states" => 3,
             _ => panic!("{key}: how large this number is is not listed"),
         };
         if !self.consistent && self.random.chance(0.06) {
             return *self.random.pick(&ODD_COUNTS);
         }
         // An error of fewer contacts is hardly known itself.
-        let least = if key == "size" { 500 } else { 2 };
+        let least = match key {
+            "size" => 500,
+            "states" => 1,
+            _ => 2,
+        };
         least + (self.random.next() % (most - 1)) as i64
     }
 

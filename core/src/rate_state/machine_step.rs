@@ -1,36 +1,14 @@
 //! A velocity step behind the spring of a machine: rate-and-state friction solved with the spring, and fitted to the curve.
 //!
-//! The load point moves at v₀ until X_T = 0 and at v from there on, and the spring K between it and the slider is in balance at
-//! every time. With w = ln(V/v₀) for the velocity V of the slider, and u_i = ln(v₀θ_i/D_i) for one or two state variables,
-//!
-//! F = F₀ + a w + Σ b_i u_i, dF/dX_T = K (1 − e^w v₀/v),
-//!
-//! and du_i/dX_T = (v₀/v)(e^{−u_i} − e^w)/D_i by the ageing law dθ/dt = 1 − Vθ/D (J. H. Dieterich, J. Geophys. Res. 84, 2161
-//! (1979)), −(v₀/v) e^w (w + u_i)/D_i by the slip law dθ/dt = −(Vθ/D) ln(Vθ/D) (A. Ruina, J. Geophys. Res. 88, 10359 (1983)).
+//! The load point moves at v₀ until X_T = 0 and at v from there on. The equations are those of a slider behind a spring
+//! (`spring_friction`).
 
+use super::levenberg_marquardt::{CHANGE, least_squares};
+use super::spring_friction::{SpringFriction, StateLaw, StateVariable};
 use super::velocity_step::{FEWEST, VelocityStep};
 use crate::error::positive;
 use crate::monitor::{Monitor, report};
-use crate::numerics::linear::solve;
 use crate::{Error, Result};
-
-/// The law by which a state variable evolves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StateLaw {
-    /// dθ/dt = 1 − Vθ/D: it also evolves at rest.
-    Ageing,
-    /// dθ/dt = −(Vθ/D) ln(Vθ/D): it evolves with slip only.
-    Slip,
-}
-
-/// A state variable of rate-and-state friction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StateVariable {
-    /// Evolution effect b, per factor e of velocity, a force.
-    pub evolution: f64,
-    /// Characteristic slip distance D, a length.
-    pub distance: f64,
-}
 
 /// Rate-and-state friction behind a spring, fitted to a velocity step. Forces are in the unit of the curve. What the fit leaves
 /// is stated as a misfit; there are no errors of the parameters, for which the curve would need a noise that is known.
@@ -65,12 +43,6 @@ struct StepCurve<'a> {
     /// Difference between the largest and the smallest force.
     range: f64,
 }
-
-/// Largest number of iterations of a fit.
-const ITERATIONS: usize = 60;
-
-/// Relative change of the sum of squares at which a fit ends.
-const SETTLED: f64 = 1e-10;
 
 /// Factors of the distance, of a first reading without a spring, at which fits start.
 const STARTS: [f64; 3] = [0.2, 1.0, 4.0];
@@ -113,12 +85,10 @@ impl MachineStep {
 
     /// The fitted force at rising displacements of the load point.
     pub fn forces(&self, displacement: &[f64]) -> Vec<f64> {
-        let Self { direct, before, law, ratio, stiffness, .. } = *self;
-        let mut friction = SpringFriction { direct, states: [NONE; 2], law };
-        friction.states[..self.states.len()].copy_from_slice(&self.states);
-        friction.step(displacement, ratio, stiffness).map_or_else(
+        let friction = SpringFriction::new(self.direct, &self.states, self.law, self.stiffness);
+        changes(&friction, displacement, self.ratio).map_or_else(
             || vec![f64::NAN; displacement.len()],
-            |changes| changes.iter().map(|change| before + change).collect(),
+            |changes| changes.iter().map(|change| self.before + change).collect(),
         )
     }
 }
@@ -149,115 +119,24 @@ fn check(displacement: &[f64], force: &[f64], ratio: f64, stiffness: f64) -> Res
     Ok(())
 }
 
-/// A state variable without effect.
-const NONE: StateVariable = StateVariable { evolution: 0.0, distance: 1.0 };
-
-/// Rate-and-state friction of up to two state variables.
-#[derive(Clone, Copy)]
-struct SpringFriction {
-    direct: f64,
-    states: [StateVariable; 2],
-    law: StateLaw,
+/// F − F₀ at displacements of the load point after a step of its velocity by the factor `ratio`; `None` if the slider runs away.
+fn changes(friction: &SpringFriction, displacement: &[f64], ratio: f64) -> Option<Vec<f64>> {
+    let (mut motion, mut at) = (friction.steady(), 0.0);
+    let mut forces = Vec::with_capacity(displacement.len());
+    for &end in displacement {
+        if end > at {
+            friction.advance(&mut motion, ratio, (end - at) / ratio)?;
+            at = end;
+        }
+        forces.push(friction.force(&motion));
+    }
+    Some(forces)
 }
 
-/// w and u_i.
-type StateVector = [f64; 3];
-
-/// Error of a step of the integration, of w and u_i.
-const TOLERANCE: f64 = 1e-8;
-
-/// Largest number of steps of the integration.
-const STEPS: usize = 1_000_000;
-
-/// Largest w: a slider that runs away.
-const FASTEST: f64 = 60.0;
-
-impl SpringFriction {
-    /// F − F₀ at displacements of the load point after a step of its velocity by the factor `ratio`; `None` if the slider runs
-    /// away.
-    fn step(&self, displacement: &[f64], ratio: f64, stiffness: f64) -> Option<Vec<f64>> {
-        let (mut at, mut y, mut steps) = (0.0, [0.0; 3], 0);
-        let shortest = self.states.iter().map(|state| state.distance).fold(f64::INFINITY, f64::min);
-        let mut width = 1e-3 * shortest.min(self.direct / stiffness);
-        let mut forces = Vec::with_capacity(displacement.len());
-        for &end in displacement {
-            while at < end {
-                let by = width.min(end - at);
-                let (next, error) = self.dormand_prince(&y, by, ratio, stiffness);
-                steps += 1;
-                if steps > STEPS {
-                    return None;
-                }
-                if error <= 1.0 {
-                    at = if by < width { end } else { at + by };
-                    y = next;
-                    if y.iter().any(|value| value.abs() > FASTEST) {
-                        return None;
-                    }
-                }
-                // A step that was cut at a displacement says little about the next one, unless it failed.
-                if by == width || error > 1.0 {
-                    width = by * (0.9 * error.max(1e-5).powf(-0.2)).clamp(0.2, 5.0);
-                }
-            }
-            let states: f64 = self.states.iter().zip(&y[1..]).map(|(state, u)| state.evolution * u).sum();
-            forces.push(self.direct * y[0] + states);
-        }
-        Some(forces)
-    }
-
-    /// Slopes along the displacement of the load point.
-    fn slope(&self, y: &StateVector, ratio: f64, stiffness: f64) -> StateVector {
-        let velocity = y[0].exp();
-        let state = |i: usize| {
-            let rate = match self.law {
-                StateLaw::Ageing => (-y[i + 1]).exp() - velocity,
-                StateLaw::Slip => -velocity * (y[0] + y[i + 1]),
-            };
-            rate / (ratio * self.states[i].distance)
-        };
-        let (first, second) = (state(0), state(1));
-        let states = self.states[0].evolution * first + self.states[1].evolution * second;
-        [(stiffness * (1.0 - velocity / ratio) - states) / self.direct, first, second]
-    }
-
-    /// A step of the method of Dormand and Prince (1980), of order 5, and its error in units of the tolerance.
-    fn dormand_prince(&self, y: &StateVector, by: f64, ratio: f64, stiffness: f64) -> (StateVector, f64) {
-        const STAGES: [[f64; 6]; 6] = [
-            [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
-            [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
-            [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
-            [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
-            [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
-        ];
-        const ERROR: [f64; 7] = [
-            71.0 / 57600.0,
-            0.0,
-            -71.0 / 16695.0,
-            71.0 / 1920.0,
-            -17253.0 / 339_200.0,
-            22.0 / 525.0,
-            -1.0 / 40.0,
-        ];
-        let mut slopes = [[0.0; 3]; 7];
-        slopes[0] = self.slope(y, ratio, stiffness);
-        let mut next = *y;
-        for (i, weights) in STAGES.iter().enumerate() {
-            next = std::array::from_fn(|j| {
-                y[j] + by * weights.iter().zip(&slopes).map(|(weight, slope)| weight * slope[j]).sum::<f64>()
-            });
-            slopes[i + 1] = self.slope(&next, ratio, stiffness);
-        }
-        // The second state variable has no effect where there is one alone; its error does not count.
-        let counted = if self.states[1].evolution == 0.0 { 2 } else { 3 };
-        let error = |j: usize| {
-            let sum: f64 = ERROR.iter().zip(&slopes).map(|(weight, slope)| weight * slope[j]).sum();
-            (by * sum).abs() / TOLERANCE
-        };
-        let error = (0..counted).map(error).fold(0.0, f64::max);
-        (next, if error.is_finite() { error } else { f64::INFINITY })
-    }
+/// The state variables of F₀, ln a, and b and ln D of each.
+fn states_of(values: &[f64]) -> Vec<StateVariable> {
+    let pairs = values[2..].chunks_exact(2);
+    pairs.map(|pair| StateVariable { evolution: pair[0], distance: pair[1].exp() }).collect()
 }
 
 /// Where a fit starts: F₀, a, b and D.
@@ -304,9 +183,9 @@ impl StepCurve<'_> {
         for (i, (values, states)) in starts.iter().enumerate() {
             report(monitor, i as f64 / starts.len() as f64)?;
             let found = if *states == 1 {
-                self.least_squares::<4>(values, monitor)?
+                self.nearest::<4>(values, monitor)?
             } else {
-                self.least_squares::<6>(values, monitor)?
+                self.nearest::<6>(values, monitor)?
             };
             if let Some(found) = found
                 && best.as_ref().is_none_or(|best| found.1 < best.1)
@@ -322,10 +201,7 @@ impl StepCurve<'_> {
                 "another curve",
             ));
         };
-        let mut states: Vec<StateVariable> = values[2..]
-            .chunks_exact(2)
-            .map(|pair| StateVariable { evolution: pair[0], distance: pair[1].exp() })
-            .collect();
+        let mut states = states_of(&values);
         states.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         let residual = (squares / self.force.len() as f64).sqrt();
         Ok(MachineStep {
@@ -342,72 +218,22 @@ impl StepCurve<'_> {
 
     /// Residuals at F₀, ln a, and b and ln D of each state variable; `None` where the slider runs away.
     fn residuals(&self, values: &[f64]) -> Option<Vec<f64>> {
-        let mut friction = SpringFriction { direct: values[1].exp(), states: [NONE; 2], law: self.law };
-        for (state, pair) in friction.states.iter_mut().zip(values[2..].chunks_exact(2)) {
-            *state = StateVariable { evolution: pair[0], distance: pair[1].exp() };
-        }
-        if values.len() == 4 {
-            friction.states[1].distance = friction.states[0].distance;
-        }
-        let computed = friction.step(self.displacement, self.ratio, self.stiffness)?;
+        let friction = SpringFriction::new(values[1].exp(), &states_of(values), self.law, self.stiffness);
+        let computed = changes(&friction, self.displacement, self.ratio)?;
         Some(self.force.iter().zip(computed).map(|(force, change)| force - values[0] - change).collect())
     }
 
     /// The values of N parameters with the least sum of squares, and that sum.
-    fn least_squares<const N: usize>(
+    fn nearest<const N: usize>(
         &self,
         start: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<Option<(Vec<f64>, f64)>> {
-        let sum = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
-        let mut values: [f64; N] = std::array::from_fn(|i| start[i]);
-        let Some(mut residuals) = self.residuals(&values) else { return Ok(None) };
-        let (mut squares, mut damping) = (sum(&residuals), 1e-3);
-        for _ in 0..ITERATIONS {
-            report(monitor, 0.0)?;
-            let Some(slopes) = self.slopes(&values, &residuals) else { break };
-            let normal: [[f64; N]; N] = std::array::from_fn(|i| {
-                std::array::from_fn(|j| slopes[i].iter().zip(&slopes[j]).map(|(a, b)| a * b).sum())
-            });
-            let right: [f64; N] =
-                std::array::from_fn(|i| -slopes[i].iter().zip(&residuals).map(|(a, r)| a * r).sum::<f64>());
-            let before = squares;
-            let mut improved = false;
-            while damping < 1e10 {
-                let mut damped = normal;
-                (0..N).for_each(|i| damped[i][i] *= 1.0 + damping);
-                let step = solve(damped, right);
-                let trial = step.map(|step| std::array::from_fn(|i| values[i] + step[i]));
-                let tried = trial.and_then(|trial| Some((trial, self.residuals(&trial)?)));
-                if let Some((trial, tried)) = tried.filter(|(_, tried)| sum(tried) < squares) {
-                    (values, squares, residuals) = (trial, sum(&tried), tried);
-                    damping = (0.1 * damping).max(1e-12);
-                    improved = true;
-                    break;
-                }
-                damping *= 10.0;
-            }
-            if !improved || before - squares <= SETTLED * squares {
-                break;
-            }
-        }
-        Ok(Some((values.to_vec(), squares)))
-    }
-
-    /// Derivatives of the residuals by the parameters, by differences; `None` where the slider runs away.
-    fn slopes<const N: usize>(&self, values: &[f64; N], residuals: &[f64]) -> Option<[Vec<f64>; N]> {
-        // The error of the integration over the change, and its square, are both some 1e-4.
-        const CHANGE: f64 = 1e-4;
         let scale = self.range / self.ratio.ln().abs();
-        let mut slopes = std::array::from_fn(|_| Vec::new());
-        for (i, slopes) in slopes.iter_mut().enumerate() {
-            // F₀ and b are forces, the others are logarithms.
-            let change = if i == 0 || (i >= 2 && i % 2 == 0) { CHANGE * scale } else { CHANGE };
-            let mut beside = *values;
-            beside[i] += change;
-            let other = self.residuals(&beside)?;
-            *slopes = other.iter().zip(residuals).map(|(a, b)| (a - b) / change).collect();
-        }
-        Some(slopes)
+        // F₀ and b are forces, the others are logarithms.
+        let changes = std::array::from_fn(|i| if i % 2 == 1 { CHANGE } else { CHANGE * scale });
+        let start: [f64; N] = std::array::from_fn(|i| start[i]);
+        let found = least_squares(start, changes, |values| self.residuals(values), monitor)?;
+        Ok(found.map(|(values, squares)| (values.to_vec(), squares)))
     }
 }

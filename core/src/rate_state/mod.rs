@@ -14,17 +14,21 @@
 //!
 //! Computed curves ([`VelocityStep`], [`Healing`]) have no noise: what a fit leaves is the difference between
 //! the curve and the equation, and is stated as a residual, not as errors of the parameters. So is that of a
-//! step behind the spring of a machine, solved with it ([`MachineStep`]). Measured curves
+//! step behind the spring of a machine, solved with it ([`MachineStep`]), and of slide–hold–slide tests behind it
+//! ([`MachineHealing`]). Measured curves
 //! ([`MeasuredVelocityStep`], [`MeasuredHealing`]) have errors and intervals that follow from their noise
 //! ([`MeasuredNoise`]).
 
 mod drift;
 mod generalised;
 mod healing;
+mod levenberg_marquardt;
+mod machine_healing;
 mod machine_step;
 mod measured_healing;
 mod measured_velocity_step;
 mod separable;
+mod spring_friction;
 mod velocity_step;
 
 use schemars::JsonSchema;
@@ -32,9 +36,11 @@ use serde::{Deserialize, Serialize};
 
 pub use drift::{MeasuredNoise, OrnsteinUhlenbeck};
 pub use healing::Healing;
-pub use machine_step::{MachineStep, StateLaw, StateVariable};
+pub use machine_healing::{HoldTests, MachineHealing};
+pub use machine_step::MachineStep;
 pub use measured_healing::MeasuredHealing;
 pub use measured_velocity_step::{MeasuredVelocityStep, StepReading};
+pub use spring_friction::{StateLaw, StateVariable};
 pub use velocity_step::VelocityStep;
 
 /// An estimated number with its standard error.

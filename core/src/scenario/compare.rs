@@ -3,14 +3,17 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Task, exactly_one};
+use super::{Task, exactly_one, positive};
+use crate::rate_state::StateLaw;
 use crate::{Error, Result};
 
 /// A measured curve, plotted with F(X); the summary states its distance from F(X).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Compare {
-    /// Measured curve, CSV with columns `position,force`, plotted with F(X); its path is relative to the scenario.
+    /// Measured curve, CSV with columns `position,force`, plotted with F(X); its path is relative to the scenario. Beside a
+    /// `[block]`, and with `stiffness`, positions are displacements of the load point since the start, and forces those of the
+    /// spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// The measured positions, instead of a file.
@@ -21,6 +24,19 @@ pub struct Compare {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
     pub force: Option<Vec<f64>>,
+    /// Stiffness K of the machine in which the curve was measured: velocity steps of a `[[protocol]]` are read with the
+    /// equations of rate-and-state friction behind this spring. Beside a `[block]` it is the stiffness of the block.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force/length"))]
+    pub stiffness: Option<f64>,
+    /// The law of the state variables in these equations: `"ageing"` or `"slip"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "ageing"))]
+    pub law: Option<StateLaw>,
+    /// Number of the state variables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 1, "maximum" = 2, "default" = 1))]
+    pub states: Option<usize>,
 }
 
 impl Compare {
@@ -29,7 +45,13 @@ impl Compare {
         (self.position.as_deref().unwrap_or_default(), self.force.as_deref().unwrap_or_default())
     }
 
-    pub(super) fn check(&self, task: Task<'_>) -> Result<()> {
+    /// The law and the number of the state variables behind a spring.
+    pub fn state_variables(&self) -> (StateLaw, usize) {
+        (self.law.unwrap_or_default(), self.states.unwrap_or(1))
+    }
+
+    /// Checks every value; `block` is whether the scenario has one.
+    pub(super) fn check(&self, task: Task<'_>, block: bool) -> Result<()> {
         if !matches!(task, Task::Pull(_) | Task::Protocol(_)) {
             let expected = "a compared curve only with the tasks [pull] and [[protocol]]";
             return Err(Error::invalid("", expected, format!("one with [{}]", task.name())));
@@ -48,7 +70,39 @@ impl Compare {
             return Err(Error::invalid("force", expected, force.len()));
         }
         finite("position", position)?;
-        finite("force", force)
+        finite("force", force)?;
+        self.check_spring(task, block)
+    }
+
+    /// Checks the spring of the machine, and refuses what has no meaning without one.
+    fn check_spring(&self, task: Task<'_>, block: bool) -> Result<()> {
+        if let Some(stiffness) = self.stiffness {
+            let refused = |expected: &str| Err(Error::invalid("stiffness", expected, stiffness));
+            match task {
+                Task::Protocol(_) if block => {
+                    return refused("none beside [block], whose stiffness is that of the machine");
+                }
+                Task::Protocol(_) => positive("stiffness", stiffness)?,
+                _ => return refused("none with [pull]: the spring of a pull is that of fit.compliance"),
+            };
+        }
+        let given = [
+            ("law", self.law.map(|law| format!("{law:?}").to_lowercase())),
+            ("states", self.states.map(|states| states.to_string())),
+        ];
+        if let Some((key, Some(value))) = given.into_iter().find(|(_, value)| value.is_some())
+            && self.stiffness.is_none()
+            && !block
+        {
+            let expected = "none without compare.stiffness or a [block], the spring of the machine";
+            return Err(Error::invalid(key, expected, value));
+        }
+        match self.states {
+            Some(states) if !(1..=2).contains(&states) => {
+                Err(Error::invalid("states", "1 or 2 state variables", states))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

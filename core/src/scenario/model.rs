@@ -119,7 +119,7 @@ impl Task<'_> {
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {
-            compare.check(self).map_err(|e| e.under("compare"))?;
+            compare.check(self, model.block.is_some()).map_err(|e| e.under("compare"))?;
         }
         if let (Task::Stability(Stability { simulations: Some(simulations), .. }), None) =
             (self, &model.ensemble)
@@ -174,9 +174,7 @@ impl Task<'_> {
                 drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
             }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
-            (Task::Protocol(_), Some(block)) => {
-                block.in_time(true).and_then(|_| check_alone(model, "[block]"))
-            }
+            (Task::Protocol(_), Some(block)) => block.in_time(true).map(drop),
             (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
                 block.inertia_and_drag().map(drop)
             }
@@ -223,7 +221,7 @@ impl Task<'_> {
         match self {
             Task::Drive(drive) => interface.check(&model.contacts, drive, model.ensemble.as_ref()),
             Task::Protocol(_) => {
-                check_alone(model, "[interface]")?;
+                check_alone(model)?;
                 interface.check_in_time(&model.contacts, model.ensemble.as_ref())
             }
             Task::Renormalisation(task) => task.check_interface(interface, model),
@@ -265,10 +263,8 @@ fn check_creep(model: &Model) -> Result<()> {
     Ok(())
 }
 
-/// Refuses tables that the slider `table`, moved in time, excludes.
-fn check_alone(model: &Model, table: &str) -> Result<()> {
-    let expected = format!(
-        "no compared curve beside {table} with [[protocol]]: force against position is no curve where the slider slips"
-    );
+/// Refuses a compared curve beside an interface that is moved in time.
+fn check_alone(model: &Model) -> Result<()> {
+    let expected = "no compared curve beside [interface] with [[protocol]]: each of its cells has a force";
     model.compare.as_ref().map_or(Ok(()), |_| Err(Error::invalid("compare", expected, "one")))
 }

@@ -287,10 +287,10 @@ const COMPARED: [Column; 2] = [
     Column::new("compared_force", "measured force", Quantity::Force, &["compared"]),
 ];
 
-/// Adds the measured curve to `record`, and compares it with the computed `force`, which is defined up to X = `end`.
-fn compare(curve: &Compare, end: f64, force: impl Fn(f64) -> f64, record: &mut Record) -> Comparison {
+/// Adds the measured curve to `record`, and compares it with the computed `force`, which is defined between the `ends`.
+fn compare(curve: &Compare, ends: (f64, f64), force: impl Fn(f64) -> f64, record: &mut Record) -> Comparison {
     let (positions, forces) = curve.points();
-    let within = |x: &f64| (0.0..=end).contains(x);
+    let within = |x: &f64| (ends.0..=ends.1).contains(x);
     let residuals = positions.iter().zip(forces).filter(|(x, _)| within(x)).map(|(&x, f)| f - force(x));
     let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
     record.add(COMPARED[0], positions.to_vec());

@@ -2,12 +2,14 @@
 
 use super::accuracy::ForceAccuracy;
 use super::hold_curve::peak;
-use super::summary::{BlockNumbers, Comparison, MeasuredRateState, ProtocolNumbers, ProtocolStep, RateState};
+use super::summary::{
+    BlockNumbers, Comparison, MeasuredRateState, ProtocolNumbers, ProtocolStep, RateState, SpringRateState,
+};
 use super::{COMPARED, Output, compare, in_time, sliding};
 use crate::block::Slide;
 use crate::master::{MasterEquation, Trace};
 use crate::monitor::{Monitor, Part};
-use crate::rate_state::{MeasuredVelocityStep, StepReading, VelocityStep};
+use crate::rate_state::{MachineStep, MeasuredVelocityStep, StateLaw, StepReading, VelocityStep};
 use crate::record::{CsvTable, Record};
 use crate::scenario::{self, Model, Task};
 use crate::{Error, Result};
@@ -24,7 +26,7 @@ pub(super) fn columns() -> Vec<(&'static str, Record)> {
     let mut block = sliding::joined(motion, slips);
     let ensemble = block.prefixed("ensemble_");
     block.variables.extend(ensemble.variables);
-    block.variables.extend(Record::declared(&[&[in_time::FRICTION_COEFFICIENT]]).variables);
+    block.variables.extend(Record::declared(&[&[in_time::FRICTION_COEFFICIENT], &COMPARED]).variables);
     vec![("protocol", Record::declared(&[&in_time::COLUMNS, &COMPARED])), ("block_protocol", block)]
 }
 
@@ -76,8 +78,15 @@ pub(super) fn run_block(
     monitor: &mut dyn Monitor,
 ) -> Result<Output<BlockNumbers>> {
     in_time::check_size(task, model, monitor)?;
-    let (sliding, record, accuracy) = in_time::behind(model, task, block, monitor)?;
-    let output = Output::new(model, BlockNumbers { sliding }, record);
+    let (sliding, mut record, accuracy) = in_time::behind(model, task, block, monitor)?;
+    let mut numbers = BlockNumbers { sliding, steps: Vec::new(), compare: None };
+    if let Some(curve) = &model.compare {
+        let curve = from_start(curve, &record);
+        let monitor = &mut Part::new(monitor, 1.0, 0.0);
+        numbers.steps = steps_behind(task, block.stiffness, &curve, &record, monitor)?;
+        numbers.compare = compared_behind(&curve, &mut record);
+    }
+    let output = Output::new(model, numbers, record);
     match accuracy {
         Some(accuracy) => accuracy.of(model, "the force on a block in time", output),
         None => Ok(output),
@@ -86,13 +95,31 @@ pub(super) fn run_block(
 
 /// Adds the measured curve to `record`, and compares it with the trace, interpolated linearly.
 fn compared(curve: &scenario::Compare, trace: &Trace, record: &mut Record) -> Comparison {
-    let force = |x: f64| {
-        let next = trace.position.partition_point(|at| *at < x).clamp(1, trace.position.len() - 1);
-        let (a, b) = (trace.position[next - 1], trace.position[next]);
-        let fraction = if b > a { (x - a) / (b - a) } else { 1.0 };
-        trace.force[next - 1] + fraction * (trace.force[next] - trace.force[next - 1])
-    };
-    compare(curve, trace.position[trace.position.len() - 1], force, record)
+    let force = |x: f64| between(&trace.position, &trace.force, x);
+    compare(curve, (0.0, trace.position[trace.position.len() - 1]), force, record)
+}
+
+/// The curve with its positions, displacements of the load point since the start, as drives: in balance at the start, the spring
+/// is stretched.
+fn from_start(curve: &scenario::Compare, record: &Record) -> scenario::Compare {
+    let start = record.values("drive").and_then(|drive| drive.first()).copied().unwrap_or(0.0);
+    let position = curve.points().0.iter().map(|x| start + x).collect();
+    scenario::Compare { position: Some(position), ..curve.clone() }
+}
+
+/// The same beside a block: the force of the spring against the displacement of the load point. `None` without a trace.
+fn compared_behind(curve: &scenario::Compare, record: &mut Record) -> Option<Comparison> {
+    let [drive, force] = ["drive", "spring_force"].map(|name| record.values(name).map(<[f64]>::to_vec));
+    let (drive, force) = (drive?, force?);
+    Some(compare(curve, (drive[0], *drive.last()?), |x| between(&drive, &force, x), record))
+}
+
+/// The force at x, interpolated linearly; positions do not fall.
+fn between(position: &[f64], force: &[f64], x: f64) -> f64 {
+    let next = position.partition_point(|at| *at < x).clamp(1, position.len() - 1);
+    let (a, b) = (position[next - 1], position[next]);
+    let fraction = if b > a { (x - a) / (b - a) } else { 1.0 };
+    force[next - 1] + fraction * (force[next] - force[next - 1])
 }
 
 /// The numbers of each step.
@@ -109,19 +136,14 @@ fn steps(
         let last = first + step.points - 1;
         let (position, force) = (&trace.position[first..=last], &trace.force[first..=last]);
         let velocity = step.velocities().1;
-        let before = i.checked_sub(1).map(|i| task.0[i].velocities().1);
-        let changed = before.filter(|v| step.velocity_to.is_none() && *v > 0.0 && velocity > 0.0);
+        let changed = changed_from(task, i);
         let compared = match (changed, &model.compare) {
             (Some(before), Some(curve)) => {
                 let ends = [trace.position[previous], position[0], position[position.len() - 1]];
                 compared_step(curve, ends, velocity / before, monitor)?
             }
-            _ => None,
+            _ => ComparedStep::default(),
         };
-        let (measured, not_read) = compared.map_or((None, None), |read| match read {
-            Ok(read) => (Some(read), None),
-            Err(reason) => (None, Some(reason)),
-        });
         steps.push(ProtocolStep {
             velocity,
             position: position[0],
@@ -134,10 +156,64 @@ fn steps(
                 _ => None,
             },
             rate_state: changed.and_then(|v| read(v, velocity, position, force)),
-            measured,
-            not_read,
+            measured: compared.measured,
+            rate_state_spring: None,
+            measured_spring: compared.spring,
+            not_read: compared.not_read,
         });
         (previous, first) = (first, last);
+    }
+    Ok(steps)
+}
+
+/// The velocity before step `i`, if the velocity steps there from one above 0 to another one.
+fn changed_from(task: &scenario::Protocol, i: usize) -> Option<f64> {
+    let before = task.0[i.checked_sub(1)?].velocities().1;
+    let step = &task.0[i];
+    (step.velocity_to.is_none() && before > 0.0 && step.velocities().1 > 0.0).then_some(before)
+}
+
+/// The numbers of each step beside a block: the force of its spring against the displacement of the load point. Velocity steps
+/// of the computed and of the compared curve are read with the spring.
+fn steps_behind(
+    task: &scenario::Protocol,
+    stiffness: f64,
+    curve: &scenario::Compare,
+    record: &Record,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<ProtocolStep>> {
+    let [time, drive, force] =
+        ["time", "drive", "spring_force"].map(|name| record.values(name).unwrap_or_default());
+    let (rising, there) = once_each(drive, force);
+    let knots = task.knots();
+    // The trace has a point at each knot, and more of them where the slider slips.
+    let at = |time_of: f64| time.partition_point(|time| *time < time_of).min(time.len().saturating_sub(1));
+    let places: Vec<usize> = knots.iter().map(|knot| at(*knot)).collect();
+    let mut steps = Vec::new();
+    for (i, step) in task.0.iter().enumerate() {
+        let (first, last) = (places[i], places[i + 1]);
+        let velocity = step.velocities().1;
+        let (mut computed, mut compared) = (ComparedStep::default(), ComparedStep::default());
+        if let Some(before) = changed_from(task, i) {
+            let ends = [drive[places[i - 1]], drive[first], drive[last]];
+            let spring = MachineSpring { stiffness, states: curve.state_variables() };
+            computed = spring.read((&rising, &there), ends, velocity / before, monitor)?;
+            compared = spring.read(curve.points(), ends, velocity / before, monitor)?;
+        }
+        steps.push(ProtocolStep {
+            velocity,
+            position: drive[first],
+            duration: step.duration(),
+            pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
+            force: force[last],
+            peak: peak(&drive[first..=last], &force[first..=last]),
+            kinetic_friction: None,
+            rate_state: None,
+            measured: None,
+            rate_state_spring: computed.spring,
+            measured_spring: compared.spring,
+            not_read: compared.not_read,
+        });
     }
     Ok(steps)
 }
@@ -161,30 +237,88 @@ fn steady(
     Ok(Some(friction))
 }
 
-/// The rate-and-state parameters of the compared curve after a step of the velocity by the factor `ratio`, or
-/// the reason why there are none; `None` without points after the step. The `ends` are the start of the step
-/// before, of this one, and its end. The force before the step is that of the second half of the step before, which has a
-/// transient, too.
-fn compared_step(
-    curve: &scenario::Compare,
+/// What a velocity step of a curve was read as; nothing without points after the step.
+#[derive(Default)]
+struct ComparedStep {
+    measured: Option<MeasuredRateState>,
+    spring: Option<SpringRateState>,
+    not_read: Option<String>,
+}
+
+impl ComparedStep {
+    /// Keeps why a curve cannot be read.
+    ///
+    /// # Errors
+    /// Other errors than those of the curve.
+    fn unread(error: Error) -> Result<Self> {
+        let Error::Invalid { expected, found, .. } = error else { return Err(error) };
+        Ok(Self { not_read: Some(format!("expected {expected}, got {found}")), ..Self::default() })
+    }
+}
+
+/// The points of a curve for the reading of a step, with positions relative to it. The `ends` are the start of the step before,
+/// of this one, and its end. The force before the step is that of the second half of the step before, which has a transient,
+/// too. `None` without points after the step.
+fn near_step(
+    (positions, forces): (&[f64], &[f64]),
     [start, step, end]: [f64; 3],
-    ratio: f64,
-    monitor: &mut dyn Monitor,
-) -> Result<Option<std::result::Result<MeasuredRateState, String>>> {
-    let (positions, forces) = curve.points();
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let steady = 0.5 * (start + step);
     let within = positions.iter().zip(forces).filter(|(x, _)| (steady..=end).contains(*x));
     let (position, force): (Vec<f64>, Vec<f64>) = within.map(|(x, force)| (x - step, *force)).unzip();
-    if position.iter().all(|x| *x <= 0.0) {
-        return Ok(None);
+    position.iter().any(|x| *x > 0.0).then_some((position, force))
+}
+
+/// The rate-and-state parameters of the compared curve after a step of the velocity by the factor `ratio`, with the spring of the
+/// machine if its stiffness is known.
+fn compared_step(
+    curve: &scenario::Compare,
+    ends: [f64; 3],
+    ratio: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<ComparedStep> {
+    if let Some(stiffness) = curve.stiffness {
+        let spring = MachineSpring { stiffness, states: curve.state_variables() };
+        return spring.read(curve.points(), ends, ratio, monitor);
     }
+    let Some((position, force)) = near_step(curve.points(), ends) else { return Ok(ComparedStep::default()) };
     match MeasuredVelocityStep::read(&position, &force, ratio, &StepReading::default(), monitor) {
-        Ok(read) => Ok(Some(Ok(MeasuredRateState::new(&read)))),
-        Err(Error::Invalid { expected, found, .. }) => {
-            Ok(Some(Err(format!("expected {expected}, got {found}"))))
+        Ok(read) => {
+            Ok(ComparedStep { measured: Some(MeasuredRateState::new(&read)), ..ComparedStep::default() })
         }
-        Err(error) => Err(error),
+        Err(error) => ComparedStep::unread(error),
     }
+}
+
+/// The spring of a machine, and the state variables with which steps behind it are read.
+struct MachineSpring {
+    stiffness: f64,
+    states: (StateLaw, usize),
+}
+
+impl MachineSpring {
+    /// Reads a velocity step of a curve of the force of the spring against the displacement of the load point.
+    fn read(
+        &self,
+        curve: (&[f64], &[f64]),
+        ends: [f64; 3],
+        ratio: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<ComparedStep> {
+        let Some((position, force)) = near_step(curve, ends) else { return Ok(ComparedStep::default()) };
+        match MachineStep::read(&position, &force, ratio, self.stiffness, self.states, monitor) {
+            Ok(read) => {
+                Ok(ComparedStep { spring: Some(SpringRateState::new(&read)), ..ComparedStep::default() })
+            }
+            Err(error) => ComparedStep::unread(error),
+        }
+    }
+}
+
+/// The first of the points at each position: where a slider slips, the load point hardly moves.
+fn once_each(position: &[f64], force: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let rises = |i: &usize| *i == 0 || position[*i] > position[*i - 1];
+    (0..position.len()).filter(rises).map(|i| (position[i], force[i])).unzip()
 }
 
 /// The rate-and-state parameters of a step from velocity `before` to `after`. Its first force is the force

@@ -118,7 +118,8 @@ pub(super) fn run(
     let aside = &mut Part::new(monitor, master, 0.0);
     record_covariance(&pull, task, model, &mut record, aside)?;
     let force = |x| pull.force(x) + model.background;
-    let compare = model.compare.as_ref().map(|curve| compare(curve, pull.distance(), force, &mut record));
+    let compare =
+        model.compare.as_ref().map(|curve| compare(curve, (0.0, pull.distance()), force, &mut record));
     distribution::evolving(task, &pull, &grid, &mut record, aside)?;
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation_with(aside)?);
     distribution::steady(contacts, &steady, &grid, &mut record, aside)?;

@@ -53,7 +53,12 @@ fn combinations() -> Vec<Value> {
         ),
         implies(key("drive.maps"), key("interface")),
         refuses(not(any(["pull", "protocol", "protocol_file"].map(key))), key("compare")),
-        never("compare", any(["block", "interface"].map(key))),
+        never("compare", key("interface")),
+        never("compare.stiffness", any(["block", "pull"].map(key))),
+        implies(
+            any(["compare.law", "compare.states"].map(key)),
+            any(["compare.stiffness", "block"].map(key)),
+        ),
         never("drive.force_to", any([key("block"), key("interface"), timed.clone()])),
         never("drive.turning_points", key("interface")),
         // Where contacts are time-dependent.

@@ -56,6 +56,6 @@ fn compared(
             None => measured.iter().map(|y| y - origin).collect(),
         }),
         force: Some(forces.iter().zip(&measured).map(|(force, y)| force - offset - trend * y).collect()),
-        file: None,
+        ..Compare::default()
     }))
 }

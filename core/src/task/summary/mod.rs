@@ -24,6 +24,7 @@ pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
 pub use stick_slip::{SimulatedStickSlip, StickSlipKind, StickSlipNumbers};
 pub use time::{
     CurveLimits, HealingCurve, MeasuredRateState, Peak, ProtocolStep, RateState, SlidingStability,
+    SpringRateState,
 };
 
 /// The summary of a run: what it was, and the numbers of its task.
@@ -162,6 +163,12 @@ pub struct BlockNumbers {
     /// The motion of the slider.
     #[serde(flatten)]
     pub sliding: Sliding,
+    /// The steps, if a measured curve is compared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<ProtocolStep>,
+    /// Comparison of a measured curve with the force of the spring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Comparison>,
 }
 
 /// The numbers of a velocity curve, or of one for each of several temperatures.
@@ -278,7 +285,7 @@ impl Numbers {
     pub fn sliding(&self) -> Option<&Sliding> {
         match self {
             Self::Drive(DriveNumbers { sliding, .. }) => sliding.as_ref(),
-            Self::BlockProtocol(BlockNumbers { sliding }) => Some(sliding),
+            Self::BlockProtocol(BlockNumbers { sliding, .. }) => Some(sliding),
             _ => None,
         }
     }
@@ -291,10 +298,11 @@ impl Numbers {
         }
     }
 
-    /// The steps of a protocol; none for other tasks.
+    /// The steps of a protocol, of a block only beside a compared curve; none for other tasks.
     pub fn steps(&self) -> &[ProtocolStep] {
         match self {
-            Self::Protocol(ProtocolNumbers { steps, .. }) => steps,
+            Self::Protocol(ProtocolNumbers { steps, .. })
+            | Self::BlockProtocol(BlockNumbers { steps, .. }) => steps,
             _ => &[],
         }
     }
@@ -366,9 +374,9 @@ impl Numbers {
     /// Comparison of a measured curve with the computed one; `None` without a measured curve.
     pub fn compare(&self) -> Option<&Comparison> {
         match self {
-            Self::Pull(PullNumbers { compare, .. }) | Self::Protocol(ProtocolNumbers { compare, .. }) => {
-                compare.as_ref()
-            }
+            Self::Pull(PullNumbers { compare, .. })
+            | Self::Protocol(ProtocolNumbers { compare, .. })
+            | Self::BlockProtocol(BlockNumbers { compare, .. }) => compare.as_ref(),
             _ => None,
         }
     }

@@ -1,7 +1,10 @@
 //! Summary of motion in time: protocol steps with rate-and-state parameters, velocity curves and hold curves.
 
 use crate::master::Limits;
-use crate::rate_state::{Healing, MeasuredNoise, MeasuredValue, MeasuredVelocityStep, VelocityStep};
+use crate::rate_state::{
+    Healing, MachineStep, MeasuredNoise, MeasuredValue, MeasuredVelocityStep, StateLaw, StateVariable,
+    VelocityStep,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,14 +15,14 @@ use super::Extended;
 pub struct ProtocolStep {
     /// Velocity at its end; 0 in a hold.
     pub velocity: f64,
-    /// Position X at its start.
+    /// Position X at its start; of the load point beside a `[block]`.
     pub position: f64,
     /// Duration of the step.
     pub duration: f64,
     /// Number of pieces of constant velocity, if there are several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pieces: Option<usize>,
-    /// Friction force at its end.
+    /// Friction force at its end; force of the spring beside a `[block]`.
     pub force: f64,
     /// Highest force in the step.
     pub peak: Peak,
@@ -32,6 +35,12 @@ pub struct ProtocolStep {
     /// Those of the compared curve; absent without points of it after the step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<MeasuredRateState>,
+    /// Those of the force of the spring of a `[block]`, beside a compared curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_state_spring: Option<SpringRateState>,
+    /// Those of the compared curve, in a machine whose stiffness is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured_spring: Option<SpringRateState>,
     /// Why the compared curve, which has points after the step, has no such parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub not_read: Option<String>,
@@ -97,6 +106,29 @@ pub struct MeasuredRateState {
     pub whiteness: Option<f64>,
 }
 
+/// Rate-and-state friction behind the spring of a machine, fitted to a velocity step, with the misfit first and without errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SpringRateState {
+    /// Root mean square of the residuals of the fit, a force.
+    pub residual: f64,
+    /// The residual relative to the range of the force.
+    pub residual_relative: f64,
+    /// Force F_0 before the step.
+    pub force_before: f64,
+    /// Direct effect of the slider itself, a force per ln(V/v_0).
+    pub a: f64,
+    /// Evolution effects of the state variables, that of the shorter distance first.
+    pub b: Vec<f64>,
+    /// Their characteristic slip distances.
+    pub distance: Vec<f64>,
+    /// The law of the state variables.
+    pub law: StateLaw,
+    /// v/v_0 of the load point.
+    pub ratio: f64,
+    /// Stiffness K of the machine.
+    pub stiffness: f64,
+}
+
 /// Limits of a velocity curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CurveLimits {
@@ -150,6 +182,13 @@ pub struct HealingCurve {
     pub residual_relative: Option<f64>,
 }
 
+impl ProtocolStep {
+    /// Whether the compared curve was read as a velocity step.
+    pub fn is_measured(&self) -> bool {
+        self.measured.is_some() || self.measured_spring.is_some()
+    }
+}
+
 impl RateState {
     /// Parameters of a step from `velocity_before`.
     pub fn new(velocity_before: f64, read: &VelocityStep) -> Self {
@@ -182,6 +221,40 @@ impl MeasuredRateState {
             noise: read.noise.clone(),
             whiteness: read.whiteness,
         }
+    }
+}
+
+impl SpringRateState {
+    /// The numbers of a step that was read with the spring.
+    pub fn new(read: &MachineStep) -> Self {
+        Self {
+            residual: read.residual,
+            residual_relative: read.residual_relative,
+            force_before: read.before,
+            a: read.direct,
+            b: read.states.iter().map(|state| state.evolution).collect(),
+            distance: read.states.iter().map(|state| state.distance).collect(),
+            law: read.law,
+            ratio: read.ratio,
+            stiffness: read.stiffness,
+        }
+    }
+
+    /// The fitted force at rising displacements of the load point since the step.
+    pub fn forces(&self, displacement: &[f64]) -> Vec<f64> {
+        let states = self.b.iter().zip(&self.distance);
+        let states = states.map(|(&evolution, &distance)| StateVariable { evolution, distance }).collect();
+        let step = MachineStep {
+            residual: self.residual,
+            residual_relative: self.residual_relative,
+            direct: self.a,
+            states,
+            before: self.force_before,
+            law: self.law,
+            ratio: self.ratio,
+            stiffness: self.stiffness,
+        };
+        step.forces(displacement)
     }
 }
 
