@@ -461,7 +461,7 @@ class Block(Description):
         *,
         resolution: _Number = 0.02,
         size: SupportsIndex | None = None,
-        simulations: SupportsIndex = 10,
+        simulations: SupportsIndex | None = None,
         seed: _Seed = 1,
         progress: _Progress = None,
     ) -> StickSlipStability:
@@ -483,7 +483,7 @@ class Block(Description):
         size
             The number of single contacts of a simulation, 1 or more; None: no simulations.
         simulations
-            The number of simulations, 1 or more; without effect without a size.
+            The number of simulations, 1 or more, by default 10; only with a size.
         seed
             The seed of the random numbers.
         progress
@@ -500,9 +500,9 @@ class Block(Description):
         Raises
         ------
         ValueError
-            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, and
-            for a slip rule that has no meaning in time, or a slip without mass and damping, where contacts are
-            time-dependent.
+            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, a
+            number of them without a size, and for a slip rule that has no meaning in time, or a slip without mass and
+            damping, where contacts are time-dependent.
         """
 
     @property
