@@ -329,11 +329,9 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
         raise ValueError(f"pressure: expected contact in some pixels, got it in {found}")
     found_labels, count = ndimage.label(touching)
     labels: NDArray[np.int64] = found_labels.astype(np.int64)
-    shift, around = np.zeros((1, 1, 2), dtype=np.int64), np.zeros((count, 2), dtype=np.bool_)
-    if periodic:
-        spot = joined(labels, count)
-        shift, around = spot.shift[labels], spot.around
-        labels, count = spot.number[labels], len(around)
+    joint = joined(labels, count) if periodic else apart(count)
+    parts, count = labels, len(joint.around)
+    labels = joint.number[parts]
     index = np.arange(1, count + 1)
     pixels = np.bincount(labels.ravel(), minlength=count + 1)[1:]
     loads: _Array = np.asarray(ndimage.sum_labels(values, labels, index), dtype=np.float64) * pixel**2
@@ -345,9 +343,7 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     renumbered = np.zeros(count + 1, dtype=np.int64)
     renumbered[1:][kept] = np.arange(1, kept.sum() + 1)
     labels = renumbered[labels]
-    centre = centres(values, labels, int(kept.sum()), shift) * pixel
-    # Where a spot goes around the map, its pixels have no order from a first to a last one.
-    centre[around[kept]] = np.nan
+    centre = centres(values, parts, joint)[kept] * pixel
     areas: _Array = np.asarray(pixels * pixel**2, dtype=np.float64)
     return Spots(areas[kept], loads[kept], centre, small, labels)
 
@@ -397,17 +393,22 @@ def joined(labels: "NDArray[np.int64]", count: int) -> Joined:
     return Joined((np.cumsum(own) - 1)[roots], np.array([moved for _, moved in found]), around[own][1:])
 
 
-def centres(
-    values: "_Array", labels: "NDArray[np.int64]", count: int, shift: "NDArray[np.int64]"
-) -> "_Array":
-    """The centres of pressure in pixels, of spots whose pixels are moved by so many periods."""
+def apart(count: int) -> Joined:
+    """Spots that are no more than their parts."""
+    return Joined(np.arange(count + 1), np.zeros((count + 1, 2), np.int64), np.zeros((count, 2), np.bool_))
+
+
+def centres(values: "_Array", parts: "NDArray[np.int64]", joint: Joined) -> "_Array":
+    """The centres of pressure of spots in pixels, from the loads and moments of their parts."""
     from scipy import ndimage
 
-    index = np.arange(1, count + 1)
-    total = ndimage.sum_labels(values, labels, index)
-    found = np.empty((count, 2))
+    index, numbers = np.arange(1, len(joint.number)), joint.number[1:] - 1
+    loads = ndimage.sum_labels(values, parts, index)
+    found = np.empty(joint.around.shape)
     for axis, length in enumerate(values.shape):
         place = (np.arange(length) + 0.5).reshape((-1, 1) if axis == 0 else (1, -1))
-        moved = place + length * shift[..., axis]
-        found[:, axis] = ndimage.sum_labels(values * moved, labels, index) / total % length
+        moments = ndimage.sum_labels(values * place, parts, index) + length * joint.shift[1:, axis] * loads
+        found[:, axis] = np.bincount(numbers, moments) / np.bincount(numbers, loads) % length
+    # Where a spot goes around the map, its pixels have no order from a first to a last one.
+    found[joint.around] = np.nan
     return found
