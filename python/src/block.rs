@@ -353,7 +353,9 @@ impl Block {
         };
         let (mut model, own) = Model::described(slf.get().model.bind(py), table)?;
         let velocity = velocity.or(own);
-        let simulations = match (simulations.get("simulations")?, &size) {
+        let given: Option<usize> =
+            simulations.map(|simulations| simulations.get("simulations")).transpose()?;
+        let simulations = match (given, &size) {
             (Some(given), None) => {
                 let expected = "none without a size, the number of single contacts of a simulation";
                 return Err(error::invalid("simulations", expected, given));
