@@ -54,8 +54,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
-/// Where persistent stick-slip ends: for infinitely many contacts, and over the single contacts with its standard deviation, which
-/// one simulation does not have.
+/// Where persistent stick-slip ends: for infinitely many contacts, and over the single contacts with its standard deviation,
+/// which one simulation does not have.
 fn limits(
     outcome: &Outcome,
     found: &StickSlipNumbers,
