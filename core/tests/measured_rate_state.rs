@@ -307,6 +307,20 @@ fn wrong_input_is_refused() {
     healing(&[1.0, 2.0, 3.0], &[0.6; 3], "hold: expected at least 4 holds, got 3");
     healing(&[0.0, 1.0, 2.0, 3.0], &[0.6; 4], "hold.0: expected a time above 0");
     healing(&[1.0, 10.0, 100.0, 1e3], &[0.6, 0.61, 0.7, 1.6], "logarithm of the hold time");
+    healing(
+        &[1.0, 1.0, 9.0, 9.0],
+        &[0.6, 0.61, 0.62, 0.63],
+        "hold: expected holds of at least 3 different durations, got 2",
+    );
+    // Forces that do not change have no cutoff time, however many there are and but for rounding.
+    for holds in [4, 5, 6, 20] {
+        let hold: Vec<f64> = (0..holds).map(|i| 10.0_f64.powi(i)).collect();
+        let constant = "force: expected forces that change with the hold time, so that the cutoff time follows, got 0.6 after every hold";
+        healing(&hold, &vec![0.6; hold.len()], constant);
+        let rounded: Vec<f64> = (0..holds).map(|i| 0.6 + f64::from(i % 2) * 1.2e-16).collect();
+        healing(&hold, &rounded, constant);
+    }
+    healing(&[1.0, 10.0, 100.0, 1e3], &[0.0; 4], "got 0 after every hold");
 }
 
 /// Averaged points have the same parameters, and the same errors: the points lose nothing of what is slower

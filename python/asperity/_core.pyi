@@ -463,7 +463,7 @@ class Block(Description):
         *,
         resolution: _Number = 0.02,
         size: SupportsIndex | None = None,
-        simulations: SupportsIndex = 10,
+        simulations: SupportsIndex | None = None,
         seed: _Seed = 1,
         progress: _Progress = None,
     ) -> StickSlipStability:
@@ -485,7 +485,7 @@ class Block(Description):
         size
             The number of single contacts of a simulation, 1 or more; None: no simulations.
         simulations
-            The number of simulations, 1 or more; without effect without a size.
+            The number of simulations, 1 or more, by default 10; only with a size.
         seed
             The seed of the random numbers.
         progress
@@ -502,9 +502,9 @@ class Block(Description):
         Raises
         ------
         ValueError
-            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, and
-            for a slip rule that has no meaning in time, or a slip without mass and damping, where contacts are
-            time-dependent.
+            For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, a
+            number of them without a size, and for a slip rule that has no meaning in time, or a slip without mass and
+            damping, where contacts are time-dependent.
         """
 
     @property
@@ -5589,8 +5589,8 @@ def read_healing(hold: ArrayLike, force: ArrayLike) -> Healing:
     Raises
     ------
     ValueError
-        For fewer than 4 different holds, holds that are not above 0, another number of forces than of holds, forces
-        that are not finite, and forces that grow in proportion to the hold time.
+        For fewer than 4 holds or 3 different ones, holds that are not above 0, another number of forces than of holds,
+        forces that are not finite or all the same, and forces that grow in proportion to the hold time.
 
     Examples
     --------

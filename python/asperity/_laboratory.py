@@ -4,7 +4,7 @@ import csv
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import count, pairwise
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -23,9 +23,24 @@ if TYPE_CHECKING:
 NAMES = {
     "time": re.compile(r"^(time|t)\b", re.IGNORECASE),
     "displacement": re.compile(r"displ|slip|position|load.?point|^lp", re.IGNORECASE),
-    "normal": re.compile(r"normal", re.IGNORECASE),
+    # Not "normalised".
+    "normal": re.compile(r"normal(?!i[sz])", re.IGNORECASE),
     "force": re.compile(r"friction|shear|force|^(mu|µ|μ)\b|torque", re.IGNORECASE),
 }
+
+# Names of other roles that exclude a column: a normal displacement is neither that of the load point nor a
+# normal load, and a shear displacement is no force.
+EXCLUDED = {
+    "displacement": ("time", "normal"),
+    "normal": ("time", "displacement"),
+    "force": ("time", "displacement", "normal"),
+}
+
+# A column with these words has no role by its name, although the rest of the name may say so.
+OTHER = re.compile(r"rate(?![a-z])|veloc|speed|accel|strain", re.IGNORECASE)
+
+# The unit of a rate, such as µm/s.
+RATE = re.compile(r"/\s*(ms|s|sec|min|h|hr)\b|\bs(\^|\*\*)?[-−]1|s⁻¹", re.IGNORECASE)
 
 # A name with its unit in brackets.
 UNIT = re.compile(r"^(?P<name>.*?)[\s_]*[(\[](?P<unit>[^)\]]*)[)\]]$")
@@ -67,7 +82,8 @@ class LaboratoryRecord:
     Attributes
     ----------
     columns : dict of str to ndarray
-        All columns of the file by their names without units.
+        All columns of the file by their names without units. Of columns with one name the first one has it,
+        the others are called "Force 2", "Force 3" and so on.
     units : dict of str to str
         The units of columns that name one.
     roles : dict of str to str
@@ -365,9 +381,10 @@ def read_laboratory(
         A file whose columns are separated by commas, semicolons, tabs or blanks. The first line that is no
         comment (#, %) names the columns, with units in brackets: "Displ (µm)", "shear stress [MPa]".
     time, displacement, force, normal : str, optional
-        Names of the columns, with or without unit; by default the first ones whose names say so: "time",
-        "displ", "slip", "position" or "load point"; "friction", "shear", "force" or "mu"; "normal". A record
-        need not have a normal load.
+        Names of the columns, with or without unit; of several with the same one, the first. By default the
+        first columns whose names say so: "time"; "displ", "slip", "position" or "load point", but not
+        "normal"; "friction", "shear", "force" or "mu", but none of the others; "normal", but no displacement.
+        No rates and strains are taken by default, and no column twice. A record need not have a normal load.
 
     Returns
     -------
@@ -415,17 +432,21 @@ def read_laboratory(
                 )
             values[k, i] = float(cell)
     asked = {"time": time, "displacement": displacement, "normal": normal, "force": force}
-    roles = {role: found for role, name in asked.items() if (found := column(role, name, names, heading))}
+    roles = {role: given(role, name, names, heading) for role, name in asked.items() if name is not None}
+    for role in asked:
+        if role not in roles and (place := named(role, names, units, set(roles.values()))) is not None:
+            roles[role] = place
     missing = [role for role in ("time", "displacement", "force") if role not in roles]
     if missing:
         raise ValueError(
             f"{fspath(path)}: expected a column for {missing[0]} ({missing[0]}=...), got {', '.join(heading)}"
         )
-    columns = dict(zip(names, values, strict=True))
-    given = {name: unit for name, unit in zip(names, units, strict=True) if unit}
+    single = distinct(names)
+    columns = dict(zip(single, values, strict=True))
+    with_units = {name: unit for name, unit in zip(single, units, strict=True) if unit}
     order = ("time", "displacement", "force", "normal")
-    ordered: dict[str, str] = {role: roles[role] for role in order if role in roles}
-    return LaboratoryRecord(columns, given, ordered)
+    ordered: dict[str, str] = {role: single[roles[role]] for role in order if role in roles}
+    return LaboratoryRecord(columns, with_units, ordered)
 
 
 def _one_hold(first: Motion, second: Motion) -> Motion:
@@ -451,19 +472,33 @@ def parted(heading: str) -> tuple[str, str]:
     return (found["name"].strip(), found["unit"].strip()) if found else (heading, "")
 
 
-def column(role: str, asked: str | None, names: tuple[str, ...], heading: list[str]) -> str | None:
-    """The name of the column that has a role: the one asked for, or the first one whose name says so."""
-    if asked is not None:
-        for name, whole in zip(names, heading, strict=True):
-            if asked in (name, whole):
-                return name
-        raise ValueError(f"{role}: expected one of the columns {', '.join(heading)}, got {asked!r}")
-    others = [other for other in NAMES if other != role] if role == "force" else []
-    for name in names:
-        taken = any(NAMES[other].search(name) for other in others)
-        if NAMES[role].search(name) and not taken:
-            return name
+def given(role: str, asked: str, names: tuple[str, ...], heading: list[str]) -> int:
+    """The place of the column that is asked for, with or without unit."""
+    for place, possible in enumerate(zip(names, heading, strict=True)):
+        if asked in possible:
+            return place
+    raise ValueError(f"{role}: expected one of the columns {', '.join(heading)}, got {asked!r}")
+
+
+def named(role: str, names: tuple[str, ...], units: tuple[str, ...], taken: set[int]) -> int | None:
+    """The place of the first column whose name says that it has a role, and that has no other."""
+    for place, (name, unit) in enumerate(zip(names, units, strict=True)):
+        others = any(NAMES[other].search(name) for other in EXCLUDED.get(role, ()))
+        rate = bool(OTHER.search(name) or RATE.search(unit))
+        if NAMES[role].search(name) and not others and not rate and place not in taken:
+            return place
     return None
+
+
+def distinct(names: tuple[str, ...]) -> list[str]:
+    """Names of which no two are equal: the second column "Force" is "Force 2"."""
+    found: list[str] = []
+    for name in names:
+        # No name of another column is taken.
+        numbered = (f"{name} {number}" for number in count(2))
+        free = (other for other in numbered if other not in names and other not in found)
+        found.append(next(free) if name in found else name)
+    return found
 
 
 def is_number(cell: str) -> bool:

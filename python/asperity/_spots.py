@@ -55,8 +55,10 @@ class Spots:
     load : ndarray
         The load of each spot, pressure times area, shape (n,).
     centre : ndarray
-        The centre of pressure of each spot, shape (n, 2), along the first and the second axis of the map; the
-        middle of the first pixel is at half a pixel.
+        The centre of pressure of each spot, Σ p x/Σ p of its pixels, shape (n, 2), along the first and the
+        second axis of the map; the middle of the first pixel is at half a pixel. A spot across the edges of a
+        periodic map is put together first. Where it goes around the map, so that it is connected with itself
+        along an axis, it has no centre along this axis, and the coordinate is nan.
     dropped : Dropped
         What was left out.
     labels : ndarray
@@ -327,8 +329,9 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
         raise ValueError(f"pressure: expected contact in some pixels, got it in {found}")
     found_labels, count = ndimage.label(touching)
     labels: NDArray[np.int64] = found_labels.astype(np.int64)
-    if periodic:
-        labels, count = joined(labels, count)
+    joint = joined(labels, count) if periodic else apart(count)
+    parts, count = labels, len(joint.around)
+    labels = joint.number[parts]
     index = np.arange(1, count + 1)
     pixels = np.bincount(labels.ravel(), minlength=count + 1)[1:]
     loads: _Array = np.asarray(ndimage.sum_labels(values, labels, index), dtype=np.float64) * pixel**2
@@ -340,43 +343,72 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     renumbered = np.zeros(count + 1, dtype=np.int64)
     renumbered[1:][kept] = np.arange(1, kept.sum() + 1)
     labels = renumbered[labels]
-    centre = centres(values, labels, int(kept.sum()), periodic) * pixel
+    centre = centres(values, parts, joint)[kept] * pixel
     areas: _Array = np.asarray(pixels * pixel**2, dtype=np.float64)
     return Spots(areas[kept], loads[kept], centre, small, labels)
 
 
-def joined(labels: "NDArray[np.int64]", count: int) -> "tuple[NDArray[np.int64], int]":
-    """The labels where spots at opposite edges are one, numbered in the order of their first pixels."""
-    parent = np.arange(count + 1)
+class Joined(NamedTuple):
+    """Spots of a periodic map, made of the parts into which its edges cut them."""
 
-    def root(label: int) -> int:
+    number: "NDArray[np.int64]"
+    """The number of the spot of each part, in the order of their first pixels; 0 for the label 0."""
+    shift: "NDArray[np.int64]"
+    """By how many periods each part is moved along both axes, so that the parts of a spot are connected."""
+    around: "NDArray[np.bool_]"
+    """Whether each spot is connected with itself around the map, along both axes."""
+
+
+def joined(labels: "NDArray[np.int64]", count: int) -> Joined:
+    """Joins the labels of spots that touch at opposite edges."""
+    parent = np.arange(count + 1)
+    shift = np.zeros((count + 1, 2), dtype=np.int64)
+    around = np.zeros((count + 1, 2), dtype=np.bool_)
+
+    def root(label: int) -> "tuple[int, NDArray[np.int64]]":
+        moved = shift[label].copy()
         while parent[label] != label:
             label = parent[label]
-        return label
+            moved += shift[label]
+        return label, moved
 
-    for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
-        for a, b in zip(one, other, strict=True):
-            if a and b:
-                low, high = sorted((root(a), root(b)))
-                parent[high] = low
-    roots = np.array([root(label) for label in range(count + 1)])
-    numbers = np.cumsum(roots == np.arange(count + 1)) - 1
-    return numbers[roots][labels], int(numbers[-1])
+    for axis, (one, other) in enumerate(((labels[0], labels[-1]), (labels[:, 0], labels[:, -1]))):
+        # The same two parts touch in many pixels.
+        pairs = np.unique(np.stack([one, other])[:, (one > 0) & (other > 0)], axis=1)
+        for a, b in pairs.T:
+            (first, moved), (second, there) = root(a), root(b)
+            # The last pixel lies before the first one, a period back.
+            difference = moved - there
+            difference[axis] -= 1
+            if first == second:
+                around[first] |= difference != 0
+                continue
+            low, high = min(first, second), max(first, second)
+            parent[high] = low
+            shift[high] = difference if high == second else -difference
+            around[low] |= around[high]
+    found = [root(label) for label in range(count + 1)]
+    roots = np.array([place for place, _ in found])
+    own = roots == np.arange(count + 1)
+    return Joined((np.cumsum(own) - 1)[roots], np.array([moved for _, moved in found]), around[own][1:])
 
 
-def centres(values: "_Array", labels: "NDArray[np.int64]", count: int, periodic: bool) -> "_Array":
-    """The centres of pressure in pixels; on a periodic map those of the angle around it."""
+def apart(count: int) -> Joined:
+    """Spots that are no more than their parts."""
+    return Joined(np.arange(count + 1), np.zeros((count + 1, 2), np.int64), np.zeros((count, 2), np.bool_))
+
+
+def centres(values: "_Array", parts: "NDArray[np.int64]", joint: Joined) -> "_Array":
+    """The centres of pressure of spots in pixels, from the loads and moments of their parts."""
     from scipy import ndimage
 
-    index = np.arange(1, count + 1)
-    found = np.empty((count, 2))
+    index, numbers = np.arange(1, len(joint.number)), joint.number[1:] - 1
+    loads = ndimage.sum_labels(values, parts, index)
+    found = np.empty(joint.around.shape)
     for axis, length in enumerate(values.shape):
         place = (np.arange(length) + 0.5).reshape((-1, 1) if axis == 0 else (1, -1))
-        total = ndimage.sum_labels(values, labels, index)
-        if periodic:
-            angle = 2.0 * np.pi * place / length
-            parts = [ndimage.sum_labels(values * f(angle), labels, index) for f in (np.sin, np.cos)]
-            found[:, axis] = np.arctan2(*parts) % (2.0 * np.pi) * length / (2.0 * np.pi)
-        else:
-            found[:, axis] = ndimage.sum_labels(values * place, labels, index) / total
+        moments = ndimage.sum_labels(values * place, parts, index) + length * joint.shift[1:, axis] * loads
+        found[:, axis] = np.bincount(numbers, moments) / np.bincount(numbers, loads) % length
+    # Where a spot goes around the map, its pixels have no order from a first to a last one.
+    found[joint.around] = np.nan
     return found

@@ -309,7 +309,7 @@ impl Block {
     /// size
     ///     The number of single contacts of a simulation, 1 or more; None: no simulations.
     /// simulations
-    ///     The number of simulations, 1 or more; without effect without a size.
+    ///     The number of simulations, 1 or more, by default 10; only with a size.
     /// seed
     ///     The seed of the random numbers.
     /// progress
@@ -326,22 +326,22 @@ impl Block {
     /// Raises
     /// ------
     /// ValueError
-    ///     For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, and
-    ///     for a slip rule that has no meaning in time, or a slip without mass and damping, where contacts are
-    ///     time-dependent.
+    ///     For a rigid slider, an Ensemble, a Transport that starts in steady sliding, no contacts, no simulations, a
+    ///     number of them without a size, and for a slip rule that has no meaning in time, or a slip without mass and
+    ///     damping, where contacts are time-dependent.
     #[pyo3(
         signature = (
             velocity = None, *, resolution = Real::new(scenario::Stability::RESOLUTION), size = None,
-            simulations = Whole::new(scenario::Stability::SIMULATIONS), seed = Seed(1), progress: "_Progress" = None
+            simulations = None, seed = Seed(1), progress: "_Progress" = None
         ),
-        text_signature = "($self, velocity=None, *, resolution=0.02, size=None, simulations=10, seed=1, progress=None)"
+        text_signature = "($self, velocity=None, *, resolution=0.02, size=None, simulations=None, seed=1, progress=None)"
     )]
     fn stick_slip<'py>(
         slf: &Bound<'py, Self>,
         velocity: Option<Real>,
         resolution: Real,
         size: Option<Whole>,
-        simulations: Whole,
+        simulations: Option<Whole>,
         seed: Seed,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<typed::StickSlipStability<'py>> {
@@ -353,7 +353,15 @@ impl Block {
         };
         let (mut model, own) = Model::described(slf.get().model.bind(py), table)?;
         let velocity = velocity.or(own);
-        let simulations = simulations.get("simulations")?;
+        let given: Option<usize> =
+            simulations.map(|simulations| simulations.get("simulations")).transpose()?;
+        let simulations = match (given, &size) {
+            (Some(given), None) => {
+                let expected = "none without a size, the number of single contacts of a simulation";
+                return Err(error::invalid("simulations", expected, given));
+            }
+            (given, _) => given.unwrap_or(scenario::Stability::SIMULATIONS),
+        };
         let drawn =
             |size| scenario::Ensemble { size: Some(size), seed: seed.0, ..scenario::Ensemble::default() };
         model.ensemble = size.map(|size| size.get("size")).transpose()?.map(drawn);

@@ -394,8 +394,8 @@ impl Healing {
 /// Raises
 /// ------
 /// ValueError
-///     For fewer than 4 different holds, holds that are not above 0, another number of forces than of holds, forces
-///     that are not finite, and forces that grow in proportion to the hold time.
+///     For fewer than 4 holds or 3 different ones, holds that are not above 0, another number of forces than of holds,
+///     forces that are not finite or all the same, and forces that grow in proportion to the hold time.
 ///
 /// Examples
 /// --------

@@ -88,6 +88,8 @@ def test_whether_single_contacts_stick_and_slip() -> None:
         block.stick_slip(size=0)
     with pytest.raises(ValueError, match="simulations"):
         block.stick_slip(size=10, simulations=0)
+    with pytest.raises(ValueError, match=r"simulations: expected none without a size, .*, got 2"):
+        block.stick_slip(simulations=2)
 
 
 def test_a_map_of_single_contacts_has_a_picture() -> None:

@@ -47,6 +47,73 @@ def test_columns_by_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("options", "newtons", "name"),
+    [
+        ({}, 1.0, "Force"),
+        ({"force": "Force"}, 1.0, "Force"),
+        ({"force": "Force (N)"}, 1.0, "Force"),
+        ({"force": "Force (lbf)"}, 0.2248, "Force 2"),
+    ],
+)
+def test_columns_of_one_name(tmp_path: Path, options: dict[str, str], newtons: float, name: str) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text("Time (s),Displ (mm),Force (N),Force (lbf)\n0,0,1,0.2248\n1,1,1,0.2248\n")
+    record = asp.read_laboratory(path, **options)
+    np.testing.assert_array_equal(record.force, newtons)
+    assert record.roles["force"] == name
+    assert record.units == {"Time": "s", "Displ": "mm", "Force": "N", "Force 2": "lbf"}
+    np.testing.assert_array_equal(record.columns["Force 2"], 0.2248)
+
+
+def test_equal_headings_and_numbered_ones(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text("t,slip,force,force,force 2\n0,1,2,3,4\n")
+    record = asp.read_laboratory(path)
+    found = {name: float(values[0]) for name, values in record.columns.items()}
+    assert found == {"t": 0.0, "slip": 1.0, "force": 2.0, "force 3": 3.0, "force 2": 4.0}
+
+
+@pytest.mark.parametrize(
+    ("heading", "options", "expected"),
+    [
+        (
+            "Time,Normal displacement,Shear displacement,Shear stress,Normal stress",
+            {},
+            {"displacement": 2, "force": 3, "normal": 4},
+        ),
+        ("Time (s),Slip rate (um/s),Slip (um),Shear rate,Mu", {}, {"displacement": 2, "force": 4}),
+        ("time,slip (mm s-1),slip (µm/s),slip (mm),force", {}, {"displacement": 3, "force": 4}),
+        ("time,Load point velocity,LP_Disp,Shear strain,Shear stress", {}, {"displacement": 2, "force": 4}),
+        ("time,slip,Normal force,Normalised shear stress", {}, {"displacement": 1, "force": 3, "normal": 2}),
+        # What is asked for has the role, and no other one.
+        (
+            "time,Normal displacement,slip,force",
+            {"displacement": "Normal displacement"},
+            {"displacement": 1, "force": 3},
+        ),
+        ("time,slip,Normal force,force", {"force": "Normal force"}, {"displacement": 1, "force": 2}),
+        ("time,slip rate,force", {"displacement": "slip rate"}, {"displacement": 1, "force": 2}),
+    ],
+)
+def test_roles_exclude_each_other(
+    tmp_path: Path, heading: str, options: dict[str, str], expected: dict[str, int]
+) -> None:
+    path = tmp_path / "record.csv"
+    number = ",".join(str(place) for place in range(heading.count(",") + 1))
+    path.write_text(f"{heading}\n{number}\n{number}\n", encoding="utf-8")
+    record = asp.read_laboratory(path, **options)
+    places = {role: int(record.columns[name][0]) for role, name in record.roles.items()}
+    assert places == {"time": 0, **expected}
+
+
+def test_a_normal_displacement_is_no_displacement_of_the_load_point(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text("time,Normal displacement,force\n0,1,2\n1,1,2\n")
+    with pytest.raises(ValueError, match=r"expected a column for displacement \(displacement=...\), got"):
+        asp.read_laboratory(path)
+
+
+@pytest.mark.parametrize(
     ("text", "options", "message"),
     [
         ("", {}, "expected a heading and readings, got 0 lines"),

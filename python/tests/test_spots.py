@@ -45,6 +45,54 @@ def test_a_spot_across_edges_is_one() -> None:
     assert sorted(np.unique(found.labels)) == [0, 1, 2]
 
 
+@pytest.mark.parametrize("moved", [(0, 0), (0, 12), (-6, 3), (-8, -5)])
+def test_the_centre_is_that_of_pressure_on_a_periodic_map(moved: tuple[int, int]) -> None:
+    pressure = np.zeros((16, 16))
+    pressure[4, 0:9] = np.arange(1.0, 10.0)
+    # A hook, whose parts are connected through two edges and within the map.
+    pressure[5, 8] = pressure[6, 8] = pressure[6, 7] = 20.0
+    (expected,) = asp.spots(pressure, 0.5, periodic=False).centre
+    (found,) = asp.spots(np.roll(pressure, moved, (0, 1)), 0.5).centre
+    assert found == pytest.approx((expected + 0.5 * np.array(moved)) % 8.0, abs=1e-12)
+
+
+def test_a_row_has_its_centre_of_pressure() -> None:
+    pressure = np.zeros((16, 16))
+    pressure[4, 0:9] = np.arange(1.0, 10.0)
+    assert asp.spots(pressure, 1.0).centre[0] == pytest.approx([4.5, 35.0 / 6.0], abs=1e-12)
+
+
+def test_a_spot_in_many_parts_has_one_centre() -> None:
+    # A comb, cut by the edges into its teeth and its back when it is moved.
+    pressure = np.zeros((24, 24))
+    pressure[6:8, 3:20] = 2.0
+    pressure[8:17, 3:20:4] = 1.0
+    pressure[16, 11:15] = 3.0
+    (expected,) = asp.spots(pressure, 1.0, periodic=False).centre
+    for rows in range(24):
+        for columns in range(24):
+            (found,) = asp.spots(np.roll(pressure, (rows, columns), (0, 1)), 1.0).centre
+            off = (found - expected - (rows, columns) + 12.0) % 24.0 - 12.0
+            assert off == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_a_spot_around_the_map_has_no_centre_there() -> None:
+    pressure = np.zeros((16, 16))
+    pressure[3:5] = 1.0
+    pressure[5, 2] = 4.0
+    pressure[8:10, 15] = pressure[8:10, 0] = 1.0
+    found = asp.spots(pressure, 1.0)
+    assert found.centre == pytest.approx(np.array([[4.0 + 6.0 / 36.0, np.nan], [9.0, 0.0]]), nan_ok=True)
+    # A band along the diagonal goes around along both axes.
+    diagonal = np.eye(16) + np.roll(np.eye(16), 1, 0)
+    assert np.isnan(asp.spots(diagonal, 1.0).centre).all()
+    # A spot with a hole, across all edges, does not go around.
+    ring = np.zeros((16, 16))
+    ring[4:9, 4:9] = 1.0
+    ring[6, 6] = 0.0
+    assert asp.spots(np.roll(ring, (-6, -7), (0, 1)), 1.0).centre == pytest.approx(np.array([[0.5, 15.5]]))
+
+
 def rough(points: int = 256, seed: int = 1) -> Any:
     """The part of a random self-affine surface above a height, as if it were a pressure."""
     wave = 2 * np.pi * np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(points)]))

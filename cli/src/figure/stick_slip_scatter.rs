@@ -43,7 +43,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     let layout = style::layout(ends, (0.0, style::headroom(1.0))).with_log_x();
     let layout = layout.with_x_tick_format(style::powers(ends));
-    let words = format!("Fraction of {} simulations", found.ensemble.as_ref()?.simulations);
+    let words = match found.ensemble.as_ref()?.simulations {
+        1 => "Fraction of 1 simulation".to_owned(),
+        simulations => format!("Fraction of {simulations} simulations"),
+    };
     let layout = page
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Stiffness K", record.get("stiffness")?))
@@ -51,7 +54,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
-/// Where persistent stick-slip ends: for infinitely many contacts, and over the single contacts with its standard deviation.
+/// Where persistent stick-slip ends: for infinitely many contacts, and over the single contacts with its standard deviation,
+/// which one simulation does not have.
 fn limits(
     outcome: &Outcome,
     found: &StickSlipNumbers,
@@ -63,11 +67,14 @@ fn limits(
     if let Some(ensemble) = &found.ensemble {
         let (mean, std) = (ensemble.persistent_stiffness.0, ensemble.persistent_stiffness_std.unwrap_or(0.0));
         let edges = vec![(mean - std).max(first), (mean + std).min(last)];
+        let contacts = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
         if is_inside(mean) && edges[0] < edges[1] {
             let band = BandPlot::new(edges, vec![0.0; 2], vec![1.0; 2]);
             plots.push(Plot::Band(band.with_color(RED).with_opacity(0.2)));
-            let contacts = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
             legend.push(style::area(format!("end of persistence ± std, N = {contacts}"), "#F7DFCC"));
+        } else if is_inside(mean) {
+            plots.push(line(vec![(mean, 0.0), (mean, 1.0)], RED, 1.4, None));
+            legend.push(style::line(format!("end of persistence, N = {contacts}"), RED, None));
         }
     }
     if is_inside(found.persistent_stiffness) {

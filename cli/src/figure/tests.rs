@@ -2,8 +2,9 @@ use asperity::record::{Quantity, Record};
 use asperity::scenario::{Figure, FigureFormat, Units};
 use asperity::task::summary::{
     Catalogue, CurveLimits, Extended, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers,
-    InterfaceNumbers, Numbers, Peak, ProtocolNumbers, ProtocolStep, PullNumbers, RateState, StaticFriction,
-    Summary, VelocityCurveNumbers,
+    InterfaceNumbers, Numbers, Peak, ProtocolNumbers, ProtocolStep, PullNumbers, RateState,
+    SimulatedStickSlip, StabilityNumbers, StaticFriction, StickSlipKind, StickSlipNumbers, Summary,
+    VelocityCurveNumbers,
 };
 use asperity_runner::output::{Attachment, Outcome};
 
@@ -445,6 +446,52 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
     ] {
         assert!(text.contains(words), "{words}");
     }
+}
+
+/// What slides over single contacts do, in so many simulations, of which persistent stick-slip ends at 1.0.
+fn scattered(simulations: usize, std: Option<f64>) -> Outcome {
+    let ensemble = SimulatedStickSlip {
+        simulations,
+        none: 0,
+        transient: 0,
+        persistent: simulations,
+        undecided: 0,
+        mean_drop: Some(0.1),
+        drop_std: None,
+        period_scatter: None,
+        persistent_stiffness: Extended(1.0),
+        persistent_stiffness_std: std,
+    };
+    let numbers = StickSlipNumbers {
+        velocity: None,
+        stiffness: 0.5,
+        stick_slip: StickSlipKind::Persistent,
+        reason: String::new(),
+        mean_drop: Some(0.1),
+        persistent_stiffness: 1.1,
+        persistent_stiffness_above: Extended(1.2),
+        critical_stiffness: Extended(3.0),
+        critical_stiffness_sliding: Extended(0.0),
+        ensemble: Some(ensemble),
+    };
+    let mut outcome = timed(StabilityNumbers { stick_slip: vec![numbers] });
+    let along = &["stiffness"];
+    outcome.record.push("stiffness", "K", Quantity::Stiffness, along, vec![0.5, 2.0]);
+    for (name, values) in [("none", [0.0, 0.5]), ("transient", [0.0, 0.5]), ("persistent", [1.0, 0.0])] {
+        let name = format!("ensemble_{name}");
+        outcome.record.push(&name, "fraction", Quantity::Number, along, values.to_vec());
+    }
+    outcome
+}
+
+#[test]
+fn one_simulation_has_a_line_where_persistent_stick_slip_ends_and_several_have_a_band() {
+    let one = svg(&draw(&scattered(1, None)).unwrap(), "stick_slip_scatter.svg");
+    assert!(one.contains("Fraction of 1 simulation<"), "{one}");
+    assert!(one.contains("end of persistence, N = 100") && !one.contains("± std"), "{one}");
+    let several = svg(&draw(&scattered(3, Some(0.1))).unwrap(), "stick_slip_scatter.svg");
+    assert!(several.contains("Fraction of 3 simulations"), "{several}");
+    assert!(several.contains("end of persistence ± std, N = 100"), "{several}");
 }
 
 /// Events of sizes 1, 2, 3 … over a lattice of 3 × 4 contacts, shown twice.

@@ -33,7 +33,7 @@ pub(super) struct ConstantThreshold {
 #[derive(Debug)]
 pub(super) struct ConstantThresholds {
     barrier: Barrier,
-    thresholds: Nodal,
+    pub(super) thresholds: Nodal,
     /// E_0/T.
     wholes: Nodal,
     /// s.
@@ -97,29 +97,24 @@ impl ConstantThresholds {
     #[inline(always)]
     pub(super) fn at(&self, start: f64, advance: f64) -> [Nodal; 2] {
         let stretch = start + advance;
-        let (begun, exponents) = (self.exponents(start), self.exponents(stretch));
-        let (before, gains) = (self.gains(start), self.gains(stretch));
-        let (mut sums, mut now) = ([0.0; NODES], [0.0; NODES]);
+        let (mut exponents, mut rates, mut gains) = ([[0.0; NODES]; 2], [[0.0; NODES]; 2], [[0.0; NODES]; 2]);
+        for (end, x) in [start, stretch].into_iter().enumerate() {
+            (exponents[end], gains[end]) = (self.exponents(x), self.gains(x));
+            for i in 0..NODES {
+                rates[end][i] = exp(-exponents[end][i]);
+                gains[end][i] *= rates[end][i];
+            }
+        }
+        let mut sums = self.lengths;
         for i in 0..NODES {
-            now[i] = exp(-exponents[i]);
-            sums[i] = self.lengths[i] * (gains[i] * now[i] - before[i] * exp(-begun[i]));
+            sums[i] *= gains[1][i] - gains[0][i];
         }
         for i in 0..NODES {
-            if begun[i] - exponents[i] < ALIKE {
+            if exponents[0][i] - exponents[1][i] < ALIKE {
                 sums[i] = short(self.barrier, (self.thresholds[i], self.wholes[i]), stretch, advance);
             }
         }
-        [sums, now]
-    }
-
-    /// e^{−ΔE(x)/T}.
-    #[inline(always)]
-    pub(super) fn rates(&self, stretch: f64) -> Nodal {
-        let (exponents, mut out) = (self.exponents(stretch), [0.0; NODES]);
-        for i in 0..NODES {
-            out[i] = exp(-exponents[i]);
-        }
-        out
+        [sums, rates[1]]
     }
 
     /// ΔE(x)/T.
@@ -220,7 +215,6 @@ mod tests {
                 // Two ways to compute exponentials.
                 assert!(sums.iter().all(|other| (other / sum - 1.0).abs() < 1e-13), "{sums:?} {sum}");
                 assert!(all_now.iter().all(|other| (other / now - 1.0).abs() < 1e-14));
-                assert_eq!(sixteen.rates(start + advance), all_now);
             }
         }
     }

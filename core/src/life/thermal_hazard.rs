@@ -289,16 +289,14 @@ impl ThermalHazardAt<'_> {
     /// A, and w/v now, of contacts with sixteen constant thresholds.
     #[inline(always)]
     pub(super) fn hazards_of(&self, constants: &ConstantThresholds) -> [Nodal; 2] {
-        let attempts = self.thermal.attempts();
-        let [mut broken, mut rates] = match self.common {
-            Some(common) => {
-                let rates = constants.rates(self.stretch);
-                let mut broken = rates;
-                broken.iter_mut().for_each(|rate| *rate *= common);
-                [broken, rates]
-            }
-            None => constants.at(self.start, self.advance),
-        };
+        if let Some(common) = self.common {
+            let rates = self.rates_of(&constants.thresholds);
+            let mut broken = rates;
+            broken.iter_mut().for_each(|rate| *rate *= common);
+            return [broken, rates];
+        }
+        let ([mut broken, mut rates], attempts) =
+            (constants.at(self.start, self.advance), self.thermal.attempts());
         for i in 0..NODES {
             broken[i] *= attempts;
             rates[i] *= attempts;

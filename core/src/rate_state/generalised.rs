@@ -22,7 +22,7 @@ const OUTSIDE: f64 = 0.05;
 /// Scales between the ends of its interval for which the other parameters are computed.
 const PROFILE: usize = 65;
 /// Residuals relative to the values below which they are rounding.
-const ROUNDING: f64 = 1e-13;
+pub(super) const ROUNDING: f64 = 1e-13;
 
 /// The curve f(X) = Σ_j c_j g_j(X; s) with a scale s, and the values measured at rising positions.
 pub(super) struct ScaledCurve<'a> {

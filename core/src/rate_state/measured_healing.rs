@@ -5,11 +5,14 @@ use std::f64::consts::LN_10;
 use serde::{Deserialize, Serialize};
 
 use super::MeasuredValue;
-use super::generalised::{GeneralisedFit, ScaledCurve, straight};
+use super::generalised::{GeneralisedFit, ROUNDING, ScaledCurve, straight};
 use super::healing::{FEWEST, LONGEST, SHORTEST, ends};
 use super::measured_velocity_step::finite;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
+
+/// Parameters of the growth: the force, the healing rate and the cutoff time.
+const PARAMETERS: usize = 3;
 
 /// Healing in measured slide–hold–slide tests: static friction grows with the logarithm of the hold time,
 /// from a cutoff time on.
@@ -34,8 +37,8 @@ impl MeasuredHealing {
     /// times shorter than the shortest hold counts as none: then a straight line over ln t is fitted.
     ///
     /// # Errors
-    /// Fewer than 4 holds, hold times that are not above 0, numbers of different length; growth that is not
-    /// logarithmic, since the longest hold is not longer than the cutoff time.
+    /// Fewer than 4 holds or 3 different hold times, hold times that are not above 0, numbers of different length; forces
+    /// that are all the same, and growth that is not logarithmic, since the longest hold is not longer than the cutoff time.
     pub fn read(hold: &[f64], force: &[f64]) -> Result<Self> {
         Self::read_with(hold, force, &mut ())
     }
@@ -92,7 +95,8 @@ impl MeasuredHealing {
 }
 
 fn undetermined() -> Error {
-    Error::invalid("hold", "holds of at least four different durations", "fewer")
+    let expected = "forces that determine how they grow with the hold time";
+    Error::invalid("force", expected, "ones from which this does not follow")
 }
 
 fn check(hold: &[f64], force: &[f64]) -> Result<()> {
@@ -108,8 +112,22 @@ fn check(hold: &[f64], force: &[f64]) -> Result<()> {
     }
     finite("hold", hold)?;
     finite("force", force)?;
-    match hold.iter().position(|time| *time <= 0.0) {
-        Some(i) => Err(Error::invalid(format!("hold.{i}"), "a time above 0", hold[i])),
-        None => Ok(()),
+    if let Some(i) = hold.iter().position(|time| *time <= 0.0) {
+        return Err(Error::invalid(format!("hold.{i}"), "a time above 0", hold[i]));
     }
+    let mut durations = hold.to_vec();
+    durations.sort_by(f64::total_cmp);
+    durations.dedup();
+    if durations.len() < PARAMETERS {
+        let expected = format!("holds of at least {PARAMETERS} different durations");
+        return Err(Error::invalid("hold", expected, durations.len()));
+    }
+    let (low, high) = force
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (value.min(low), value.max(high)));
+    if high - low <= ROUNDING * low.abs().max(high.abs()) {
+        let expected = "forces that change with the hold time, so that the cutoff time follows";
+        return Err(Error::invalid("force", expected, format!("{low} after every hold")));
+    }
+    Ok(())
 }

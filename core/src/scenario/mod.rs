@@ -274,7 +274,7 @@ impl Scenario {
             Error::Invalid { key, expected, found }
                 if key == "contacts.stiffness_per_threshold" && self.contacts.areas.is_some() =>
             {
-                Error::invalid("contacts.areas", expected, found)
+                Error::invalid("contacts.areas", expected, format!("areas, from which follows {found}"))
             }
             error => error,
         }

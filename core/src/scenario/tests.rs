@@ -240,6 +240,37 @@ fn keys_without_effect_are_named() {
     }
 }
 
+/// A drive of contacts that are coupled one by one.
+fn one_by_one(contacts: Contacts) -> Scenario {
+    let interface = Interface { disorder: None, contacts: PerCell::One, ..cells() };
+    let drive = Drive { velocity: Some(1.0), ..Drive::default() };
+    Scenario { pull: None, drive: Some(drive), interface: Some(interface), ..Scenario::new(contacts) }
+}
+
+#[test]
+fn contacts_coupled_one_by_one_name_the_reason_for_which_they_are_refused() {
+    let mature = Law::Gaussian { mean: 1.5, std: 0.2 };
+    let ageing = Ageing::MeanField { mature, diffusion: 0.01 };
+    // The closure is refused, and not what it would need elsewhere.
+    for thresholds in [Law::Point { at: 1.0 }, Law::Gaussian { mean: 1.0, std: 0.1 }] {
+        let contacts =
+            Contacts { thresholds: Some(thresholds), ageing: Some(ageing.clone()), ..Contacts::default() };
+        let mut described = one_by_one(contacts);
+        for ensemble in [None, Some(Ensemble::default())] {
+            described.ensemble = ensemble;
+            assert_eq!(refused(&described), ("contacts.ageing.mean_field".into(), "a closure".into()));
+        }
+    }
+    let law = Law::Gaussian { mean: 1.0, std: 0.1 };
+    let growing =
+        Contacts { thresholds: Some(law.clone()), stiffness_per_threshold: Some(1.0), ..Contacts::default() };
+    let (key, found) = refused(&one_by_one(growing));
+    assert_eq!((key.as_str(), found.as_str()), ("contacts.stiffness_per_threshold", "k = κ x_s"));
+    let areas = Contacts { areas: Some(Areas { law, modulus: 1.0, strength: 1.0 }), ..Contacts::default() };
+    let (key, found) = refused(&one_by_one(areas));
+    assert_eq!((key.as_str(), found.as_str()), ("contacts.areas", "areas, from which follows k = κ x_s"));
+}
+
 /// Cells of many contacts that differ by chance.
 fn cells() -> Interface {
     Interface {

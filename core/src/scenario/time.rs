@@ -1,6 +1,6 @@
 //! Checks of tasks with time-dependent contacts.
 
-use super::{Model, Scenario, Task, TaskStart, VelocityCurve};
+use super::{Model, PerCell, Scenario, Task, TaskStart, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
@@ -45,6 +45,11 @@ impl Task<'_> {
     /// known.
     fn shared_thresholds(self, model: &Model) -> Result<()> {
         let key = "contacts.ageing.mean_field";
+        // Whatever the thresholds and the seed are.
+        if model.interface.as_ref().is_some_and(|interface| interface.contacts == PerCell::One) {
+            let expected = "ageing by a rule for single contacts where they are coupled one by one";
+            return Err(Error::invalid(key, expected, "a closure"));
+        }
         if model.ensemble.is_some() {
             let expected = format!("no ensemble beside {key}, which has no rule for one contact");
             return Err(Error::invalid("ensemble", expected, "one"));

@@ -99,6 +99,11 @@ pub(super) fn run(
     Ok(found(model, task, monitor)?.0)
 }
 
+/// What a program without the feature `fits` says.
+pub(super) fn without_fits() -> Error {
+    Error::invalid("fit", "a program with fits, such as the command asperity", "one without them")
+}
+
 /// The same with the estimates.
 ///
 /// # Errors
@@ -109,11 +114,7 @@ pub(super) fn found(
     monitor: &mut dyn Monitor,
 ) -> Result<(Output<FitNumbers>, KeyedEstimates)> {
     if cfg!(not(feature = "fits")) {
-        return Err(Error::invalid(
-            "fit",
-            "a program with fits, such as the command asperity",
-            "one without them",
-        ));
+        return Err(without_fits());
     }
     if let Some(steady) = task.prepare_steady(model, &mut Part::new(monitor, 0.0, 0.05))? {
         let source = task.steady.as_ref().and_then(|steady| steady.source.clone());

@@ -1,6 +1,7 @@
 //! `[[protocol]]`: the slider moved in time, step by step.
 
 use super::accuracy::ForceAccuracy;
+use super::fit::without_fits;
 use super::hold_curve::peak;
 use super::summary::{
     BlockNumbers, Comparison, MeasuredRateState, ProtocolNumbers, ProtocolStep, RateState, SpringRateState,
@@ -306,6 +307,9 @@ impl MachineSpring {
         monitor: &mut dyn Monitor,
     ) -> Result<ComparedStep> {
         let Some((position, force)) = near_step(curve, ends) else { return Ok(ComparedStep::default()) };
+        if cfg!(not(feature = "fits")) {
+            return ComparedStep::unread(without_fits());
+        }
         match MachineStep::read(&position, &force, ratio, self.stiffness, self.states, monitor) {
             Ok(read) => {
                 Ok(ComparedStep { spring: Some(SpringRateState::new(&read)), ..ComparedStep::default() })

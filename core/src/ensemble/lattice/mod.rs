@@ -400,7 +400,7 @@ fn stiffness(contacts: &Contacts) -> Result<f64> {
     let expected = "contacts of equal stiffness where they are coupled one by one";
     match &contacts.stiffness {
         Stiffness::Equal(unit) => Ok(*unit),
-        Stiffness::PerThreshold(factor) => Err(Error::invalid("stiffness.per_threshold", expected, factor)),
+        Stiffness::PerThreshold(_) => Err(Error::invalid("stiffness.per_threshold", expected, "k = κ x_s")),
         Stiffness::Tabulated(_) => Err(Error::invalid("stiffness.of_threshold", expected, "a table")),
     }
 }

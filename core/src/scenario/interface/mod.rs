@@ -31,12 +31,14 @@ pub struct Interface {
     /// after the slip event.
     #[serde(default)]
     pub contacts: PerCell,
-    /// Stiffness K_0 of the spring between a cell and the drive, 0 or above.
+    /// Stiffness K_0 of the spring between a cell and the drive, above 0 for cells of many contacts, 0 or above for contacts
+    /// coupled one by one.
     #[schemars(extend("minimum" = 0, "x-dimension" = "force/length"))]
     pub connection: f64,
-    /// `neighbours = { stiffness }` with K_int, or `half_space = { modulus, cell, poisson_ratio, sliding }` with the shear modulus G,
-    /// the side a of a cell, Poisson's ratio ν, 0 unless given, and the direction of sliding: along the `"columns"`, from row to row
-    /// and along a chain, or along the `"rows"`. With ν = 0, `modulus` may be an effective one, as G/(1 − ν) along a chain.
+    /// `neighbours = { stiffness }` with K_int, which has the same range as `connection`, or `half_space = { modulus, cell,
+    /// poisson_ratio, sliding }` with the shear modulus G, the side a of a cell, Poisson's ratio ν, 0 unless given, and the
+    /// direction of sliding: along the `"columns"`, from row to row and along a chain, or along the `"rows"`. With ν = 0, `modulus`
+    /// may be an effective one, as G/(1 − ν) along a chain.
     pub coupling: Elasticity,
     /// Edges of the interface: `"open"` or `"periodic"`.
     #[serde(default)]
