@@ -270,6 +270,22 @@ fn near_step(
     position.iter().any(|x| *x > 0.0).then_some((position, force))
 }
 
+/// Reads the points of a curve near a step, if this program has fits.
+///
+/// # Errors
+/// Other errors than those of the curve.
+fn read_near(
+    curve: (&[f64], &[f64]),
+    ends: [f64; 3],
+    read: impl FnOnce(&[f64], &[f64]) -> Result<ComparedStep>,
+) -> Result<ComparedStep> {
+    let Some((position, force)) = near_step(curve, ends) else { return Ok(ComparedStep::default()) };
+    if cfg!(not(feature = "fits")) {
+        return ComparedStep::unread(without_fits());
+    }
+    read(&position, &force).or_else(ComparedStep::unread)
+}
+
 /// The rate-and-state parameters of the compared curve after a step of the velocity by the factor `ratio`, with the spring of the
 /// machine if its stiffness is known.
 fn compared_step(
@@ -282,13 +298,10 @@ fn compared_step(
         let spring = MachineSpring { stiffness, states: curve.state_variables() };
         return spring.read(curve.points(), ends, ratio, monitor);
     }
-    let Some((position, force)) = near_step(curve.points(), ends) else { return Ok(ComparedStep::default()) };
-    match MeasuredVelocityStep::read(&position, &force, ratio, &StepReading::default(), monitor) {
-        Ok(read) => {
-            Ok(ComparedStep { measured: Some(MeasuredRateState::new(&read)), ..ComparedStep::default() })
-        }
-        Err(error) => ComparedStep::unread(error),
-    }
+    read_near(curve.points(), ends, |position, force| {
+        let read = MeasuredVelocityStep::read(position, force, ratio, &StepReading::default(), monitor)?;
+        Ok(ComparedStep { measured: Some(MeasuredRateState::new(&read)), ..ComparedStep::default() })
+    })
 }
 
 /// The spring of a machine, and the state variables with which steps behind it are read.
@@ -306,16 +319,10 @@ impl MachineSpring {
         ratio: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<ComparedStep> {
-        let Some((position, force)) = near_step(curve, ends) else { return Ok(ComparedStep::default()) };
-        if cfg!(not(feature = "fits")) {
-            return ComparedStep::unread(without_fits());
-        }
-        match MachineStep::read(&position, &force, ratio, self.stiffness, self.states, monitor) {
-            Ok(read) => {
-                Ok(ComparedStep { spring: Some(SpringRateState::new(&read)), ..ComparedStep::default() })
-            }
-            Err(error) => ComparedStep::unread(error),
-        }
+        read_near(curve, ends, |position, force| {
+            let read = MachineStep::read(position, force, ratio, self.stiffness, self.states, monitor)?;
+            Ok(ComparedStep { spring: Some(SpringRateState::new(&read)), ..ComparedStep::default() })
+        })
     }
 }
 
