@@ -212,6 +212,22 @@ def test_healing_behind_the_spring_of_a_machine() -> None:
         asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, a=a, law="other")  # type: ignore[arg-type]
 
 
+def test_how_reading_errors_scatter_healing_behind_a_spring() -> None:
+    a, b, distance, velocity, stiffness, error = 0.01, 0.013, 5.0, 10.0, 1e-3, 5e-4
+    hold = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]
+    peaks, ends = np.transpose([held(time, a, b, distance, velocity, stiffness) for time in hold])
+    random = np.random.default_rng(1)
+
+    def read() -> list[float]:
+        forces, rest = peaks + random.normal(0.0, error, 6), ends + random.normal(0.0, error, 6)
+        found = asp.fit_healing(hold, forces, 0.0, velocity, stiffness, held=rest)
+        return [found.a, found.b, found.distance]
+
+    scatter = np.log([read() for _ in range(20)]).std(axis=0)
+    # What the page says. The standard deviation of 20 has an error of a sixth; three of them.
+    assert np.abs(np.log(scatter / [0.07, 0.01, 0.3])).max() < 0.5
+
+
 def test_a_compared_step_is_read_with_the_spring_of_its_machine() -> None:
     a, b, distance, stiffness = 0.01, 0.015, 0.8, 2.0
     x = np.linspace(0.0, 10.0, 201)
