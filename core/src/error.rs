@@ -45,6 +45,18 @@ pub enum Error {
         /// Tolerance asked for.
         wanted: Float,
     },
+    /// Steps in time that are accurate enough would be too short to go on.
+    #[error(
+        "{what}: steps that meet the tolerance of {tolerance:e} became too short to go on from t = {time:e}"
+    )]
+    StepTooShort {
+        /// What moves.
+        what: String,
+        /// Time t of the last step.
+        time: Float,
+        /// Tolerance of a step.
+        tolerance: Float,
+    },
     /// The monitor stopped the computation.
     #[error("stopped before the end")]
     Stopped,

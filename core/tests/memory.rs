@@ -222,9 +222,13 @@ fn in_time(contacts: &Contacts, mass: Option<f64>, ensemble: Option<scenario::En
         let said = needed(described.fits(contacts, ensemble, with_error, 0));
         let taken = most(|| {
             let start = scenario::CellStart::Initial(&start);
-            let cells = described.in_time(contacts, start, TOLERANCE, TOLERANCE, ensemble, &mut ()).unwrap();
-            let mut cells = if with_error { cells.with_error() } else { cells };
-            cells.run(4.0, 0.1, &mut |_, _| ()).unwrap();
+            let mut cells =
+                described.in_time(contacts, start, TOLERANCE, TOLERANCE, ensemble, &mut ()).unwrap();
+            let coupling = described.elasticity(&mut ()).unwrap();
+            let mut rough = if with_error { cells.rough(coupling, &mut ()).unwrap() } else { None };
+            for interface in [&mut cells].into_iter().chain(rough.as_mut()) {
+                interface.run(4.0, 0.1, &mut |_, _| ()).unwrap();
+            }
         });
         holds("an interface in time", taken, said);
     }

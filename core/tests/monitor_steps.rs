@@ -161,7 +161,7 @@ fn a_stop_within_a_step_changes_nothing() {
         let cells = (0..40).map(|_| cell.copy()).collect();
         let coupling = neighbours(Shape::Chain(40), Edges::Open, 1.0).unwrap();
         let parameters = RateDependentInterfaceParameters::new(0.5, 0.1, 1e-4);
-        let mut interface = RateDependentInterface::new(cells, coupling, parameters).unwrap().with_error();
+        let mut interface = RateDependentInterface::new(cells, coupling, parameters).unwrap();
         let stopped = questions < usize::MAX;
         for number in 0..200 {
             let mut monitor = common::sliders::Impatient(questions + 7 * number);
@@ -171,7 +171,7 @@ fn a_stop_within_a_step_changes_nothing() {
             }
         }
         interface.run(0.6, 0.1, &mut |_, _| ()).unwrap();
-        (interface.time(), interface.forces(), interface.energy(), interface.error())
+        (interface.time(), interface.forces(), interface.energy())
     };
     assert_eq!(run(11), run(usize::MAX));
 }

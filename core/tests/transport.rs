@@ -317,7 +317,7 @@ fn errors_fall_with_the_fourth_power_of_the_step() {
     // they are a quarter as long, is 1/256 of them, within a factor of four for where times fall in steps.
     let athermal = contacts(gaussian(1.0, 0.1), Rules::default());
     let diffusing = contacts(gaussian(0.5, 0.1), ageing(smoluchowski()));
-    for (contacts, way, last, count) in [(athermal, (3.0, 1.0), 1e-6, 3), (diffusing, (1.0, 0.3), 1e-5, 37)] {
+    for (contacts, way, last, count) in [(athermal, (3.0, 1.0), 1e-7, 3), (diffusing, (1.0, 0.3), 3e-7, 37)] {
         let off = |tolerance| deviation(&contacts, &point(0.0), way, tolerance, count).0;
         let (coarse, fine) = (off(256.0 * last), off(last));
         assert!(coarse / fine > 64.0, "{coarse:e} {fine:e}");

@@ -77,13 +77,19 @@ def force(record: "Record", ax: "Axes", **style: Any) -> None:
     elif "force_error" in record:
         low, high = (record["force"] + sign * record["force_error"] for sign in (-1, 1))
         ax.fill_between(record["position"], low, high, color=color, alpha=0.2, linewidth=0)
-    if "compared_position" in record:
-        points = (record["compared_position"], record["compared_force"])
-        ax.plot(*points, ".", color=ink(), markersize=4, zorder=1.5, label="measured")
-        with_others = True
+    with_others = measured(record, ax, "compared_position") or with_others
     if with_others and "label" not in style:
         ax.lines[first].set_label("master equation")
         _plot.legend_above(ax)
+
+
+def measured(record: "Record", ax: "Axes", along: str, size: float = 4) -> bool:
+    """The points of a measured curve against a variable, if the record has one; whether it has."""
+    if along not in record:
+        return False
+    points = (record[along], record["compared_force"])
+    ax.plot(*points, ".", color=ink(), markersize=size, zorder=1.5, label="measured")
+    return True
 
 
 def compared(record: "Record", ax: "Axes", **style: Any) -> None:
@@ -92,8 +98,7 @@ def compared(record: "Record", ax: "Axes", **style: Any) -> None:
         return force(record, ax, **style)
     first = len(ax.lines)
     _plot.sliding(record, ax, **style)
-    points = (record["compared_position"], record["compared_force"])
-    ax.plot(*points, ".", color=ink(), markersize=4, zorder=1.5, label="measured")
+    measured(record, ax, "compared_position")
     if "label" not in style:
         ax.lines[first].set_label("master equation")
         _plot.legend_above(ax)
@@ -142,7 +147,7 @@ def velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     velocity, friction = record["velocity"], np.atleast_2d(record["kinetic_friction"])
     temperatures = record["temperature"] if "temperature" in record else [None] * len(friction)
     unit = record.labels["temperature"].units if "temperature" in record else ""
-    several = "ensemble_force" in record or len(friction) > 1
+    several = any(name in record for name in ("ensemble_force", "compared_force")) or len(friction) > 1
     for row, (curve, temperature) in enumerate(zip(friction, temperatures, strict=True)):
         label = "master equation" if temperature is None else f"$T$ = {temperature:g}{unit_of(unit)}"
         drawn = along_logarithm(velocity, curve)
@@ -156,6 +161,7 @@ def velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
         if "ensemble_force" in record:
             sample = (np.atleast_2d(record[name])[row] for name in ("ensemble_force", "ensemble_error"))
             errors(ax, velocity, *sample, color=color, label=None if row else "ensemble")
+    measured(record, ax, "compared_velocity", size=8)
     ax.set_xscale("log")
     named(record, ax, ("velocity", "v"), ("kinetic_friction", "F_k"))
     if several:
@@ -257,6 +263,7 @@ def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:
         ax.plot(times, fitted, color=line.get_color(), linewidth=0.9, label="fitted growth")
     if "ensemble_force" in record:
         errors(ax, hold, record["ensemble_force"], record["ensemble_error"], label="ensemble")
+    measured(record, ax, "compared_hold", size=8)
     ax.set_xscale("log")
     named(record, ax, ("hold", "t_{hold}"), ("static_friction", "F_s"))
     ax.legend()

@@ -5,7 +5,7 @@ Each is the task of a scenario, computed by what `asperity.run` uses.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, cast, overload
 
 import numpy as np
 
@@ -211,6 +211,8 @@ class VelocityCurve(TaskResult):
     """F_k of the ensemble, shape of `kinetic_friction`; None without one."""
     ensemble_error: "_Array | None"
     """Its standard error."""
+    residual_rms: float | None
+    """The root mean square of measured minus computed force; None if none was measured."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -273,6 +275,8 @@ class HoldCurve(TaskResult):
     """The force of the ensemble at the peaks, shape (n,); None without one."""
     ensemble_error: "_Array | None"
     """Its standard error."""
+    residual_rms: float | None
+    """The root mean square of measured minus computed static friction; None if none was measured."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -385,6 +389,21 @@ def _given(**tables: Any) -> dict[str, Any]:
     return {name: value for name, value in tables.items() if value is not None}
 
 
+def _measured(along: str, points: "tuple[ArrayLike, ArrayLike] | None") -> dict[str, Any]:
+    """The table of a measured curve: forces against velocities or hold times."""
+    if points is None:
+        return {}
+    if not isinstance(points, tuple | list) or len(points) != 2:
+        raise TypeError(f"measured: expected two lists, {along} and force, got {type(points).__name__}")
+    place, force = (numbers(name, values).ravel() for name, values in zip((along, "force"), points, strict=True))
+    return {"compare": {along: place, "force": force}}
+
+
+def _residual(result: "Result") -> float | None:
+    """The distance of a measured curve, if there is one."""
+    return cast("float | None", result.summary.get("compare", {}).get("residual_rms"))
+
+
 def _sampled(ensemble: "Mapping[str, Any] | None") -> dict[str, Any]:
     return {} if ensemble is None else {"ensemble": dict(table("ensemble", ensemble, "its keys"))}
 
@@ -419,6 +438,7 @@ def velocity_curve(
     points: int = 41,
     temperatures: "list[float] | None" = None,
     ensemble: "Mapping[str, Any] | None" = None,
+    measured: "tuple[ArrayLike, ArrayLike] | None" = None,
     tolerance: float | None = None,
     progress: "_Progress" = None,
 ) -> VelocityCurve: ...
@@ -430,6 +450,7 @@ def velocity_curve(
     points: int = 41,
     temperatures: "list[float] | None" = None,
     ensemble: "Mapping[str, Any] | None" = None,
+    measured: "tuple[ArrayLike, ArrayLike] | None" = None,
     tolerance: float | None = None,
     progress: "_Progress" = None,
 ) -> "float | VelocityCurve":
@@ -449,6 +470,9 @@ def velocity_curve(
         Temperatures, a curve for each, instead of that of the contacts.
     ensemble : mapping, optional
         `size`, `seed` and `disorder` of an ensemble beside the master equation.
+    measured : (array_like, array_like), optional
+        Measured velocities above 0 and forces, which are compared with F_k at these velocities; not with
+        temperatures.
     tolerance : float, optional
         As for MasterEquation.
     progress : callable or bool, optional
@@ -463,9 +487,9 @@ def velocity_curve(
     ------
     ValueError
         For velocities or temperatures that are not above 0, velocities or a span that do not rise, fewer
-        than 2 points, an ensemble without contacts, and a tolerance that is not from 1e-12 to 1e-2.
+        than 2 points, measured forces beside temperatures or of another number than velocities, an ensemble without contacts, and a tolerance that is not from 1e-12 to 1e-2.
     TypeError
-        For velocities and a span, or neither; for one velocity with temperatures or an ensemble.
+        For velocities and a span, or neither; for one velocity with temperatures, an ensemble or measured.
 
     Examples
     --------
@@ -489,15 +513,15 @@ def velocity_curve(
     else:
         curve = _between(span) | {"points": points}
     if velocities is not None and np.ndim(velocities) == 0:
-        if temperatures is not None or ensemble is not None:
+        if any(other is not None for other in (temperatures, ensemble, measured)):
             raise TypeError(
-                "velocities: expected a list beside temperatures or an ensemble, got one velocity"
+                "velocities: expected a list beside temperatures, an ensemble or measured, got one velocity"
             )
         scenario = {"contacts": contacts, "velocity_curve": curve} | _solved(tolerance)
         return float(run(scenario, progress=progress)["kinetic_friction"][0])
     curve |= _given(temperatures=temperatures)
     scenario = {"contacts": contacts, "velocity_curve": curve} | _sampled(ensemble) | _solved(tolerance)
-    result = run(scenario, progress=progress)
+    result = run(scenario | _measured("velocity", measured), progress=progress)
     limits = [
         VelocityLimits(one.get("temperature"), one["fast"], one.get("slow"), one.get("viscosity"))
         for one in result.summary["limits"]
@@ -510,6 +534,7 @@ def velocity_curve(
         tuple(limits),
         _array(result, "ensemble_force"),
         _array(result, "ensemble_error"),
+        _residual(result),
     )
 
 
@@ -585,6 +610,7 @@ def hold_curve(
     *,
     points: int = 13,
     ensemble: "Mapping[str, Any] | None" = None,
+    measured: "tuple[ArrayLike, ArrayLike] | None" = None,
     tolerance: float | None = None,
     progress: "_Progress" = None,
 ) -> HoldCurve:
@@ -604,6 +630,9 @@ def hold_curve(
         The number of hold times, evenly spaced in their logarithm, with both ends.
     ensemble : mapping, optional
         `size`, `seed` and `disorder` of an ensemble of single contacts beside the master equation.
+    measured : (array_like, array_like), optional
+        Measured hold times above 0 and static frictions, as those of read_healing, which are compared with
+        the computed ones at these times.
     tolerance : float, optional
         As for Transport.
     progress : callable or bool, optional
@@ -617,8 +646,9 @@ def hold_curve(
     Raises
     ------
     ValueError
-        For a span that does not rise from above 0, a velocity that is not above 0, fewer than 2 points, an
-        ensemble without contacts, and a tolerance that is not from 1e-12 to 1e-2.
+        For a span that does not rise from above 0, a velocity that is not above 0, fewer than 2 points,
+        measured forces of another number than hold times, an ensemble without contacts, and a tolerance that
+        is not from 1e-12 to 1e-2.
 
     Examples
     --------
@@ -630,10 +660,14 @@ def hold_curve(
     [10.0, 100.0, 1000.0, 10000.0]
     >>> bool((curve.static_friction > curve.kinetic_friction).all())
     True
+    >>> measured = ([30.0, 3000.0], [0.6, 0.7])
+    >>> compared = asp.hold_curve(contacts, (10.0, 1e4), velocity=0.1, points=4, measured=measured)
+    >>> round(compared.residual_rms, 3)
+    0.036
     """
     holds = _between(span) | {"points": points, "velocity": velocity}
     scenario = {"contacts": contacts, "hold_curve": holds} | _sampled(ensemble) | _solved(tolerance)
-    result = run(scenario, progress=progress)
+    result = run(scenario | _measured("hold", measured), progress=progress)
     found = result.summary["hold_curve"]
     growth = HealingLaw(
         found.get("healing_per_decade"),
@@ -653,6 +687,7 @@ def hold_curve(
         growth,
         _array(result, "ensemble_force"),
         _array(result, "ensemble_error"),
+        _residual(result),
     )
 
 

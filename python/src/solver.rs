@@ -31,11 +31,11 @@ pub struct EquationSolver {
     pub tolerance: master::Tolerance,
 }
 
-/// Transport at t = 0, its contacts, and the tolerance of a block over it.
+/// Transport at t = 0, its contacts, and the tolerance of a step of a block over it.
 pub struct TransportSolver {
     pub transport: master::Transport,
     pub contacts: asperity::contacts::Contacts,
-    tolerance_of_a_block: f64,
+    step_of_a_block: f64,
 }
 
 impl EquationSolver {
@@ -81,7 +81,7 @@ impl TransportSolver {
             (_, Some(_)) => refused("no velocity but that of start='steady'", "one"),
             (_, None) => master::Transport::new_with(contacts.clone(), &initial, tolerance, monitor),
         }?;
-        Ok(Self { transport, contacts, tolerance_of_a_block: own.tolerance_of_a_block() })
+        Ok(Self { transport, contacts, step_of_a_block: own.step_of_a_block() })
     }
 }
 
@@ -151,9 +151,9 @@ impl Solver {
     pub fn in_time(&self, monitor: &mut dyn Monitor) -> Result<(Box<dyn RateDependentContacts>, f64)> {
         let mean = self.contacts().thresholds.mean();
         match self {
-            Self::Transport(solver) => Ok((solver.transport.copy(), solver.tolerance_of_a_block * mean)),
+            Self::Transport(solver) => Ok((solver.transport.copy(), solver.step_of_a_block * mean)),
             Self::Ensemble(ensemble) => {
-                let least = scenario::MasterEquation::default().tolerance_of_a_block();
+                let least = scenario::MasterEquation::default().step_of_a_block();
                 let tolerance = task::finite_size_tolerance(ensemble.size()).max(least);
                 let contacts = ensemble.in_time_with(&mut Aside { fraction: 0.0, monitor })?;
                 Ok((Box::new(contacts), tolerance * mean))

@@ -1,16 +1,9 @@
 //! The error budget: what is reported of the accuracy of each task holds, and what was asked for and is not reached is refused.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use asperity::Error;
-use asperity::contacts::{Contacts, Initial, Start};
-use asperity::elastic::{CellLoading, RateDependentInterface, RateDependentInterfaceParameters, coupling};
 use asperity::exact::{self, ClosedForm};
-use asperity::law::{Point, Rectangular};
-use asperity::master::Transport;
-use asperity::rate_dependent::RateDependentContacts;
-use asperity::shape::{Edges, Shape};
 use asperity_runner::input;
 use asperity_runner::output::Outcome;
 
@@ -99,15 +92,35 @@ fn interfaces() {
     assert!(accuracy(&one) < 1e-11);
 }
 
-/// Contacts whose force does not depend on time, followed in time, have that of the closed form wherever they are.
+/// F at the end of M Ẍ + γ Ẋ = K(vt − X) − F(X) from rest, by the classical method of Runge and Kutta. Its own error is that of
+/// 40 000 steps, of fourth order away from kinks of F.
+fn force_at_end(form: &dyn Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 40_000;
+    let (mass, damping, stiffness, velocity, time) = (0.02, 0.5, 1.0, 0.1, 40.0);
+    let step = time / f64::from(STEPS);
+    let rate =
+        |t: f64, [x, v]: [f64; 2]| [v, (stiffness * (velocity * t - x) - form(x) - damping * v) / mass];
+    let after =
+        |[x, v]: [f64; 2], part: f64, [dx, dv]: [f64; 2]| [x + part * step * dx, v + part * step * dv];
+    let mut now = [0.0, 0.0];
+    for n in 0..STEPS {
+        let t = f64::from(n) * step;
+        let first = rate(t, now);
+        let second = rate(t + 0.5 * step, after(now, 0.5, first));
+        let third = rate(t + 0.5 * step, after(now, 0.5, second));
+        let last = rate(t + step, after(now, 1.0, third));
+        for (part, rate) in [(1.0, first), (2.0, second), (2.0, third), (1.0, last)] {
+            now = after(now, part / 6.0, rate);
+        }
+    }
+    form(now[0])
+}
+
+/// A block and an interface of two equal cells, over contacts whose force does not depend on time.
 #[test]
-fn blocks_in_time() {
-    let text = |law: &str| {
-        format!(
-            "master_equation.tolerance = 1e-4\ncontacts.thresholds.{law}\n[block]\nstiffness = 1.0\nslip.damped = {{ damping = 0.5 }}\n[[protocol]]\nvelocity = 0.1\n\
-             distance = 4.0\npoints = 401\n"
-        )
-    };
+fn motion_in_time() {
+    let block = "[block]\nstiffness = 1.0\nslip.inertial = { mass = 0.02, damping = 0.5 }\n";
+    let cells = "[interface]\ncells = [2]\ncoupling.neighbours.stiffness = 1.0\nconnection = 1.0\nmass = 0.02\nviscosity = 0.5\n";
     let gaussian = exact::Gaussian::new(1.0, 0.1);
     let rectangular = exact::Rectangular { min: 0.5, max: 1.5 };
     let forms: [(&str, &dyn Fn(f64) -> f64); 3] = [
@@ -116,42 +129,16 @@ fn blocks_in_time() {
         ("exponential.mean = 1.0", &|x: f64| -(-x).exp_m1()),
     ];
     for (law, form) in forms {
-        let outcome = run(&text(law));
-        let off = column(&outcome, "position").iter().zip(column(&outcome, "force"));
-        let off = off.map(|(x, force)| (force - form(*x)).abs()).fold(0.0, f64::max);
-        assert!(off <= accuracy(&outcome), "{law}: {off:e} {:e}", accuracy(&outcome));
-    }
-}
-
-/// The same of cells.
-#[test]
-fn interfaces_in_time() {
-    let at_rest = Arc::new(Point::new(0.0).unwrap());
-    let contacts = Contacts::new(Arc::new(Rectangular::new(0.5, 1.5).unwrap()), at_rest.clone());
-    let initial = Initial { law: at_rest, start: Start::Conditional };
-    let transport = Transport::new_with(contacts, &initial, 1e-4, &mut ()).unwrap();
-    let cells = (0..2).map(|_| Box::new(transport.clone()) as Box<dyn RateDependentContacts>).collect();
-    let setting = RateDependentInterfaceParameters {
-        connection: 0.5,
-        loading: CellLoading::Edge,
-        mass: 0.0,
-        viscosity: 0.5,
-        tolerance: 1e-4,
-        slip_fraction: 0.0,
-        area: None,
-    };
-    let springs = coupling::neighbours(Shape::Chain(2), Edges::Open, 1.0).unwrap();
-    let mut interface = RateDependentInterface::new(cells, springs, setting).unwrap().with_error();
-    let form = exact::Rectangular { min: 0.5, max: 1.5 };
-    let mut off = 0.0_f64;
-    for step in 1..=100 {
-        interface.run(0.05 * f64::from(step), 0.1, &mut |_, _| {}).unwrap();
-        for (x, force) in interface.positions().into_iter().zip(interface.forces()) {
-            off = off.max((force - form.force(x)).abs());
+        let right = force_at_end(form);
+        for (slider, share) in [(block, 1.0), (cells, 0.5)] {
+            let outcome = run(&format!(
+                "master_equation.tolerance = 1e-3\ncontacts.thresholds.{law}\n{slider}[[protocol]]\nvelocity = 0.1\n\
+                 distance = 4.0\npoints = 401\n"
+            ));
+            let off = (share * column(&outcome, "force").last().unwrap() - right).abs();
+            assert!(off <= accuracy(&outcome), "{law}: {off:e} {:e}\n{slider}", accuracy(&outcome));
         }
     }
-    let error = interface.error().unwrap();
-    assert!(off <= error, "{off:e} {error:e}");
 }
 
 #[test]

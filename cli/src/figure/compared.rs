@@ -17,7 +17,7 @@ const DASHES: &str = "8 5";
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     record.get("time")?;
-    let measured = measured::measured(outcome)?;
+    let measured = measured::measured(outcome, "compared_position")?;
     let steps = outcome.summary.numbers.steps();
     if steps.iter().any(|step| step.rate_state.is_some()) {
         return None;

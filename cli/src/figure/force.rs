@@ -23,7 +23,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (position, force) = (record.values("position")?, record.values("force")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     band(outcome, position, force, &mut plots, &mut legend);
-    let compared = measured::measured(outcome);
+    let compared = measured::measured(outcome, "compared_position");
     plots.push(line(straight(position, force, force), BLUE, 2.0, None));
     legend.insert(0, style::line("master equation", BLUE, None));
     if let Some(measured) = &compared {

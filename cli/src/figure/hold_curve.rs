@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 use super::curve::{computed, errors, line};
 use super::smooth::along_logarithm;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::{legend, ticks};
+use super::{legend, measured, ticks};
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
@@ -17,9 +17,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (hold, force) = (record.values("hold")?, record.values("static_friction")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
-    let others = record.values("ensemble_force").unwrap_or(&[]);
+    let others = ["ensemble_force", "compared_force"].into_iter().filter_map(|name| record.values(name));
     let kinetic = outcome.summary.numbers.hold_curve().map(|curve| curve.kinetic_friction);
-    let (low, high) = style::range([force, others, kinetic.as_slice()]);
+    let (low, high) = style::range(others.chain([force, kinetic.as_slice()]));
     healing(outcome, hold, &mut plots, &mut legend);
     plots.push(line(along_logarithm(hold, force), BLUE, 2.0, None));
     plots.push(computed(hold, force, BLUE));
@@ -29,8 +29,14 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         plots.extend(errors(hold, force, error, ORANGE));
         legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
     }
-    let layout = style::layout(style::decades(hold), style::heights(low, high)).with_log_x();
-    let layout = layout.with_x_tick_format(style::powers(style::decades(hold)));
+    if let Some((points, entry)) = measured::marked(outcome, "compared_hold") {
+        plots.push(points);
+        legend.push(entry);
+    }
+    let range = style::range([hold, record.values("compared_hold").unwrap_or(&[])]);
+    let decades = style::decades(&[range.0, range.1]);
+    let layout = style::layout(decades, style::heights(low, high)).with_log_x();
+    let layout = layout.with_x_tick_format(style::powers(decades));
     let layout = page
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))

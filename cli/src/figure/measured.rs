@@ -1,7 +1,7 @@
 //! Measured forces as points, and what is left of them beside the computed curve, in a panel below.
 
 use asperity_runner::output::Outcome;
-use kuva::plot::{LegendEntry, ScatterPlot};
+use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -21,10 +21,17 @@ const DOTS: &str = "2 4";
 const SIZES: (f64, f64) = (2.8, 1.6);
 const MANY: usize = 200;
 
-/// The measured points, thinned where they are many.
-pub fn measured(outcome: &Outcome) -> Option<Vec<Point>> {
-    let [x, y] = ["compared_position", "compared_force"].map(|name| outcome.record.values(name));
+/// The measured points against the variable `along`, thinned where they are many.
+pub fn measured(outcome: &Outcome, along: &str) -> Option<Vec<Point>> {
+    let [x, y] = [along, "compared_force"].map(|name| outcome.record.values(name));
     Some(curve(x?, y?))
+}
+
+/// The measured points against the variable `along` of a picture without residuals, and their entry in the legend.
+pub fn marked(outcome: &Outcome, along: &str) -> Option<(Plot, LegendEntry)> {
+    let [x, y] = [along, "compared_force"].map(|name| outcome.record.values(name));
+    let all = x?.iter().copied().zip(y?.iter().copied()).collect();
+    Some((points(all), style::marker("measured", GREEN, MarkerShape::Circle)))
 }
 
 /// Measured points as they are drawn.

@@ -362,7 +362,7 @@ fn timed(numbers: impl Into<Numbers>) -> Outcome {
 fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
     let limits = |t| CurveLimits { temperature: Some(t), fast: 0.51, slow: None, viscosity: None };
     let limits = vec![limits(0.1), limits(0.2)];
-    let mut outcome = timed(VelocityCurveNumbers { limits, stability: None });
+    let mut outcome = timed(VelocityCurveNumbers { limits, stability: None, compare: None });
     let velocity: Vec<f64> = (0..7).map(|i| 10f64.powi(i - 6)).collect();
     let both =
         |scale: f64| -> Vec<f64> { velocity.iter().chain(&velocity).map(|v| scale * v.powf(0.1)).collect() };
@@ -433,7 +433,7 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
         at_one: Some(0.6),
         residual_relative: Some(0.01),
     };
-    let mut outcome = timed(HoldCurveNumbers { hold_curve });
+    let mut outcome = timed(HoldCurveNumbers { hold_curve, compare: None });
     outcome.record.push("hold", "hold", Quantity::Time, &["hold"], vec![1.0, 10.0, 100.0]);
     outcome.record.push("static_friction", "F_s", Quantity::Force, &["hold"], vec![0.6, 0.61, 0.62]);
     let pictures = draw(&outcome).unwrap();

@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 use super::curve::{Point, below, computed, errors, line};
 use super::smooth::along_logarithm;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
-use super::{legend, ticks};
+use super::{legend, measured, ticks};
 
 /// Colours of the curves of several temperatures.
 const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
@@ -19,7 +19,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let friction = record.values("kinetic_friction")?;
     let velocity = record.values("velocity")?;
-    let (low, high) = style::range([friction, record.values("ensemble_force").unwrap_or(&[])]);
+    let others = ["ensemble_force", "compared_force"].into_iter().filter_map(|name| record.values(name));
+    let (low, high) = style::range(others.chain([friction]));
     let (low, high) = style::heights(low, high);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     let mut forms = Vec::new();
@@ -30,6 +31,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         let color = if outcome.summary.numbers.limits().len() > 1 { GREY } else { ORANGE };
         legend.push(style::marker(style::sized_ensemble(outcome), color, MarkerShape::Circle));
     }
+    if let Some((points, entry)) = measured::marked(outcome, "compared_velocity") {
+        plots.push(points);
+        legend.push(entry);
+    }
     plateaus(outcome, velocity, (low, high), &mut plots, &mut legend);
     for (name, dashes, words) in [
         ("creep_friction", DASHES, "slow creep, closed form"),
@@ -39,8 +44,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
             legend.push(style::line(words, GREY, Some(dashes)));
         }
     }
-    let layout = style::layout(style::decades(velocity), (low, high)).with_log_x();
-    let layout = layout.with_x_tick_format(style::powers(style::decades(velocity)));
+    let range = style::range([velocity, record.values("compared_velocity").unwrap_or(&[])]);
+    let decades = style::decades(&[range.0, range.1]);
+    let layout = style::layout(decades, (low, high)).with_log_x();
+    let layout = layout.with_x_tick_format(style::powers(decades));
     let layout = page
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))

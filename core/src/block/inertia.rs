@@ -215,7 +215,7 @@ impl QuasistaticRun<'_> {
             return Ok(ending);
         }
         let what = format!("a slip with inertia at X = {}", self.path.position);
-        Err(Error::Accuracy { key: String::new(), what, reached: Float(time), wanted: Float(ACCURACY) })
+        Err(Error::StepTooShort { what, time: Float(swing.time), tolerance: Float(ACCURACY) })
     }
 
     /// The step of duration `time`; `None` if it is not accurate. Beyond the interval the force is continued along its

@@ -199,9 +199,6 @@ impl SliderMotion {
                     continue;
                 }
             }
-            if let Some([estimator]) = self.estimators.as_deref_mut() {
-                self.error = self.error.max(estimator.step(&[(0.0, duration)], force, monitor)?);
-            }
             let (work, background, breaks) = equation.at_rest([cell, &rested], drive, duration);
             self.energies.work += work;
             self.energies.background += background;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::lag::{ContactLag, ContactMove};
+use super::lag::ContactLag;
 use crate::Result;
 use crate::contacts::FreeFriction;
 use crate::energy::ContactEnergies;
@@ -113,15 +113,6 @@ impl SlidingCell {
             contacts.step(by, during, &mut watch)?;
         }
         Ok(contacts)
-    }
-
-    /// How the contacts have moved in a stage that began at `from`; `None` if they have not.
-    pub(super) fn moved_since(&self, from: &Self, duration: f64) -> Option<ContactMove> {
-        if self.lag.during > 0.0 {
-            return None;
-        }
-        let advance = self.position - from.position;
-        Some(ContactMove { path: from.lag.path(advance, duration).collect(), force: self.known.force })
     }
 
     /// Energies and breaks of the contacts.

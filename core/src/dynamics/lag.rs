@@ -15,15 +15,6 @@ pub struct ContactLag {
     pub during: f64,
 }
 
-/// How contacts have moved in a stage.
-#[derive(Debug, Clone)]
-pub struct ContactMove {
-    /// Displacements and times, one after the other.
-    pub path: Vec<(f64, f64)>,
-    /// Force at the end.
-    pub force: f64,
-}
-
 impl ContactLag {
     /// The path of contacts that follow a further advance of their cell: displacements ≥ 0 and times.
     pub fn path(self, advance: f64, duration: f64) -> impl Iterator<Item = (f64, f64)> {

@@ -38,13 +38,10 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use self::tr_bdf2::TrBdf2Step;
 use crate::monitor::{Cost, Monitor, Watch};
-use crate::numerics::tr_bdf2::GAMMA;
-use crate::rate_dependent::ErrorEstimator;
 use crate::{Error, Result};
 
-/// Cells in motion, with their energies and errors so far.
+/// Cells in motion, with their energies so far.
 #[derive(Debug)]
 pub struct SliderMotion {
     pub equation: EquationOfMotion,
@@ -55,10 +52,6 @@ pub struct SliderMotion {
     /// Drive X_T.
     pub drive: f64,
     pub energies: MotionEnergies,
-    /// Error estimators of the forces of cells, if an error is requested.
-    pub estimators: Option<Vec<ErrorEstimator>>,
-    /// Largest estimated error of a force so far.
-    pub error: f64,
 }
 
 /// Energies since the start that are not part of the energies of the contacts.
@@ -81,12 +74,7 @@ impl SliderMotion {
     pub fn new(equation: EquationOfMotion, cells: Vec<SlidingCell>, drive: f64, tolerance: f64) -> Self {
         let energies = MotionEnergies { viscous: vec![0.0; cells.len()], ..MotionEnergies::default() };
         let control = MotionStepControl::new(tolerance);
-        Self { equation, control, cells, time: 0.0, drive, energies, estimators: None, error: 0.0 }
-    }
-
-    /// Largest estimated error of the force of a cell so far; `None` if it was not requested.
-    pub fn error(&self) -> Option<f64> {
-        self.estimators.as_ref().map(|_| self.error)
+        Self { equation, control, cells, time: 0.0, drive, energies }
     }
 
     /// The velocity of the drive changes by `change`. In balance with springs alone the velocity of a cell that is connected
@@ -113,6 +101,10 @@ impl SliderMotion {
         left: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<f64> {
+        // What earlier steps have left by rounding is no step.
+        if self.control.is_too_short(left, self.time + left) {
+            return Ok(left);
+        }
         let drive = DriveMotion { position: self.drive, velocity };
         let duration = if self.is_held() {
             self.rest(drive, left, monitor)?
@@ -151,10 +143,8 @@ impl SliderMotion {
                 continue;
             }
             // What may be stopped comes before the step is accepted: then nothing has moved.
-            let followed = self.estimate(&step, duration, monitor)?;
             let mut step = step;
             settle(&mut step.end, monitor)?;
-            self.accept_estimate(followed);
             monitor.cost(Cost::Steps, 1);
             self.control.accept(step.error, duration, left);
             self.energies.work += step.work;
@@ -177,40 +167,7 @@ impl SliderMotion {
             format!("neither, and no balance after t = {}, X = {}", self.time, self.cells[0].position);
         self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))
     }
-
-    /// Copies of the error estimators moved in the same step, of cells whose contacts have moved, with their errors.
-    fn estimate(&self, step: &TrBdf2Step, duration: f64, monitor: &mut dyn Monitor) -> Result<Followed> {
-        let (cells, time) = (&self.cells, GAMMA * duration);
-        let Some(estimators) = &self.estimators else { return Ok(Followed::new()) };
-        let watch = &Watch::new(monitor);
-        let follow = |(): &mut (), j: usize| {
-            let [middle, end] = [&step.middle[j], &step.end[j]];
-            let moves = [middle.moved_since(&cells[j], time), end.moved_since(middle, duration - time)];
-            if moves.iter().all(Option::is_none) {
-                return Ok(None);
-            }
-            let (mut estimator, mut watch, mut apart) = (estimators[j].copy(), watch, 0.0_f64);
-            for moved in moves.into_iter().flatten() {
-                apart = apart.max(estimator.step(&moved.path, moved.force, &mut watch)?);
-            }
-            Ok(Some((estimator, apart)))
-        };
-        watch.share(cells.len(), || (), follow)?.into_iter().collect()
-    }
-
-    /// Takes the estimators of an accepted step.
-    fn accept_estimate(&mut self, followed: Followed) {
-        for (estimator, followed) in self.estimators.iter_mut().flatten().zip(followed) {
-            if let Some((followed, apart)) = followed {
-                *estimator = followed;
-                self.error = self.error.max(apart);
-            }
-        }
-    }
 }
-
-/// For each cell its estimator after a step, with the error of the force; `None` where contacts have not moved.
-type Followed = Vec<Option<(ErrorEstimator, f64)>>;
 
 /// Simplifies the contacts of all cells, of many on all threads.
 fn settle(cells: &mut [SlidingCell], monitor: &mut dyn Monitor) -> Result<()> {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ContactLag, MotionEnergies, SliderMotion, SlidingCell, SlopeTrend};
 use crate::monitor::{Monitor, report};
-use crate::rate_dependent::{ContactsState, ErrorEstimator};
+use crate::rate_dependent::ContactsState;
 use crate::{Error, Result};
 
 /// The state of cells in motion. A motion of the same description continues from it bit for bit.
@@ -16,8 +16,6 @@ pub struct MotionState {
     next: f64,
     energies: MotionEnergies,
     cells: Vec<CellState>,
-    estimators: Option<Vec<[ContactsState; 2]>>,
-    error: f64,
 }
 
 /// The state of a cell and of its contacts.
@@ -52,15 +50,12 @@ impl CellState {
 impl SliderMotion {
     /// The present state.
     pub fn state(&self) -> MotionState {
-        let estimators = self.estimators.as_ref();
         MotionState {
             time: self.time,
             drive: self.drive,
             next: self.control.next,
             energies: self.energies.clone(),
             cells: self.cells.iter().map(CellState::of).collect(),
-            estimators: estimators.map(|all| all.iter().map(ErrorEstimator::state).collect()),
-            error: self.error,
         }
     }
 
@@ -69,7 +64,7 @@ impl SliderMotion {
     /// # Errors
     /// A state of another number of cells, or of other contacts; stopped by the monitor. Nothing has changed then.
     pub fn restore(&mut self, state: MotionState, monitor: &mut dyn Monitor) -> Result<()> {
-        let MotionState { time, drive, next, energies, cells, estimators, error } = state;
+        let MotionState { time, drive, next, energies, cells } = state;
         if cells.len() != self.cells.len() {
             let expected = format!("that of {} cells", self.cells.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
@@ -80,13 +75,8 @@ impl SliderMotion {
         };
         let restored = cells.into_iter().zip(&self.cells).map(&mut restored);
         let restored: Vec<_> = restored.collect::<Result<_>>()?;
-        let mut copies: Option<Vec<_>> =
-            self.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::copy).collect());
-        for (copy, kept) in copies.iter_mut().flatten().zip(estimators.iter().flatten()) {
-            copy.restore(kept)?;
-        }
-        (self.time, self.drive, self.error) = (time, drive, error);
-        (self.cells, self.energies, self.estimators) = (restored, energies, copies);
+        (self.time, self.drive) = (time, drive);
+        (self.cells, self.energies) = (restored, energies);
         self.control.next = next;
         Ok(())
     }

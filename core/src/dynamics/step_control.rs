@@ -53,8 +53,8 @@ impl MotionStepControl {
         if !self.is_too_short(duration, time + left) {
             return Ok(());
         }
-        let (reached, wanted) = (Float(f64::NAN), Float(self.tolerance));
-        Err(Error::Accuracy { key: String::new(), what: format!("a slider at t = {time}"), reached, wanted })
+        let (time, tolerance) = (Float(time), Float(self.tolerance));
+        Err(Error::StepTooShort { what: "a slider".to_owned(), time, tolerance })
     }
 
     /// Whether a step is lost in the rounding of `time`.

@@ -9,8 +9,6 @@ use crate::numerics::tr_bdf2::{GAMMA, StageRates, WEIGHTS, error};
 /// A trial step.
 pub struct TrBdf2Step {
     pub end: Vec<SlidingCell>,
-    /// The cells between the stages.
-    pub middle: Vec<SlidingCell>,
     /// Largest estimated error of the position of a cell.
     pub error: f64,
     /// Work of the drive.
@@ -124,7 +122,7 @@ impl SliderMotion {
             standing.for_each(|cell| cell.velocity = cell.velocity.max(0.0));
         }
         let (work, viscous) = work_and_drag(equation, [from, &middle, &end], drive, duration);
-        Ok(Some(TrBdf2Step { end, middle, error, work, viscous }))
+        Ok(Some(TrBdf2Step { end, error, work, viscous }))
     }
 
     /// Accelerations Ẍ_j of all cells.

@@ -41,7 +41,7 @@ pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
 pub use threshold_response::ThresholdResponse;
 pub use tolerance::Tolerance;
-pub use transport::{Slider, StepResponse, Trace, Transport};
+pub use transport::{Slider, StepResponse, Trace, Transport, as_required};
 
 use std::sync::Arc;
 

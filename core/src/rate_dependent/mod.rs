@@ -2,13 +2,11 @@
 //!
 //! In contrast to a [`crate::population::Population`], every displacement takes a time, and contacts change at rest, too.
 
-mod error;
 mod free_friction;
 mod population_in_time;
 mod state;
 mod stretch_interval;
 
-pub use error::ErrorEstimator;
 pub use free_friction::FreeFriction;
 pub use population_in_time::PopulationInTime;
 pub use state::ContactsState;
@@ -17,6 +15,10 @@ pub use stretch_interval::{StretchInterval, binned};
 use crate::Result;
 use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
+
+/// Ratio of the tolerances of a second solution, whose difference from the first is an upper estimate of the error, to those of
+/// the first. Steps of fourth order are then twice as long, and steps of second order two and a half times.
+pub const ROUGH: f64 = 16.0;
 
 /// Contacts that move together in time.
 ///
@@ -84,8 +86,8 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// breaks stay; the force stays but for rounding.
     fn settle(&mut self) {}
 
-    /// A copy in the present state with a larger tolerance, for an estimate of the error of the force. `None` for contacts
-    /// that are followed one by one.
+    /// A copy in the present state with a tolerance [`ROUGH`] times as large, for an estimate of the error of the force. `None` for contacts
+    /// that are followed one by one, whose errors are those of their number.
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
         None
     }

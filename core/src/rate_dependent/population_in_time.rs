@@ -78,6 +78,11 @@ impl RateDependentContacts for PopulationInTime {
         Ok(())
     }
 
+    /// A copy: forces that depend on the displacement only have no error of their own steps.
+    fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
+        Some(self.copy())
+    }
+
     fn copy(&self) -> Box<dyn RateDependentContacts> {
         Box::new(Self { population: self.population.copy(), ..*self })
     }

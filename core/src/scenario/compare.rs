@@ -7,19 +7,28 @@ use super::{Task, exactly_one, positive};
 use crate::rate_state::StateLaw;
 use crate::{Error, Result};
 
-/// A measured curve, plotted with F(X); the summary states its distance from F(X).
+/// A measured curve, plotted with the computed one; the summary states its distance from it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Compare {
     /// Measured curve, CSV with columns `position,force`, plotted with F(X); its path is relative to the scenario. Beside a
     /// `[block]`, and with `stiffness`, positions are displacements of the load point since the start, and forces those of the
-    /// spring.
+    /// spring. With `[velocity_curve]` the columns are `velocity,force`, of steady sliding, and with `[hold_curve]`
+    /// `hold,force`, the highest forces after holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// The measured positions, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "length"))]
     pub position: Option<Vec<f64>>,
+    /// The measured velocities of steady sliding, above 0, with `[velocity_curve]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length/time"))]
+    pub velocity: Option<Vec<f64>>,
+    /// The measured hold times, above 0, with `[hold_curve]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "time"))]
+    pub hold: Option<Vec<f64>>,
     /// The measured forces, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
@@ -40,9 +49,10 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// The measured points: positions and forces.
+    /// The measured points: positions, velocities or hold times, and forces.
     pub fn points(&self) -> (&[f64], &[f64]) {
-        (self.position.as_deref().unwrap_or_default(), self.force.as_deref().unwrap_or_default())
+        let along = [&self.position, &self.velocity, &self.hold].into_iter().flatten().next();
+        (along.map_or(&[], Vec::as_slice), self.force.as_deref().unwrap_or_default())
     }
 
     /// The law and the number of the state variables behind a spring.
@@ -52,25 +62,44 @@ impl Compare {
 
     /// Checks every value; `block` is whether the scenario has one.
     pub(super) fn check(&self, task: Task<'_>, block: bool) -> Result<()> {
-        if !matches!(task, Task::Pull(_) | Task::Protocol(_)) {
-            let expected = "a compared curve only with the tasks [pull] and [[protocol]]";
-            return Err(Error::invalid("", expected, format!("one with [{}]", task.name())));
+        let name = match task {
+            Task::Pull(_) | Task::Protocol(_) => "position",
+            Task::VelocityCurve(_) => "velocity",
+            Task::HoldCurve(_) => "hold",
+            _ => {
+                let expected = "a compared curve only with the tasks [pull], [[protocol]], [velocity_curve] and [hold_curve]";
+                return Err(Error::invalid("", expected, format!("one with [{}]", task.name())));
+            }
+        };
+        if let Task::VelocityCurve(curve) = task
+            && !curve.temperatures.is_empty()
+        {
+            let expected = "no compared curve beside velocity_curve.temperatures: it is of one temperature";
+            return Err(Error::invalid("", expected, "one"));
         }
-        let given = [
-            ("file", self.file.is_some()),
-            ("position and force", self.position.is_some() || self.force.is_some()),
-        ];
-        exactly_one("", "either file or position and force", &given)?;
-        let (position, force) = self.points();
-        if position.is_empty() {
-            return Err(Error::invalid("position", "at least one point", "none"));
+        let columns = [("position", &self.position), ("velocity", &self.velocity), ("hold", &self.hold)];
+        if let Some((other, _)) = columns.iter().find(|(other, of)| *other != name && of.is_some()) {
+            return Err(Error::invalid(*other, format!("{name} with [{}]", task.name()), *other));
         }
-        if position.len() != force.len() {
-            let expected = format!("{} forces, one for each position", position.len());
+        let both = format!("{name} and force");
+        let listed = columns.iter().any(|(_, of)| of.is_some()) || self.force.is_some();
+        let given = [("file", self.file.is_some()), (both.as_str(), listed)];
+        exactly_one("", &format!("either file or {both}"), &given)?;
+        let (along, force) = self.points();
+        if along.is_empty() {
+            return Err(Error::invalid(name, "at least one point", "none"));
+        }
+        if along.len() != force.len() {
+            let expected = format!("{} forces, one for each {name}", along.len());
             return Err(Error::invalid("force", expected, force.len()));
         }
-        finite("position", position)?;
+        finite(name, along)?;
         finite("force", force)?;
+        if name != "position"
+            && let Some(i) = along.iter().position(|&value| value <= 0.0)
+        {
+            return Err(Error::invalid(format!("{name}.{i}"), "a number above 0", along[i]));
+        }
         self.check_spring(task, block)
     }
 
@@ -83,7 +112,10 @@ impl Compare {
                     return refused("none beside [block], whose stiffness is that of the machine");
                 }
                 Task::Protocol(_) => positive("stiffness", stiffness)?,
-                _ => return refused("none with [pull]: the spring of a pull is that of fit.compliance"),
+                Task::Pull(_) => {
+                    return refused("none with [pull]: the spring of a pull is that of fit.compliance");
+                }
+                _ => return refused("none but with [[protocol]], whose velocity steps are read with it"),
             };
         }
         let given = [
@@ -92,7 +124,7 @@ impl Compare {
         ];
         if let Some((key, Some(value))) = given.into_iter().find(|(_, value)| value.is_some())
             && self.stiffness.is_none()
-            && !block
+            && !(block && matches!(task, Task::Protocol(_)))
         {
             let expected = "none without compare.stiffness or a [block], the spring of the machine";
             return Err(Error::invalid(key, expected, value));

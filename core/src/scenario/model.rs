@@ -63,8 +63,7 @@ impl Model {
         Some(interface.bytes(&self.contacts, self.ensemble.as_ref(), self.estimates_error_of_cells()))
     }
 
-    /// Whether the error of cells in time is estimated: only if an accuracy is required, since the estimate moves copies of all
-    /// contacts.
+    /// Whether the error of cells in time is estimated: only if an accuracy is required, since it takes a second motion.
     pub(crate) fn estimates_error_of_cells(&self) -> bool {
         self.master_equation.tolerance.is_some() && self.ensemble.is_none()
     }
@@ -179,7 +178,7 @@ impl Task<'_> {
                 block.inertia_and_drag().map(drop)
             }
             (Task::Stability(_), Some(block)) if model.contacts.rules.are_time_dependent() => {
-                block.in_time(true).map(drop)
+                block.inertia_and_drag().map(drop)
             }
             (Task::Stability(_), Some(block)) => Drive::default().slider(Some(block), true).map(drop),
             (Task::Stability(_), None) => Err(Error::invalid(

@@ -2,7 +2,7 @@
 
 use super::Output;
 use crate::Result;
-use crate::master::{Pull, SteadyState};
+use crate::master::{self, Pull, SteadyState};
 use crate::monitor::{Monitor, Part};
 use crate::scenario::{Model, TaskStart};
 
@@ -65,31 +65,21 @@ impl ForceAccuracy {
     }
 }
 
-/// Calls `solve` with a tolerance, and once more with a smaller one if the result is less accurate than the scenario requires.
+/// Calls `solve` with a tolerance, and with smaller ones while the result is less accurate than the scenario requires.
 ///
 /// # Errors
 /// Those of `solve`.
 pub fn as_required<T>(
     model: &Model,
-    mut tolerance: f64,
+    tolerance: f64,
     monitor: &mut dyn Monitor,
     mut solve: impl FnMut(f64, &mut Part<'_>) -> Result<(T, ForceAccuracy)>,
 ) -> Result<(T, ForceAccuracy)> {
-    /// Largest number of calls of `solve`.
-    const ATTEMPTS: u32 = 2;
-    /// Smallest tolerance.
-    const FINEST: f64 = 1e-12;
+    let solve = |tolerance: f64, part: &mut Part<'_>| {
+        let found = solve(tolerance, part)?;
+        let excess = found.1.excess(model);
+        Ok((found, excess))
+    };
     let required = model.master_equation.tolerance.is_some();
-    let fraction = if required { 1.0 / f64::from(ATTEMPTS) } else { 1.0 };
-    let mut attempt = 1;
-    loop {
-        let (found, accuracy) =
-            solve(tolerance, &mut Part::new(monitor, f64::from(attempt - 1) * fraction, fraction))?;
-        let excess = accuracy.excess(model);
-        if excess <= 1.0 || attempt == ATTEMPTS || tolerance == FINEST {
-            return Ok((found, accuracy));
-        }
-        // The error is taken as proportional to the tolerance; the factor ½ is a margin.
-        (tolerance, attempt) = ((0.5 * tolerance / excess).max(FINEST), attempt + 1);
-    }
+    master::as_required(tolerance, required, monitor, solve).map(|(found, _)| found)
 }

@@ -8,17 +8,15 @@ use crate::block::{CreepAccuracy, CreepLoad, CreepPath};
 use crate::contacts::{Ageing, Contacts};
 use crate::master::Transport;
 use crate::monitor::{Monitor, Part};
-use crate::rate_dependent::RateDependentContacts as _;
+use crate::rate_dependent::{ROUGH, RateDependentContacts as _};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 use crate::{Error, Result};
 
 /// Time of loading at once, in times in which contacts change: fewer than one contact in 1e9 breaks by temperature.
 const AT_ONCE: f64 = 1e-9;
-/// Default of the smallest tolerance: times to failure are then off by about 1e-4 of themselves.
-const TOLERANCE: f64 = 1e-5;
 /// Fraction of the work of the solution with a larger tolerance.
-const ROUGH: f64 = 0.2;
+const ASIDE: f64 = 0.2;
 
 const FORCES: &[&str] = &["imposed_force"];
 const CURVE: &[&str] = &["imposed_force", "creep_fraction"];
@@ -108,8 +106,8 @@ pub(super) fn run(
     task: &scenario::Creep,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<CreepNumbers>> {
-    let default = Transport::default_tolerance(&model.contacts.rules).max(TOLERANCE);
-    let tolerance = model.master_equation.tolerance.unwrap_or(default);
+    let default = Transport::default_tolerance(&model.contacts.rules).max(CreepAccuracy::LARGEST);
+    let tolerance = model.master_equation.tolerance.unwrap_or(default).min(Transport::COARSEST);
     let (found, accuracy) = as_required(model, tolerance, monitor, |tolerance, monitor| {
         let found = crept(model, task, tolerance, monitor)?;
         let error = found.iter().map(|found| found.error).fold(0.0, f64::max);
@@ -180,15 +178,17 @@ impl CreepFound {
     /// The way by two tolerances, and the error by their difference.
     fn of(contacts: &Transport, load: CreepLoad, tolerance: f64, monitor: &mut dyn Monitor) -> Result<Self> {
         let unit = contacts.unit() / contacts.stiffness();
-        let accuracy = CreepAccuracy { unit, tolerance };
+        let accuracy = CreepAccuracy { unit, tolerance: tolerance.min(CreepAccuracy::LARGEST) };
         let rough = match contacts.rough() {
             Some(rough) => {
-                let accuracy = CreepAccuracy { tolerance: Transport::rough_tolerance(tolerance), ..accuracy };
-                Some(load.follow(rough.as_ref(), accuracy, &mut Part::new(monitor, 0.0, ROUGH))?)
+                let accuracy = CreepAccuracy { tolerance: ROUGH * accuracy.tolerance, ..accuracy };
+                // The force that it has at the start is less accurate, too.
+                let load = CreepLoad { force: load.force.max(rough.force()), ..load };
+                Some(load.follow(rough.as_ref(), accuracy, &mut Part::new(monitor, 0.0, ASIDE))?)
             }
             None => None,
         };
-        let path = load.follow(contacts, accuracy, &mut Part::new(monitor, ROUGH, 1.0 - ROUGH))?;
+        let path = load.follow(contacts, accuracy, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
         let error = rough.as_ref().map_or(0.0, |rough| path.difference(rough, unit));
         let failures = path.failure_time().zip(rough.and_then(|rough| rough.failure_time()));
         let failure_error = failures.map(|(fine, rough)| (fine - rough).abs());

@@ -4,7 +4,7 @@ use super::accuracy::{ForceAccuracy, as_required};
 use super::background::coefficient;
 use super::settling::Steady;
 use super::summary::{HealingCurve, HoldCurveNumbers, Peak};
-use super::{Output, ensemble};
+use super::{COMPARED_FORCE, Output, compare_points, ensemble};
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
@@ -49,6 +49,9 @@ const FRICTION_COEFFICIENT: Column = coefficient(&["hold"]);
 const COLUMNS: [Column; 7] =
     [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1], FRICTION_COEFFICIENT];
 
+const COMPARED: [Column; 2] =
+    [Column::new("compared_hold", "measured hold time", Quantity::Time, &["compared"]), COMPARED_FORCE];
+
 /// Forces of contacts, to which the background force is added.
 const FORCES: [Column; 3] = [STATIC_FRICTION, HELD_FORCE, ENSEMBLE[0]];
 
@@ -58,7 +61,7 @@ pub(super) const TABLES: &[CsvTable] =
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![("hold_curve", Record::declared(&[&COLUMNS]))]
+    vec![("hold_curve", Record::declared(&[&COLUMNS, &COMPARED]))]
 }
 
 /// Computes the curve of `task`.
@@ -76,15 +79,21 @@ pub(super) fn run(
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
+    let measured = model.compare.as_ref().map_or(&[][..], |curve| curve.points().0);
+    let mut all = [&holds, measured].concat();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
     let monitor = &mut Part::new(monitor, LIVES, 1.0 - LIVES);
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let on = moving(task.velocity, reach);
     let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
     let part = &mut Part::new(monitor, 0.0, master);
-    let (mut columns, accuracy) = as_required(model, tolerance, part, |tolerance, part| {
-        let (columns, force) = held_and_slid(contacts, task, (on, tolerance), part)?;
+    let (found, accuracy) = as_required(model, tolerance, part, |tolerance, part| {
+        let (columns, force) = held_and_slid(contacts, (&all, task.velocity), (on, tolerance), part)?;
         Ok((columns, ForceAccuracy::in_time(model, force)))
     })?;
+    let at = |hold: &f64| all.partition_point(|other| other < hold);
+    let mut columns = found.at(holds.iter().map(at));
     if let Some(drawn) = &model.ensemble {
         let slide = moving(task.velocity, steady.distance);
         for (done, &hold) in holds.iter().enumerate() {
@@ -102,26 +111,29 @@ pub(super) fn run(
     }
     let peaks: Vec<f64> = columns.peak.iter().map(|force| force + model.background).collect();
     let healing = Healing::read(&holds, &peaks);
-    let numbers = HoldCurveNumbers {
-        hold_curve: HealingCurve::new(task.velocity, steady.friction + model.background, healing),
-    };
+    let hold_curve = HealingCurve::new(task.velocity, steady.friction + model.background, healing);
     let mut record = columns.record(holds);
     model.add_background(&FORCES, &mut record);
+    let compare = model.compare.as_ref().map(|curve| {
+        let computed: Vec<_> =
+            measured.iter().map(|hold| Some(found.peak[at(hold)] + model.background)).collect();
+        compare_points(curve, COMPARED[0], &computed, &mut record)
+    });
+    let numbers = HoldCurveNumbers { hold_curve, compare };
     model.add_coefficient(STATIC_FRICTION.name, &mut record);
     accuracy.of(model, "the force after a hold", Output::new(model, numbers, record))
 }
 
-/// Holds, each followed by sliding `on`, computed by the master equation. Returns the columns without those of the ensemble,
-/// and the estimated error of the forces.
+/// Holds after sliding at a velocity, each followed by sliding `on`, computed by the master equation. Returns the columns without
+/// those of the ensemble, and the estimated error of the forces.
 fn held_and_slid(
     contacts: &Contacts,
-    task: &scenario::HoldCurve,
+    (holds, velocity): (&[f64], f64),
     (on, tolerance): (Piece, f64),
     monitor: &mut dyn Monitor,
 ) -> Result<(Columns, f64)> {
-    let holds = task.holds();
     let mut preparation = Preparation::new(monitor);
-    let mut held = Transport::steady_with(contacts, task.velocity, tolerance, &mut preparation)?;
+    let mut held = Transport::steady_with(contacts, velocity, tolerance, &mut preparation)?;
     let monitor = &mut preparation.rest();
     let mut columns = Columns::default();
     let (mut before, mut error) = (0.0, 0.0_f64);
@@ -233,6 +245,15 @@ impl Columns {
         self.peak.push(peak.force);
         self.place.push(peak.position);
         self.held.push(held);
+    }
+
+    /// Those of the holds of these numbers, without an ensemble.
+    fn at(&self, holds: impl Iterator<Item = usize>) -> Self {
+        let mut found = Self::default();
+        for i in holds {
+            found.push(Peak { force: self.peak[i], position: self.place[i] }, self.held[i]);
+        }
+        found
     }
 
     fn record(self, holds: Vec<f64>) -> Record {

@@ -164,7 +164,7 @@ pub(super) fn behind(
 ) -> Result<(Sliding, Record, Option<ForceAccuracy>)> {
     let Model { contacts, initial, .. } = model;
     let (history, times) = (protocol.build()?, protocol.times());
-    let tolerance = model.master_equation.tolerance_of_a_block();
+    let step = model.master_equation.step_of_a_block();
     let mean = contacts.thresholds.mean();
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let part = &mut Part::new(monitor, 0.0, master);
@@ -178,7 +178,7 @@ pub(super) fn behind(
         let ensemble = drawn.build(contacts.clone(), initial.clone())?.in_time_with(aside)?;
         // Single contacts break at random: the scatter of slips over N contacts is far above the
         // tolerance of the master equation.
-        let length = mean * finite_size_tolerance(drawn.size()).max(tolerance);
+        let length = mean * finite_size_tolerance(drawn.size()).max(step);
         let part = &mut Part::new(monitor, master, 1.0 - master);
         let run = loaded(block.in_time(true)?)?.follow_with(&ensemble, &history, &times, length, part)?;
         sliding::adopt(used(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);
@@ -188,7 +188,7 @@ pub(super) fn behind(
     Ok((summary, record, accuracy))
 }
 
-/// The motion of a block over the master equation. An error estimate costs more, so it is made only if one is required.
+/// The motion of a block over the master equation. Its error is estimated, by a second motion, only if an accuracy is required.
 fn move_block(
     model: &Model,
     block: &Block,
@@ -201,13 +201,17 @@ fn move_block(
         let mut preparation = Preparation::new(monitor);
         let contacts = transport(model, tolerance, &mut preparation)?;
         let rest = &mut preparation.rest();
-        return Ok((block.follow_with(&contacts, drive, times, tolerance * mean, rest)?, None));
+        return Ok((
+            block.follow_with(&contacts, drive, times, Block::TOLERANCE_IN_TIME * mean, rest)?,
+            None,
+        ));
     }
     let (run, accuracy) = as_required(model, tolerance, monitor, |tolerance, part| {
         let mut preparation = Preparation::new(part);
         let contacts = transport(model, tolerance, &mut preparation)?;
         let rest = &mut preparation.rest();
-        let run = block.follow_with_error(&contacts, drive, times, tolerance * mean, rest)?;
+        let run =
+            block.follow_with_error(&contacts, drive, times, Block::step_for(tolerance) * mean, rest)?;
         let accuracy = ForceAccuracy::in_time(model, run.error.unwrap_or(0.0));
         Ok((run, accuracy))
     })?;

@@ -282,19 +282,32 @@ fn friction(model: &Model, steady: &SteadyState, relaxation: &Relaxation, pull: 
     }
 }
 
-const COMPARED: [Column; 2] = [
-    Column::new("compared_position", "measured position", Quantity::Length, &["compared"]),
-    Column::new("compared_force", "measured force", Quantity::Force, &["compared"]),
-];
+const COMPARED_FORCE: Column =
+    Column::new("compared_force", "measured force", Quantity::Force, &["compared"]);
+
+const COMPARED: [Column; 2] =
+    [Column::new("compared_position", "measured position", Quantity::Length, &["compared"]), COMPARED_FORCE];
 
 /// Adds the measured curve to `record`, and compares it with the computed `force`, which is defined between the `ends`.
 fn compare(curve: &Compare, ends: (f64, f64), force: impl Fn(f64) -> f64, record: &mut Record) -> Comparison {
-    let (positions, forces) = curve.points();
-    let within = |x: &f64| (ends.0..=ends.1).contains(x);
-    let residuals = positions.iter().zip(forces).filter(|(x, _)| within(x)).map(|(&x, f)| f - force(x));
+    let computed = |&x: &f64| (ends.0..=ends.1).contains(&x).then(|| force(x));
+    let computed: Vec<_> = curve.points().0.iter().map(computed).collect();
+    compare_points(curve, COMPARED[0], &computed, record)
+}
+
+/// Adds the measured curve to `record`, against the column `along`, and compares it with the forces that are computed at its
+/// points.
+fn compare_points(
+    curve: &Compare,
+    along: Column,
+    computed: &[Option<f64>],
+    record: &mut Record,
+) -> Comparison {
+    let (places, forces) = curve.points();
+    let residuals = forces.iter().zip(computed).filter_map(|(force, computed)| Some(force - (*computed)?));
     let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
-    record.add(COMPARED[0], positions.to_vec());
-    record.add(COMPARED[1], forces.to_vec());
+    record.add(along, places.to_vec());
+    record.add(COMPARED_FORCE, forces.to_vec());
     Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) }
 }
 

@@ -5,12 +5,12 @@ use super::background::coefficient;
 use super::linear_stability::stability;
 use super::settling::Steady;
 use super::summary::{CurveLimits, Extended, SlidingStability, VelocityCurveNumbers};
-use super::{Output, ensemble};
+use super::{COMPARED_FORCE, Output, compare_points, ensemble};
 use crate::Result;
 use crate::contacts::{Contacts, Rules, Temperature};
 use crate::history::{History, Piece};
 use crate::master::{Limits, MasterEquation, creep};
-use crate::monitor::{Monitor, Part, report};
+use crate::monitor::{Aside, Monitor, Part, report};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 
@@ -51,6 +51,11 @@ const COLUMNS: [Column; 12] = [
     FRICTION_COEFFICIENT,
 ];
 
+const COMPARED: [Column; 2] = [
+    Column::new("compared_velocity", "measured velocity", Quantity::Velocity, &["compared"]),
+    COMPARED_FORCE,
+];
+
 /// Forces of contacts, to which the background force is added.
 const FORCES: [Column; 4] = [KINETIC_FRICTION, ENSEMBLE[0], CREEP_FRICTION, VISCOUS_FRICTION];
 
@@ -74,7 +79,7 @@ pub(super) const TABLES: &[CsvTable] = &[CsvTable {
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![("velocity_curve", Record::declared(&[&COLUMNS]))]
+    vec![("velocity_curve", Record::declared(&[&COLUMNS, &COMPARED]))]
 }
 
 const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> Column {
@@ -126,7 +131,6 @@ pub(super) fn run(
             report(monitor, friction.len() as f64 / points)?;
         }
     }
-    let numbers = VelocityCurveNumbers { limits, stability: critical.stability() };
     let mut record = Record::default();
     record.add(VELOCITY, velocities);
     let along: &'static [&'static str] =
@@ -134,6 +138,7 @@ pub(super) fn run(
     if !task.temperatures.is_empty() {
         record.add(TEMPERATURE, task.temperatures.clone());
     }
+    let stability = critical.stability();
     for (column, values) in [
         (CRITICAL_STIFFNESS, critical.pulled),
         (CRITICAL_STIFFNESS_SLIDING, critical.sliding),
@@ -147,9 +152,39 @@ pub(super) fn run(
     ] {
         record.add_known(column.along(along), values);
     }
+    let compare = match &model.compare {
+        Some(curve) => {
+            let (computed, reached) = at_measured(model, curve, &mut Aside { fraction: 1.0, monitor })?;
+            accuracy = accuracy.worse(reached);
+            Some(compare_points(curve, COMPARED[0], &computed, &mut record))
+        }
+        None => None,
+    };
+    let numbers = VelocityCurveNumbers { limits, stability, compare };
     model.add_background(&FORCES, &mut record);
     model.add_coefficient(KINETIC_FRICTION.name, &mut record);
     accuracy.of(model, "the friction force of steady sliding", Output::new(model, numbers, record))
+}
+
+/// Kinetic friction at the measured velocities, with the background force, and its accuracy.
+fn at_measured(
+    model: &Model,
+    curve: &scenario::Compare,
+    monitor: &mut dyn Monitor,
+) -> Result<(Vec<Option<f64>>, ForceAccuracy)> {
+    let measured = curve.points().0;
+    let mut velocities = measured.to_vec();
+    velocities.sort_by(f64::total_cmp);
+    velocities.dedup();
+    let mut accuracy = ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean());
+    let mut forces = Vec::with_capacity(velocities.len());
+    for &velocity in &velocities {
+        let steady = Steady::at(&model.contacts, velocity, monitor)?;
+        accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
+        forces.push(steady.friction + model.background);
+    }
+    let at = |velocity: &f64| Some(forces[velocities.partition_point(|other| other < velocity)]);
+    Ok((measured.iter().map(at).collect(), accuracy))
 }
 
 /// The contacts of each curve, and its temperature if the task lists several.

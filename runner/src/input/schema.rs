@@ -52,9 +52,16 @@ fn combinations() -> Vec<Value> {
             any(["protocol", "protocol_file", "hold_curve", "creep"].map(key)),
         ),
         implies(key("drive.maps"), key("interface")),
-        refuses(not(any(["pull", "protocol", "protocol_file"].map(key))), key("compare")),
+        refuses(
+            not(any(["pull", "protocol", "protocol_file", "velocity_curve", "hold_curve"].map(key))),
+            key("compare"),
+        ),
+        refuses(any(["velocity_curve", "hold_curve"].map(key)), key("compare.position")),
+        implies(key("compare.velocity"), key("velocity_curve")),
+        implies(key("compare.hold"), key("hold_curve")),
+        refuses(having("velocity_curve.temperatures", json!({ "minItems": 1 })), key("compare")),
         never("compare", key("interface")),
-        never("compare.stiffness", any(["block", "pull"].map(key))),
+        never("compare.stiffness", any(["block", "pull", "velocity_curve", "hold_curve"].map(key))),
         implies(
             any(["compare.law", "compare.states"].map(key)),
             any(["compare.stiffness", "block"].map(key)),

@@ -28,12 +28,19 @@ pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Faul
         let [threshold, stiffness] = exactly(columns.map_err(|fault| fault.under(key))?);
         (table.threshold, table.stiffness) = (Some(threshold), Some(stiffness));
     }
+    let (velocities, holds) = (scenario.velocity_curve.is_some(), scenario.hold_curve.is_some());
     if let Some(compare) = &mut scenario.compare
-        && let Some(file) = compare.file.take_if(|_| compare.position.is_none() && compare.force.is_none())
+        && compare.points().0.is_empty()
+        && let Some(file) = compare.file.take_if(|_| compare.force.is_none())
     {
-        let columns = place(folder, &file).and_then(|path| read(&path, &[&["position", "force"]]));
-        let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
-        (compare.position, compare.force) = (Some(position), Some(force));
+        let (name, along) = match (velocities, holds) {
+            (true, _) => ("velocity", &mut compare.velocity),
+            (_, true) => ("hold", &mut compare.hold),
+            _ => ("position", &mut compare.position),
+        };
+        let columns = place(folder, &file).and_then(|path| read(&path, &[&[name, "force"]]));
+        let [measured, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
+        (*along, compare.force) = (Some(measured), Some(force));
     }
     if let Some(fit) = &mut scenario.fit {
         let own = Measured {

@@ -54,6 +54,12 @@ pub struct CreepAccuracy {
     pub tolerance: f64,
 }
 
+impl CreepAccuracy {
+    /// The largest error of a step with which errors are estimated from longer steps. Times to failure are then off by about 1e-4
+    /// of themselves.
+    pub const LARGEST: f64 = 1e-5;
+}
+
 impl CreepLoad {
     /// Moves a slider over a copy of `contacts`, from balance at rest.
     ///

@@ -40,8 +40,8 @@ pub struct Slide {
     pub energy: EnergyBalance,
     /// The kind of sliding.
     pub regime: Regime,
-    /// Estimated upper limit of the error of F, if it was requested: the difference from F at a larger tolerance of the
-    /// contacts, plus twice the change by steps half as long. `None` for contacts that are followed one by one.
+    /// Upper estimate of the error of F at the requested times, if it was requested: the difference from a motion with larger
+    /// tolerances of contacts and steps. `None` for contacts that are followed one by one.
     pub error: Option<f64>,
 }
 
@@ -195,8 +195,8 @@ impl Log {
         self.slips.pop()
     }
 
-    /// The results of the motion so far, with the estimated error of the force.
-    pub fn close(self, error: Option<f64>) -> Slide {
+    /// The results of the motion so far.
+    pub fn close(self) -> Slide {
         /// Smallest amplitude of an oscillation, in tolerances.
         const SEEN: f64 = 10.0;
         let Self { trace, slips, start, last, largest, fraction, oscillations, tolerance, .. } = self;
@@ -206,11 +206,19 @@ impl Log {
         // The breaks of single contacts make random oscillations, which say nothing about stability.
         let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
         let regime = regime::with_oscillations(regime, &oscillations, seen);
-        Slide { trace, slips, energy: last.energy - start.energy, regime, error }
+        Slide { trace, slips, energy: last.energy - start.energy, regime, error: None }
     }
 }
 
 impl Slide {
+    /// The largest difference of F from that of another motion at the `times` requested of both.
+    pub(super) fn difference(&self, other: &Self, times: &[f64]) -> f64 {
+        let at = |slide: &Self, time: f64| {
+            slide.trace[slide.trace.partition_point(|moment| moment.time < time)].force
+        };
+        times.iter().map(|&time| (at(self, time) - at(other, time)).abs()).fold(0.0, f64::max)
+    }
+
     /// The trace: `time`, `drive`, `position`, `velocity`, `force`, `spring_force`, `free`.
     pub fn trace_record(&self) -> Record {
         trace_record(&self.trace)

@@ -16,8 +16,8 @@ mod sliding;
 use super::{Block, Loading, Slip};
 use crate::dynamics::{Arrest, EquationOfMotion};
 use crate::history::History;
-use crate::monitor::{Aside, Monitor, report};
-use crate::rate_dependent::{ErrorEstimator, RateDependentContacts};
+use crate::monitor::{Aside, Monitor, Part, report};
+use crate::rate_dependent::{ROUGH, RateDependentContacts};
 use crate::{Error, Result};
 use log::Log;
 pub use log::{RateDependentSlip, Slide};
@@ -28,6 +28,16 @@ use sliding::SlidingBlock;
 impl Block {
     /// The default tolerance of a motion in time, in mean thresholds.
     pub const TOLERANCE_IN_TIME: f64 = 1e-4;
+
+    /// Largest error of a step per mean threshold, for a `required` error of the force per N_c⟨k⟩ and mean threshold. Errors of
+    /// steps add up: for a method of second order the error of the motion is proportional to the power ⅔ of that of a step.
+    pub fn step_for(required: f64) -> f64 {
+        /// Longer steps are too long for an estimate of their error from still longer ones.
+        const LARGEST: f64 = 1e-5;
+        /// Near rounding.
+        const SMALLEST: f64 = 1e-12;
+        (0.5 * required).powf(1.5).clamp(SMALLEST, LARGEST)
+    }
 
     /// Moves the slider's top along `drive`, from equilibrium with `contacts` ([`RateDependentContacts::steady_velocity`]: at
     /// rest, or in steady sliding), and records the motion of its base at ascending `times` since the start, with
@@ -60,36 +70,8 @@ impl Block {
         tolerance: impl Into<Option<f64>>,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
-        self.followed(contacts, None, (drive, times), tolerance.into(), monitor)
-    }
-
-    /// As [`Block::follow_with`] with [`Slide::error`]. It takes three times as long, because two copies of the contacts are
-    /// moved.
-    ///
-    /// # Errors
-    /// Those of [`Block::follow_with`].
-    pub fn follow_with_error(
-        &self,
-        contacts: &dyn RateDependentContacts,
-        drive: &History,
-        times: &[f64],
-        tolerance: impl Into<Option<f64>>,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Slide> {
-        self.followed(contacts, ErrorEstimator::of(contacts), (drive, times), tolerance.into(), monitor)
-    }
-
-    fn followed(
-        &self,
-        contacts: &dyn RateDependentContacts,
-        estimator: Option<ErrorEstimator>,
-        (drive, times): (&History, &[f64]),
-        tolerance: Option<f64>,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Slide> {
-        let mut slider = self.balanced(contacts, tolerance)?;
+        let mut slider = self.balanced(contacts, tolerance.into())?;
         drive.check_times(times)?;
-        slider.motion.estimators = estimator.map(|estimator| vec![estimator]);
         let mut log = Log::new(&slider, self.slip_fraction.unwrap_or(0.0));
         if times.first() == Some(&0.0) {
             log.add_to_trace(slider.moment());
@@ -118,12 +100,44 @@ impl Block {
             }
         }
         report(monitor, 1.0)?;
-        Ok(log.close(slider.motion.error()))
+        Ok(log.close())
+    }
+
+    /// As [`Block::follow_with`] with [`Slide::error`], for which the block is moved a second time, with larger tolerances.
+    ///
+    /// # Errors
+    /// Those of [`Block::follow_with`].
+    pub fn follow_with_error(
+        &self,
+        contacts: &dyn RateDependentContacts,
+        drive: &History,
+        times: &[f64],
+        tolerance: impl Into<Option<f64>>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Slide> {
+        /// Fraction of the work for the second motion.
+        const ASIDE: f64 = 0.3;
+        let tolerance = self.step_tolerance(contacts, tolerance.into())?;
+        let follow = |contacts: &dyn RateDependentContacts, tolerance, part: &mut Part<'_>| {
+            self.follow_with(contacts, drive, times, tolerance, part)
+        };
+        let rough = contacts.rough();
+        let rough = rough
+            .map(|rough| follow(rough.as_ref(), ROUGH * tolerance, &mut Part::new(monitor, 0.0, ASIDE)))
+            .transpose()?;
+        let slide = follow(contacts, tolerance, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
+        let error = rough.map(|rough| slide.difference(&rough, times));
+        Ok(Slide { error, ..slide })
     }
 
     /// The slider in equilibrium with `contacts`.
     fn balanced(&self, contacts: &dyn RateDependentContacts, tolerance: Option<f64>) -> Result<SlidingBlock> {
-        let equation = self.equation_of_motion()?;
+        let (equation, tolerance) = (self.equation_of_motion()?, self.step_tolerance(contacts, tolerance)?);
+        Ok(SlidingBlock::balanced(equation, contacts, tolerance))
+    }
+
+    /// The tolerance of a step, a length; without one, that for the mean threshold of the contacts.
+    fn step_tolerance(&self, contacts: &dyn RateDependentContacts, tolerance: Option<f64>) -> Result<f64> {
         let of_contacts = || contacts.mean_threshold().map(|mean| Self::TOLERANCE_IN_TIME * mean);
         let missing =
             || Error::invalid("tolerance", "one of contacts whose mean threshold is not known", "none");
@@ -131,7 +145,7 @@ impl Block {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
         }
-        Ok(SlidingBlock::balanced(equation, contacts, tolerance))
+        Ok(tolerance)
     }
 
     /// The equation of motion of the slider.

@@ -26,7 +26,7 @@ use crate::energy::ContactEnergies;
 use crate::error::{not_negative, positive};
 use crate::history::LoadPointSegment;
 use crate::monitor::{Aside, Monitor, report};
-use crate::rate_dependent::{ErrorEstimator, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ROUGH, RateDependentContacts, StretchInterval};
 use crate::record::Record;
 use crate::{Error, Result};
 use coupled::CoupledCells;
@@ -117,6 +117,7 @@ impl RateDependentInterfaceParameters {
 /// ```
 #[derive(Debug)]
 pub struct RateDependentInterface {
+    setting: RateDependentInterfaceParameters,
     motion: SliderMotion,
     coupling: Box<dyn Coupling>,
     begun: Stored,
@@ -209,6 +210,7 @@ impl RateDependentInterface {
         CoupledCells(coupling.as_mut()).respond(&springs, &mut positions, monitor)?;
         let cells = contacts.into_iter().zip(positions).map(|(contacts, x)| SlidingCell::new(contacts, x));
         let mut interface = Self {
+            setting,
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
             coupling,
             begun: Stored {
@@ -307,13 +309,16 @@ impl RateDependentInterface {
         cells.iter().map(|cell| cell.area * of(cell)).sum::<f64>() / area
     }
 
-    /// Estimates the error from now on ([`RateDependentInterface::error`]). Steps take about three times as long, since contacts
-    /// are moved two more times.
-    #[must_use]
-    pub fn with_error(mut self) -> Self {
-        self.motion.estimators =
-            self.motion.cells.iter().map(|cell| ErrorEstimator::of(cell.contacts.as_ref())).collect();
-        self
+    /// The interface at its start with larger tolerances of contacts and steps. The difference of forces at the same drive or time
+    /// is an upper estimate of their error. It needs a `coupling` of its own; `None` for contacts that are followed one by one.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn rough(&self, coupling: Box<dyn Coupling>, monitor: &mut dyn Monitor) -> Result<Option<Self>> {
+        let contacts: Option<Vec<_>> = self.motion.cells.iter().map(|cell| cell.contacts.rough()).collect();
+        let tolerance = ROUGH * self.setting.tolerance;
+        let setting = RateDependentInterfaceParameters { tolerance, ..self.setting };
+        contacts.map(|contacts| Self::new_with(contacts, coupling, setting, monitor)).transpose()
     }
 
     /// Records the velocities of all cells from now on, at most at this number of steps, 2 or more.
@@ -334,13 +339,6 @@ impl RateDependentInterface {
             let SliderMotion { time, drive, ref cells, .. } = self.motion;
             rates.add(time, drive, cells.iter().map(|cell| cell.velocity));
         }
-    }
-
-    /// Estimated upper limit of the error of the force of a cell so far: the difference from the force at a larger tolerance of
-    /// the contacts, plus twice the change by steps half as long. `None` unless requested by
-    /// [`RateDependentInterface::with_error`], and for contacts that are followed one by one.
-    pub fn error(&self) -> Option<f64> {
-        self.motion.error()
     }
 
     /// A catalogue of events as columns of shape (events,), those of `events.csv`.

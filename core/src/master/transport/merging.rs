@@ -116,8 +116,8 @@ mod tests {
         let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
         let cold = contacts(Rules { ageing, ..Rules::default() });
         let [many, few] =
-            with_and_without_merging(&cold, 1e-3, 2000).map(|transport| transport.cohorts.len());
-        assert!(4 * few < many, "{few} of {many}");
+            with_and_without_merging(&cold, 1e-4, 2000).map(|transport| transport.cohorts.len());
+        assert!(2 * few < many, "{few} of {many}");
     }
 
     #[test]

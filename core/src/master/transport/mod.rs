@@ -54,7 +54,7 @@ use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
 use crate::monitor::{Aside, Cost, Monitor, Part, Watch, report};
-use crate::rate_dependent::{RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ROUGH, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
@@ -64,6 +64,7 @@ use merging::MergingRule;
 use merging_limits::MergingLimits;
 use model::CohortModel;
 use path::Path;
+pub use required::as_required;
 pub use response::StepResponse;
 use seeds::{Seed, seeds};
 use settled::ConstantRate;
@@ -143,11 +144,11 @@ pub struct Transport {
     rough: Option<Box<Self>>,
 }
 
-/// Ratio of the tolerance of the second solution to that of the first: for steps of fourth order, twice the
-/// length.
-const ROUGH: f64 = 16.0;
-
 impl Transport {
+    /// The largest tolerance with which contacts are followed, although a larger one may be required. Longer steps would be as long
+    /// as lives vary on, so that the second solution would not be less accurate, and the estimate of the error too small.
+    pub const COARSEST: f64 = 1e-4;
+
     /// The default tolerance of contacts with these rules: 1e-6, and 1e-4 for diffusing thresholds, whose
     /// steps are expensive.
     pub fn default_tolerance(rules: &Rules) -> f64 {
@@ -181,7 +182,8 @@ impl Transport {
         let rule = ThresholdRule::of(&contacts, monitor)?;
         let mut starting = |tolerance| Self::starting(&contacts, rule.clone(), initial, tolerance, monitor);
         // The two solutions share the ranks of thresholds, whose table is expensive.
-        Ok(starting(tolerance)?.beside(starting(rough(tolerance))?))
+        let [fine, rough] = tolerances(tolerance)?;
+        Ok(starting(fine)?.beside(starting(rough)?))
     }
 
     fn starting(
@@ -222,7 +224,6 @@ impl Transport {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        Tolerance::from(tolerance).check()?;
         let numbered = |(number, (seed, cells))| (Seed { number: Some(number), ..seed }, cells);
         let (seeds, cells): (Vec<_>, Vec<_>) =
             (0..).zip(reforming(contacts, tolerance)).map(numbered).unzip();
@@ -277,11 +278,6 @@ impl Transport {
     /// Force per stretch if all contacts were attached.
     pub fn stiffness(&self) -> f64 {
         self.stiffness
-    }
-
-    /// The tolerance of the solution by which errors are estimated.
-    pub fn rough_tolerance(tolerance: f64) -> f64 {
-        rough(tolerance)
     }
 
     /// Force F, with that of free contacts, but without what their viscosity adds in motion.
@@ -524,7 +520,7 @@ impl Transport {
         let (before, formed) = (self.pace.last(), stage.broken.is_spread().then(|| trial.formed.fraction()));
         if !self.pace.judge(path.duration, (trial.fraction, formed), trial.formed.deaths, trial.missed) {
             monitor.cost(Cost::RejectedTransportSteps, 1);
-            self.pace.check(path.duration, self.tolerance)?;
+            self.pace.check(path.duration, self.time, self.tolerance)?;
             return Ok(false);
         }
         let continued = self.before.take().filter(|_| before.is_some());
@@ -631,9 +627,11 @@ const ROUNDING: f64 = 1e-9;
 /// Relative difference below which times are equal.
 const SAME: f64 = 4.0 * f64::EPSILON;
 
-/// The tolerance of the second solution.
-fn rough(tolerance: f64) -> f64 {
-    (ROUGH * tolerance).min(1e-2)
+/// The tolerances of a solution and of the second one, for a required tolerance.
+fn tolerances(required: f64) -> Result<[f64; 2]> {
+    Tolerance::from(required).check()?;
+    let fine = required.min(Transport::COARSEST);
+    Ok([fine, ROUGH * fine])
 }
 
 /// The seeds of re-formed contacts. Results depend on the stretch of formation as on the time of formation

@@ -67,8 +67,8 @@ impl Transport {
                 &mut Part::new(&mut rest, start, share),
             )
         };
-        let fine = sliding(tolerance, 0.0, FINE)?;
-        Ok(fine.beside(sliding(super::rough(tolerance), FINE, 1.0 - FINE)?))
+        let [fine, rough] = super::tolerances(tolerance)?;
+        Ok(sliding(fine, 0.0, FINE)?.beside(sliding(rough, FINE, 1.0 - FINE)?))
     }
 
     fn sliding(

@@ -160,17 +160,12 @@ impl StepControl {
     ///
     /// # Errors
     /// The next step would have no duration.
-    pub(super) fn check(&self, refused: f64, tolerance: f64) -> Result<()> {
+    pub(super) fn check(&self, refused: f64, time: f64, tolerance: f64) -> Result<()> {
         if self.next > f64::MIN_POSITIVE && self.next < refused {
             return Ok(());
         }
-        let what = "contacts followed through time, whose steps became too short".to_owned();
-        Err(Error::Accuracy {
-            key: "tolerance".into(),
-            what,
-            reached: Float(f64::NAN),
-            wanted: Float(tolerance),
-        })
+        let what = "contacts followed through time".to_owned();
+        Err(Error::StepTooShort { what, time: Float(time), tolerance: Float(tolerance) })
     }
 
     /// The previous step, if the next one continues it.

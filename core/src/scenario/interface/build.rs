@@ -235,7 +235,11 @@ impl Interface {
         Ok((0..self.size()).map(|_| in_time(population.copy())).collect())
     }
 
-    fn elasticity(&self, monitor: &mut dyn Monitor) -> Result<Box<dyn elastic::Coupling>> {
+    /// What couples the cells.
+    ///
+    /// # Errors
+    /// Cells that the coupling refuses; stopped by the monitor.
+    pub fn elasticity(&self, monitor: &mut dyn Monitor) -> Result<Box<dyn elastic::Coupling>> {
         self.coupling.build(self.shape()?, self.edges, monitor)
     }
 

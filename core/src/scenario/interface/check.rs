@@ -23,8 +23,8 @@ const BYTES_PER_CELL_OF_A_CHAIN: f64 = 336.0;
 const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
 /// Bytes that an athermal cell takes that moves in time, with the branches on which it turns.
 const BYTES_PER_INERTIAL_CELL: f64 = 5e5;
-/// Factor for an estimate of the error: two further solutions, with half the step and with a larger tolerance.
-const WITH_ERROR: f64 = 3.0;
+/// Factor for an estimate of the error: a second solution with larger tolerances.
+const WITH_ERROR: f64 = 2.0;
 /// Bytes that a cell of few contacts takes, and each of them.
 const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 /// The same in time, with what of it is tried in a step.
@@ -111,8 +111,11 @@ impl Interface {
                 (Elasticity::HalfSpace { .. }, _) if self.edges == Edges::Periodic => BYTES_PER_PERIODIC_CELL,
                 _ => BYTES_PER_CELL,
             },
-            (PerCell::Many, true, None) if !contacts.rules.are_time_dependent() => BYTES_PER_INERTIAL_CELL,
-            (PerCell::Many, true, None) => BYTES_PER_CELL_IN_TIME * if with_error { WITH_ERROR } else { 1.0 },
+            (PerCell::Many, true, None) => {
+                let athermal = !contacts.rules.are_time_dependent();
+                let one = if athermal { BYTES_PER_INERTIAL_CELL } else { BYTES_PER_CELL_IN_TIME };
+                one * if with_error { WITH_ERROR } else { 1.0 }
+            }
             (PerCell::Many, false, Some(ensemble)) => few(BYTES_PER_ENSEMBLE, ensemble),
             (PerCell::Many, true, Some(ensemble)) => few(BYTES_PER_ENSEMBLE_IN_TIME, ensemble),
         }

@@ -74,7 +74,7 @@ pub struct Interface {
     #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-dimension" = "1"))]
     pub areas: Option<Vec<f64>>,
     /// Accuracy of the drive at which equilibrium is lost, in mean thresholds; with time-dependent contacts there is no such
-    /// drive, and `master_equation.tolerance` is the accuracy of a step of a cell.
+    /// drive.
     #[serde(default = "drive_tolerance")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "1"))]
     pub drive_tolerance: f64,

@@ -1,9 +1,12 @@
 //! Cells that move in time as an interface that is driven at a velocity, or along a protocol.
 
+use serde::{Deserialize, Serialize};
+
 use crate::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, SlipRates, Slipped};
 use crate::energy::EnergyBalance;
 use crate::error::{not_negative, positive};
 use crate::history::{History, LoadPointSegment};
+use crate::master::Tolerance;
 use crate::monitor::{Aside, Monitor};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, CellStart, Model};
@@ -21,10 +24,30 @@ pub struct DrivenRateDependentCells {
     /// The drive at the start.
     origin: f64,
     motion: LoadPointMotion,
+    /// By what the error of the forces is estimated, if it is.
+    second: Option<SecondSolution>,
+}
+
+/// The same cells with larger tolerances.
+#[derive(Debug)]
+struct SecondSolution {
+    rough: Box<DrivenRateDependentCells>,
+    /// Largest difference of the force of a cell so far.
+    error: f64,
+    /// The accuracy that is required, and the unit of force for it.
+    required: (Tolerance, f64),
+}
+
+/// The state of cells that move in time, with that of the cells by which their error is estimated.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct DrivenRateDependentState {
+    interface: RateDependentInterfaceState,
+    /// The second solution, and the largest difference from it so far.
+    second: Option<(RateDependentInterfaceState, f64)>,
 }
 
 /// The motion of the load point.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum LoadPointMotion {
     /// At one velocity, to any drive.
@@ -48,7 +71,7 @@ impl LoadPointMotion {
 impl DrivenRateDependentCells {
     /// Cells at their start, whose load point will move.
     pub fn new(interface: RateDependentInterface, motion: LoadPointMotion) -> Self {
-        Self { origin: interface.drive(), interface, motion }
+        Self { origin: interface.drive(), interface, motion, second: None }
     }
 
     /// The cells that `interface` describes, with an estimate of the error if an accuracy is required.
@@ -61,14 +84,24 @@ impl DrivenRateDependentCells {
         motion: LoadPointMotion,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let rates = interface.slip_rates;
-        let interface = cells_in_time(model, interface, monitor)?;
-        let interface = match rates {
-            Some(most) => interface.with_slip_rates(most),
-            None => interface,
+        let cells = cells_in_time(model, interface, monitor)?;
+        let rough = if model.estimates_error_of_cells() {
+            let aside = &mut Aside { fraction: 1.0, monitor };
+            cells.rough(interface.elasticity(aside)?, aside)?
+        } else {
+            None
         };
-        let required = model.estimates_error_of_cells();
-        Ok(Self::new(if required { interface.with_error() } else { interface }, motion))
+        let unit = model.stiffness() * model.contacts.thresholds.mean();
+        let second = rough.map(|rough| SecondSolution {
+            rough: Box::new(Self::new(rough, motion.clone())),
+            error: 0.0,
+            required: (model.master_equation.tolerance(), unit),
+        });
+        let cells = match interface.slip_rates {
+            Some(most) => cells.with_slip_rates(most),
+            None => cells,
+        };
+        Ok(Self { second, ..Self::new(cells, motion) })
     }
 
     /// Velocity of the load point; `None` along a history.
@@ -109,9 +142,21 @@ impl DrivenRateDependentCells {
         Ok(events)
     }
 
+    /// Moves the second solution to where this one is, and compares the forces. A long run that is not accurate enough ends here
+    /// rather than at its end.
+    fn compare(&mut self, to: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        let Some(SecondSolution { rough, error, required }) = &mut self.second else { return Ok(()) };
+        let aside = &mut Aside { fraction: 1.0, monitor };
+        while !rough.next_in(to, aside)?.is_empty() {}
+        let forces = self.interface.forces().into_iter().zip(rough.interface.forces());
+        *error = forces.map(|(fine, rough)| (fine - rough).abs()).fold(*error, f64::max);
+        let what = || format!("the force of a cell at a drive of {}", rough.drive());
+        required.0.allows(*error / required.1, what).map_err(Error::of_scenario)
+    }
+
     /// Follows the pieces of a history to the time `to`, or until events have ended, which it returns.
     fn next_in(&mut self, to: f64, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
-        let Self { interface, origin, motion } = self;
+        let Self { interface, origin, motion, .. } = self;
         let history = match motion {
             LoadPointMotion::Velocity(velocity) => return interface.next_with(to, *velocity, monitor),
             LoadPointMotion::History(history) => history,
@@ -141,9 +186,8 @@ pub fn cells_in_time(
 ) -> Result<RateDependentInterface> {
     let Model { contacts, initial, steady, .. } = model;
     let tolerance = model.master_equation.tolerance_of_a_block();
-    let ensemble = model.ensemble.as_ref();
-    let relative =
-        ensemble.map_or(tolerance, |ensemble| finite_size_tolerance(ensemble.size()).max(tolerance));
+    let (step, ensemble) = (model.master_equation.step_of_a_cell(), model.ensemble.as_ref());
+    let relative = ensemble.map_or(step, |ensemble| finite_size_tolerance(ensemble.size()).max(step));
     let step = relative * contacts.thresholds.mean();
     // The stretches of athermal contacts in steady sliding are initial ones.
     let steady = steady.filter(|_| contacts.rules.are_time_dependent());
@@ -153,7 +197,7 @@ pub fn cells_in_time(
 
 impl DrivenInterface for DrivenRateDependentCells {
     type Event = (Event, Vec<Slipped>);
-    type State = RateDependentInterfaceState;
+    type State = DrivenRateDependentState;
 
     const MAGNITUDE: &'static str = "moment";
     const WHOLE: bool = false;
@@ -191,7 +235,11 @@ impl DrivenInterface for DrivenRateDependentCells {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool> {
-        from_slide_to_slide(most, || self.next_in(to, monitor), each)
+        let reached = from_slide_to_slide(most, || self.next_in(to, monitor), each)?;
+        if reached {
+            self.compare(to, monitor)?;
+        }
+        Ok(reached)
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {
@@ -203,7 +251,7 @@ impl DrivenInterface for DrivenRateDependentCells {
     }
 
     fn error(&self) -> Option<f64> {
-        self.interface.error()
+        self.second.as_ref().map(|second| second.error)
     }
 
     fn time(&self) -> f64 {
@@ -239,11 +287,17 @@ impl DrivenInterface for DrivenRateDependentCells {
         vec![self.interface.positions(), self.interface.velocities(), self.forces()]
     }
 
-    fn state(&self) -> RateDependentInterfaceState {
-        self.interface.state()
+    fn state(&self) -> DrivenRateDependentState {
+        let kept = |second: &SecondSolution| (second.rough.interface.state(), second.error);
+        DrivenRateDependentState { interface: self.interface.state(), second: self.second.as_ref().map(kept) }
     }
 
-    fn restore(&mut self, state: RateDependentInterfaceState, monitor: &mut dyn Monitor) -> Result<()> {
-        self.interface.restore_with(state, monitor)
+    fn restore(&mut self, state: DrivenRateDependentState, monitor: &mut dyn Monitor) -> Result<()> {
+        let DrivenRateDependentState { interface, second } = state;
+        if let Some((own, (kept, error))) = self.second.as_mut().zip(second) {
+            own.rough.interface.restore_with(kept, monitor)?;
+            own.error = error;
+        }
+        self.interface.restore_with(interface, monitor)
     }
 }

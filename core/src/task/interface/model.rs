@@ -59,7 +59,7 @@ pub trait DrivenInterface {
     /// The cells that took part in events of a chain, event by event; the first event has the number `first`.
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record;
 
-    /// Largest estimated error so far of the force of a cell; `None` if contacts are followed one by one.
+    /// Largest estimated error of the force of a cell at the output points so far; `None` if it is not estimated.
     fn error(&self) -> Option<f64>;
 
     /// Time t since the beginning; 0 for athermal contacts whose slides take no time.

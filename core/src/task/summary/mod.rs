@@ -179,6 +179,9 @@ pub struct VelocityCurveNumbers {
     /// Stability of steady sliding at all velocities of the curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stability: Option<SlidingStability>,
+    /// A measured curve beside the computed one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Comparison>,
 }
 
 /// The numbers of a hold curve.
@@ -186,6 +189,9 @@ pub struct VelocityCurveNumbers {
 pub struct HoldCurveNumbers {
     /// Steady sliding, and the growth of static friction with the logarithm of the hold time.
     pub hold_curve: HealingCurve,
+    /// A measured curve beside the computed one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Comparison>,
 }
 
 /// The numbers of the noise of steady sliding.
@@ -350,7 +356,7 @@ impl Numbers {
     /// The healing found from a hold curve; `None` for other tasks.
     pub fn hold_curve(&self) -> Option<&HealingCurve> {
         match self {
-            Self::HoldCurve(HoldCurveNumbers { hold_curve }) => Some(hold_curve),
+            Self::HoldCurve(HoldCurveNumbers { hold_curve, .. }) => Some(hold_curve),
             _ => None,
         }
     }
@@ -376,6 +382,8 @@ impl Numbers {
         match self {
             Self::Pull(PullNumbers { compare, .. })
             | Self::Protocol(ProtocolNumbers { compare, .. })
+            | Self::VelocityCurve(VelocityCurveNumbers { compare, .. })
+            | Self::HoldCurve(HoldCurveNumbers { compare, .. })
             | Self::BlockProtocol(BlockNumbers { compare, .. }) => compare.as_ref(),
             _ => None,
         }
@@ -556,7 +564,7 @@ pub struct FrictionCoefficients {
 /// Comparison of a measured curve with the computed one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
-    /// Number of measured points within the pull.
+    /// Number of measured points within the computed curve.
     pub points: usize,
     /// Root mean square of measured minus computed force at these points; absent if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
