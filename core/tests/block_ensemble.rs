@@ -182,6 +182,24 @@ fn a_reset_counts_every_contact_once() {
     assert!(Sizes::middle(largest.unwrap().0) < FRACTION);
 }
 
+/// More than the slip fraction break at once, before the slider has moved: a single contact, and identical ones. At the threshold 1
+/// the force 1 of all falls to 0, and the slider follows the spring, of stiffness 1, to X = X_T = 2.
+#[test]
+fn simultaneous_breaks_are_a_reset_where_they_are_enough() {
+    for (size, law) in [(1, gaussian(1.0, STD)), (1, point(1.0)), (100, point(1.0))] {
+        let contacts = contacts(&law, &point(0.0));
+        let of = Ensemble::new(contacts, initial(&point(0.0)), size, 3, Disorder::Annealed).unwrap();
+        let found = drive(&mut of.population().unwrap(), Slip::Reset, 4.0);
+        let first = found.events[0];
+        // The slider moves by the threshold, with the spring as far behind.
+        let threshold = first.before.position;
+        near(first.after.force, 0.0, 1e-12);
+        near(first.after.position, 2.0 * threshold, 1e-12);
+        assert!((threshold - 1.0).abs() < 4.0 * STD && (size == 1 || threshold == 1.0), "{threshold}");
+        near(first.broken_fraction, 1.0, 0.0);
+    }
+}
+
 #[test]
 fn resets_go_on_with_the_period_of_the_master_equation() {
     let run = drive(&mut ensemble(10_000, 5), Slip::Reset, 100.0);

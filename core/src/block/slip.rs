@@ -138,6 +138,10 @@ impl QuasistaticRun<'_> {
     /// Slides without inertia, in one direction after the other, to an equilibrium or until more than `most` contacts broke.
     fn avalanche(&mut self, drive: f64, mut next: Option<Direction>, most: f64) -> Result<SlideEnd> {
         while let Some(direction) = next {
+            // So many may break together at the start.
+            if self.broken() > most {
+                return Ok(SlideEnd::Exceeded);
+            }
             match self.slide(drive, direction, false, Some(most))? {
                 SlideEnd::Balanced => next = self.net_force_direction(drive, direction)?,
                 end => return Ok(end),
