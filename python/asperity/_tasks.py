@@ -395,7 +395,9 @@ def _measured(along: str, points: "tuple[ArrayLike, ArrayLike] | None") -> dict[
         return {}
     if not isinstance(points, tuple | list) or len(points) != 2:
         raise TypeError(f"measured: expected two lists, {along} and force, got {type(points).__name__}")
-    place, force = (numbers(name, values).ravel() for name, values in zip((along, "force"), points, strict=True))
+    place, force = (
+        numbers(name, values).ravel() for name, values in zip((along, "force"), points, strict=True)
+    )
     return {"compare": {along: place, "force": force}}
 
 
@@ -487,7 +489,8 @@ def velocity_curve(
     ------
     ValueError
         For velocities or temperatures that are not above 0, velocities or a span that do not rise, fewer
-        than 2 points, measured forces beside temperatures or of another number than velocities, an ensemble without contacts, and a tolerance that is not from 1e-12 to 1e-2.
+        than 2 points, measured forces beside temperatures or of another number than velocities, an ensemble
+        without contacts, and a tolerance that is not from 1e-12 to 1e-2.
     TypeError
         For velocities and a span, or neither; for one velocity with temperatures, an ensemble or measured.
 

@@ -69,6 +69,25 @@ def test_stability_is_that_of_a_block() -> None:
     assert asp.stability(AGEING, (0.1, 1.0), points=2).growth_rate is None
 
 
+def test_measured_points_are_compared_where_they_were_measured() -> None:
+    velocities = [0.05, 0.02, 0.05]
+    forces = np.array([asp.velocity_curve(WARM, velocity) for velocity in velocities])
+    curve = asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2, measured=(velocities, forces + 0.01))
+    assert curve.residual_rms == pytest.approx(0.01, abs=1e-9)
+    assert asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2).residual_rms is None
+    held = asp.hold_curve(AGEING, (1.0, 100.0), velocity=0.1, points=3)
+    other = asp.hold_curve(
+        AGEING, (2.0, 200.0), velocity=0.1, points=2, measured=(held.hold, held.static_friction - 0.02)
+    )
+    # Peaks are as accurate as the default tolerance of 1e-6 makes them.
+    assert other.residual_rms == pytest.approx(0.02, abs=1e-4)
+    assert other.hold.tolist() == [2.0, 200.0]
+    pytest.importorskip("matplotlib")
+    for result, points in [(curve, velocities), (other, held.hold)]:
+        drawn = {line.get_label(): line for line in result.plot().lines}["measured"]
+        assert np.array_equal(drawn.get_xdata(), points)
+
+
 def test_healing_is_read_from_the_hold_curve() -> None:
     curve = asp.hold_curve(AGEING, (1.0, 1e4), velocity=0.1, points=9)
     # Another fit of the same points: with errors, by the profile of the likelihood.
@@ -148,6 +167,17 @@ def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
         (lambda: asp.velocity_curve(WARM), TypeError, "either velocities or a span, got neither"),
         (lambda: asp.velocity_curve(WARM, 1.0, span=(1, 2)), TypeError, "got both"),
         (lambda: asp.velocity_curve(WARM, 1.0, temperatures=[0.1]), TypeError, "got one velocity"),
+        (lambda: asp.velocity_curve(WARM, 1.0, measured=([1], [1])), TypeError, "got one velocity"),
+        (
+            lambda: asp.hold_curve(AGEING, (1.0, 2.0), 1.0, measured=([1.0, 2.0], [0.5])),
+            ValueError,
+            "compare.force: expected 2 forces, one for each hold",
+        ),
+        (
+            lambda: asp.hold_curve(AGEING, (1.0, 2.0), 1.0, measured=[1.0]),
+            TypeError,
+            "measured: expected two lists, hold and force",
+        ),
         (lambda: asp.velocity_curve(WARM, []), ValueError, "velocities: expected one velocity or more"),
         (
             lambda: asp.velocity_curve(WARM, [2.0, 1.0]),
