@@ -70,14 +70,18 @@ fn of_a_block() {
         let times = times(&drive, 60);
         for (stiffness, slip) in slips {
             let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
-            let follow = |tolerance: f64| {
+            let moved = |tolerance: f64, step: f64| {
                 let contacts = transport(&kind.contacts, tolerance);
-                let step = Block::step_for(tolerance);
                 let slide = block.follow_with_error(&contacts, &drive, &times, step, &mut ()).unwrap();
                 let at = |time: &f64| slide.trace.iter().find(|moment| moment.time >= *time).unwrap().force;
                 (times.iter().map(at).collect::<Vec<_>>(), slide.error.unwrap())
             };
+            let follow = |tolerance: f64| moved(tolerance, Block::step_for(tolerance));
             let (best, rest) = follow(3e-5);
+            // What the page of the theory says of the default; forces are fractions of the unit, 1 or ½.
+            let usual = moved(Block::TOLERANCE_IN_TIME, Block::TOLERANCE_IN_TIME).0;
+            let off = largest_difference(&usual, &best);
+            assert!((1e-4..2e-2).contains(&off), "{}, {slip:?}: {off:e}", kind.name);
             for tolerance in [1e-2, 5e-4, 1e-4] {
                 let (forces, stated) = follow(tolerance);
                 let off = largest_difference(&forces, &best);

@@ -842,8 +842,9 @@ class Deformable(Description):
         velocity
             The velocity of the drive, above 0; required for time-dependent contacts and for cells with a mass.
         tolerance
-            The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default; for
-            time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
+            The allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default. Cells
+            that move in time have none by default, and errors of 1e-4 mean thresholds in a step; with a tolerance,
+            steps are shorter, and the error is estimated by a second motion.
         maps
             A list of drives, in increasing order, at which the state of every cell is stored; for a chain it is also
             stored at every point.
