@@ -191,6 +191,7 @@ fn a_smaller_tolerance_that_is_too_small_leaves_the_result_before() {
         time: Float(1.0),
         tolerance: Float(tolerance),
     };
+    // A method that gives up below 1e-5.
     let solve = |tolerance: f64| -> Result<(f64, f64)> {
         if tolerance < 1e-5 { Err(too_short(tolerance)) } else { Ok((tolerance, 2.0)) }
     };

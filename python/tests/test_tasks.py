@@ -73,6 +73,7 @@ def test_measured_points_are_compared_where_they_were_measured() -> None:
     velocities = [0.05, 0.02, 0.05]
     forces = np.array([asp.velocity_curve(WARM, velocity) for velocity in velocities])
     curve = asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2, measured=(velocities, forces + 0.01))
+    # Two solutions of the renewal equation, each to 1e-10.
     assert curve.residual_rms == pytest.approx(0.01, abs=1e-9)
     assert asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2).residual_rms is None
     held = asp.hold_curve(AGEING, (1.0, 100.0), velocity=0.1, points=3)
