@@ -47,7 +47,8 @@ pub enum Error {
     },
     /// Steps in time that are accurate enough would be too short to go on.
     #[error(
-        "{what}: steps that meet the tolerance of {tolerance:e} became too short to go on from t = {time:e}"
+        "{what}: steps that meet the tolerance of {tolerance:e} became too short to go on from t = {}",
+        time.0
     )]
     StepTooShort {
         /// What moves.

@@ -149,7 +149,7 @@ fn of_creep() {
         assert!(best.failure_time().is_some());
         for tolerance in [1e-4, 1e-5] {
             let contacts = transport(&warm, tolerance);
-            let step = tolerance.min(CreepAccuracy::LARGEST);
+            let step = tolerance.min(CreepAccuracy::LARGEST_TOLERANCE);
             let fine = follow(&contacts, step);
             let rough = follow(contacts.rough().unwrap().as_ref(), ROUGH * step);
             let (off, stated) = (fine.difference(&best, 1.0), fine.difference(&rough, 1.0));
@@ -198,10 +198,7 @@ fn a_smaller_tolerance_that_is_too_small_leaves_the_result_before() {
     assert_eq!(as_required(1e-4, true, &mut (), |t, _| solve(t)), Ok((1e-4, 2.0)));
     assert_eq!(as_required(1e-6, true, &mut (), |t, _| solve(t)), Err(too_short(1e-6)));
     let text = too_short(1e-6).to_string();
-    assert_eq!(
-        text,
-        "a slider: steps that meet the tolerance of 1e-6 became too short to go on from t = 1e0"
-    );
+    assert_eq!(text, "a slider: steps that meet the tolerance of 1e-6 became too short to go on from t = 1");
 }
 
 /// The rest of a hold that steps have left by rounding is no step that is too short.

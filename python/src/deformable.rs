@@ -210,7 +210,7 @@ impl Deformable {
     /// Parameters
     /// ----------
     /// velocity, tolerance
-    ///     As for drive.
+    ///     As for drive, but the error is not estimated.
     ///
     /// Returns
     /// -------

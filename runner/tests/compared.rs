@@ -18,7 +18,7 @@ fn run(text: &str) -> Outcome {
 /// The root mean square of 0.01, −0.01 and 0.02.
 const RMS: f64 = 0.014_142_135_623_730_95;
 
-/// Forces that are off by 0.01, −0.01 and 0.02, at the first and at the last of which two points are the same but for that.
+/// These forces, off by 0.01, −0.01 and 0.02.
 fn off([first, middle, last]: [f64; 3]) -> String {
     format!("[{}, {}, {}]", first + 0.01, middle - 0.01, last + 0.02)
 }

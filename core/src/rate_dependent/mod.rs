@@ -86,8 +86,8 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// breaks stay; the force stays but for rounding.
     fn settle(&mut self) {}
 
-    /// A copy in the present state with a tolerance [`ROUGH`] times as large, for an estimate of the error of the force. `None` for contacts
-    /// that are followed one by one, whose errors are those of their number.
+    /// A copy in the present state with a tolerance [`ROUGH`] times as large, for an estimate of the error of the force. `None`
+    /// for contacts that are followed one by one, whose errors are those of their number.
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
         None
     }

@@ -62,21 +62,7 @@ impl Compare {
 
     /// Checks every value; `block` is whether the scenario has one.
     pub(super) fn check(&self, task: Task<'_>, block: bool) -> Result<()> {
-        let name = match task {
-            Task::Pull(_) | Task::Protocol(_) => "position",
-            Task::VelocityCurve(_) => "velocity",
-            Task::HoldCurve(_) => "hold",
-            _ => {
-                let expected = "a compared curve only with the tasks [pull], [[protocol]], [velocity_curve] and [hold_curve]";
-                return Err(Error::invalid("", expected, format!("one with [{}]", task.name())));
-            }
-        };
-        if let Task::VelocityCurve(curve) = task
-            && !curve.temperatures.is_empty()
-        {
-            let expected = "no compared curve beside velocity_curve.temperatures: it is of one temperature";
-            return Err(Error::invalid("", expected, "one"));
-        }
+        let name = abscissa(task)?;
         let columns = [("position", &self.position), ("velocity", &self.velocity), ("hold", &self.hold)];
         if let Some((other, _)) = columns.iter().find(|(other, of)| *other != name && of.is_some()) {
             return Err(Error::invalid(*other, format!("{name} with [{}]", task.name()), *other));
@@ -85,6 +71,12 @@ impl Compare {
         let listed = columns.iter().any(|(_, of)| of.is_some()) || self.force.is_some();
         let given = [("file", self.file.is_some()), (both.as_str(), listed)];
         exactly_one("", &format!("either file or {both}"), &given)?;
+        self.check_points(name)?;
+        self.check_spring(task, block)
+    }
+
+    /// Checks the points, whose first coordinate has this name.
+    fn check_points(&self, name: &str) -> Result<()> {
         let (along, force) = self.points();
         if along.is_empty() {
             return Err(Error::invalid(name, "at least one point", "none"));
@@ -95,12 +87,12 @@ impl Compare {
         }
         finite(name, along)?;
         finite("force", force)?;
-        if name != "position"
-            && let Some(i) = along.iter().position(|&value| value <= 0.0)
-        {
-            return Err(Error::invalid(format!("{name}.{i}"), "a number above 0", along[i]));
+        match along.iter().position(|&value| value <= 0.0) {
+            Some(i) if name != "position" => {
+                Err(Error::invalid(format!("{name}.{i}"), "a number above 0", along[i]))
+            }
+            _ => Ok(()),
         }
-        self.check_spring(task, block)
     }
 
     /// Checks the spring of the machine, and refuses what has no meaning without one.
@@ -134,6 +126,23 @@ impl Compare {
                 Err(Error::invalid("states", "1 or 2 state variables", states))
             }
             _ => Ok(()),
+        }
+    }
+}
+
+/// Against what forces are compared with a task.
+fn abscissa(task: Task<'_>) -> Result<&'static str> {
+    match task {
+        Task::Pull(_) | Task::Protocol(_) => Ok("position"),
+        Task::VelocityCurve(curve) if !curve.temperatures.is_empty() => {
+            let expected = "no compared curve beside velocity_curve.temperatures: it is of one temperature";
+            Err(Error::invalid("", expected, "one"))
+        }
+        Task::VelocityCurve(_) => Ok("velocity"),
+        Task::HoldCurve(_) => Ok("hold"),
+        _ => {
+            let expected = "a compared curve only with the tasks [pull], [[protocol]], [velocity_curve] and [hold_curve]";
+            Err(Error::invalid("", expected, format!("one with [{}]", task.name())))
         }
     }
 }

@@ -31,13 +31,13 @@ impl MasterEquation {
 
     /// Tolerance at a varying velocity of contacts with these rules.
     pub fn tolerance_in_time(&self, rules: &Rules) -> f64 {
-        let required = self.tolerance.map(|required| required.min(Transport::COARSEST));
+        let required = self.tolerance.map(|required| required.min(Transport::LARGEST_TOLERANCE));
         required.unwrap_or_else(|| Transport::default_tolerance(rules))
     }
 
     /// Tolerance of the contacts of a block that is moved in time, or of a cell of an interface.
     pub fn tolerance_of_a_block(&self) -> f64 {
-        self.tolerance.unwrap_or(Block::TOLERANCE_IN_TIME).min(Transport::COARSEST)
+        self.tolerance.unwrap_or(Block::TOLERANCE_IN_TIME)
     }
 
     /// Tolerance of a step of a block in time, per mean threshold.

@@ -106,8 +106,8 @@ pub(super) fn run(
     task: &scenario::Creep,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<CreepNumbers>> {
-    let default = Transport::default_tolerance(&model.contacts.rules).max(CreepAccuracy::LARGEST);
-    let tolerance = model.master_equation.tolerance.unwrap_or(default).min(Transport::COARSEST);
+    let default = Transport::default_tolerance(&model.contacts.rules).max(CreepAccuracy::LARGEST_TOLERANCE);
+    let tolerance = model.master_equation.tolerance.unwrap_or(default).min(Transport::LARGEST_TOLERANCE);
     let (found, accuracy) = as_required(model, tolerance, monitor, |tolerance, monitor| {
         let found = crept(model, task, tolerance, monitor)?;
         let error = found.iter().map(|found| found.error).fold(0.0, f64::max);
@@ -178,7 +178,7 @@ impl CreepFound {
     /// The way by two tolerances, and the error by their difference.
     fn of(contacts: &Transport, load: CreepLoad, tolerance: f64, monitor: &mut dyn Monitor) -> Result<Self> {
         let unit = contacts.unit() / contacts.stiffness();
-        let accuracy = CreepAccuracy { unit, tolerance: tolerance.min(CreepAccuracy::LARGEST) };
+        let accuracy = CreepAccuracy { unit, tolerance: tolerance.min(CreepAccuracy::LARGEST_TOLERANCE) };
         let rough = match contacts.rough() {
             Some(rough) => {
                 let accuracy = CreepAccuracy { tolerance: ROUGH * accuracy.tolerance, ..accuracy };

@@ -201,10 +201,8 @@ fn move_block(
         let mut preparation = Preparation::new(monitor);
         let contacts = transport(model, tolerance, &mut preparation)?;
         let rest = &mut preparation.rest();
-        return Ok((
-            block.follow_with(&contacts, drive, times, Block::TOLERANCE_IN_TIME * mean, rest)?,
-            None,
-        ));
+        let step = model.master_equation.step_of_a_block() * mean;
+        return Ok((block.follow_with(&contacts, drive, times, step, rest)?, None));
     }
     let (run, accuracy) = as_required(model, tolerance, monitor, |tolerance, part| {
         let mut preparation = Preparation::new(part);

@@ -10,7 +10,7 @@ use crate::Result;
 use crate::contacts::{Contacts, Rules, Temperature};
 use crate::history::{History, Piece};
 use crate::master::{Limits, MasterEquation, creep};
-use crate::monitor::{Aside, Monitor, Part, report};
+use crate::monitor::{Monitor, Part, report};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 
@@ -102,33 +102,36 @@ pub(super) fn run(
     let mut critical = Critical::default();
     let mut accuracy = ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean());
     let points = (curves.len() * velocities.len()) as f64;
+    let measured = model.compare.as_ref().map_or(0, |curve| curve.points().0.len()) as f64;
+    let share = points / (points + measured);
+    let within = &mut Part::new(&mut *monitor, 0.0, share);
     // The master equation, the ensemble, and the stability of steady sliding.
     let jobs = 1.0 + f64::from(u8::from(model.ensemble.is_some()) + u8::from(task.stability));
     for (temperature, contacts) in &curves {
-        let limit = Limits::of(contacts, &mut Part::new(monitor, friction.len() as f64 / points, 0.0))?;
+        let limit = Limits::of(contacts, &mut Part::new(within, friction.len() as f64 / points, 0.0))?;
         limits.push(CurveLimits::new(*temperature, &limit, model.background));
         for &velocity in &velocities {
             let begun = friction.len() as f64;
             let start = |job: f64| (begun + job / jobs) / points;
             let fraction = 1.0 / (jobs * points);
-            let steady = Steady::at(contacts, velocity, &mut Part::new(monitor, start(0.0), fraction))?;
+            let steady = Steady::at(contacts, velocity, &mut Part::new(within, start(0.0), fraction))?;
             friction.push(steady.friction);
             accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &model.ensemble {
                 // Each point has contacts of its own, so that errors of points are independent.
                 let first = (force.len() * ensemble.size()) as u64;
-                let part = &mut Part::new(monitor, start(1.0), fraction);
+                let part = &mut Part::new(within, start(1.0), fraction);
                 let slid = slide(model, contacts, (ensemble, first), velocity, steady.distance, part)?;
                 force.push(slid.0);
                 error.push(slid.1);
             }
             if task.stability {
-                let part = &mut Part::new(monitor, start(jobs - 1.0), fraction);
+                let part = &mut Part::new(within, start(jobs - 1.0), fraction);
                 let pulled = critical.push(contacts, model, velocity, part)?;
                 accuracy = accuracy.worse(ForceAccuracy::new(model, pulled, steady.life));
             }
-            report(monitor, friction.len() as f64 / points)?;
+            report(within, friction.len() as f64 / points)?;
         }
     }
     let mut record = Record::default();
@@ -154,7 +157,7 @@ pub(super) fn run(
     }
     let compare = match &model.compare {
         Some(curve) => {
-            let (computed, reached) = at_measured(model, curve, &mut Aside { fraction: 1.0, monitor })?;
+            let (computed, reached) = at_measured(model, curve, &mut Part::new(monitor, share, 1.0 - share))?;
             accuracy = accuracy.worse(reached);
             Some(compare_points(curve, COMPARED[0], &computed, &mut record))
         }
@@ -178,8 +181,10 @@ fn at_measured(
     velocities.dedup();
     let mut accuracy = ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean());
     let mut forces = Vec::with_capacity(velocities.len());
-    for &velocity in &velocities {
-        let steady = Steady::at(&model.contacts, velocity, monitor)?;
+    let fraction = 1.0 / velocities.len() as f64;
+    for (done, &velocity) in velocities.iter().enumerate() {
+        let part = &mut Part::new(monitor, done as f64 * fraction, fraction);
+        let steady = Steady::at(&model.contacts, velocity, part)?;
         accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
         forces.push(steady.friction + model.background);
     }

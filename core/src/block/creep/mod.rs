@@ -57,7 +57,7 @@ pub struct CreepAccuracy {
 impl CreepAccuracy {
     /// The largest error of a step with which errors are estimated from longer steps. Times to failure are then off by about 1e-4
     /// of themselves.
-    pub const LARGEST: f64 = 1e-5;
+    pub const LARGEST_TOLERANCE: f64 = 1e-5;
 }
 
 impl CreepLoad {

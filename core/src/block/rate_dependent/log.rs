@@ -41,7 +41,7 @@ pub struct Slide {
     /// The kind of sliding.
     pub regime: Regime,
     /// Upper estimate of the error of F at the requested times, if it was requested: the difference from a motion with larger
-    /// tolerances of contacts and steps. `None` for contacts that are followed one by one.
+    /// tolerances of contacts and steps. `None` without such times, and for contacts that are followed one by one.
     pub error: Option<f64>,
 }
 
@@ -211,12 +211,12 @@ impl Log {
 }
 
 impl Slide {
-    /// The largest difference of F from that of another motion at the `times` requested of both.
-    pub(super) fn difference(&self, other: &Self, times: &[f64]) -> f64 {
+    /// The largest difference of F from that of another motion at the `times` requested of both; `None` without times.
+    pub(super) fn difference(&self, other: &Self, times: &[f64]) -> Option<f64> {
         let at = |slide: &Self, time: f64| {
             slide.trace[slide.trace.partition_point(|moment| moment.time < time)].force
         };
-        times.iter().map(|&time| (at(self, time) - at(other, time)).abs()).fold(0.0, f64::max)
+        times.iter().map(|&time| (at(self, time) - at(other, time)).abs()).reduce(f64::max)
     }
 
     /// The trace: `time`, `drive`, `position`, `velocity`, `force`, `spring_force`, `free`.

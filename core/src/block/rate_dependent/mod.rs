@@ -126,7 +126,7 @@ impl Block {
             .map(|rough| follow(rough.as_ref(), ROUGH * tolerance, &mut Part::new(monitor, 0.0, ASIDE)))
             .transpose()?;
         let slide = follow(contacts, tolerance, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
-        let error = rough.map(|rough| slide.difference(&rough, times));
+        let error = rough.and_then(|rough| slide.difference(&rough, times));
         Ok(Slide { error, ..slide })
     }
 

@@ -147,7 +147,7 @@ pub struct Transport {
 impl Transport {
     /// The largest tolerance with which contacts are followed, although a larger one may be required. Longer steps would be as long
     /// as lives vary on, so that the second solution would not be less accurate, and the estimate of the error too small.
-    pub const COARSEST: f64 = 1e-4;
+    pub const LARGEST_TOLERANCE: f64 = 1e-4;
 
     /// The default tolerance of contacts with these rules: 1e-6, and 1e-4 for diffusing thresholds, whose
     /// steps are expensive.
@@ -630,7 +630,7 @@ const SAME: f64 = 4.0 * f64::EPSILON;
 /// The tolerances of a solution and of the second one, for a required tolerance.
 fn tolerances(required: f64) -> Result<[f64; 2]> {
     Tolerance::from(required).check()?;
-    let fine = required.min(Transport::COARSEST);
+    let fine = required.min(Transport::LARGEST_TOLERANCE);
     Ok([fine, ROUGH * fine])
 }
 

@@ -110,7 +110,7 @@ impl Interface {
         let scales = scales.map_err(|e| e.under("interface"))?;
         let cells = match start {
             CellStart::Initial(initial) if !contacts.rules.are_time_dependent() => {
-                self.athermal_in_time(contacts, initial, tolerance, ensemble, monitor)?
+                self.athermal_in_time(contacts, initial, ensemble, monitor)?
             }
             _ => {
                 let sizes = ensemble.map(|ensemble| self.contacts_of_cells(ensemble.size()));
@@ -217,7 +217,6 @@ impl Interface {
         &self,
         contacts: &Contacts,
         initial: &Initial,
-        tolerance: f64,
         ensemble: Option<&Ensemble>,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Box<dyn RateDependentContacts>>> {
@@ -231,7 +230,8 @@ impl Interface {
         }
         let aside = &mut Aside { fraction: 0.0, monitor };
         let equation = MasterEquation::new_with(contacts.clone(), initial, aside)?;
-        let population = equation.population_with(tolerance, aside)?;
+        // Far more accurate than the steps in time, whose error alone is estimated.
+        let population = equation.population_with(Tolerance::default(), aside)?;
         Ok((0..self.size()).map(|_| in_time(population.copy())).collect())
     }
 
