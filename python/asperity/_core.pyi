@@ -956,7 +956,7 @@ class Deformable(Description):
         """Parameters
         ----------
         velocity, tolerance
-            As for drive.
+            As for drive, but the error is not estimated.
 
         Returns
         -------
