@@ -92,6 +92,29 @@ fn peaks_and_relaxation_give_back_the_friction_they_were_made_of() {
     }
 }
 
+/// Peaks alone, by SciPy's LSODA with a relative tolerance of 1e-10, for a = 0.01, b = 0.013, D = 5 by the slip law: the sum of
+/// squares is a narrow curved valley along b and D.
+#[test]
+fn peaks_of_the_slip_law_give_back_b_and_the_slip_distance() {
+    let hold = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0];
+    let peak = [
+        0.605899755205299,
+        0.6095719852540482,
+        0.6144486784242149,
+        0.619513872113248,
+        0.6256037134305603,
+        0.6315649747262321,
+        0.6384674815860942,
+        0.6450532201284391,
+    ];
+    let tests =
+        HoldTests { hold: &hold, peak: &peak, held: None, before: 0.6, velocity: 10.0, stiffness: 0.01 };
+    let read = MachineHealing::read(&tests, StateLaw::Slip, Some(0.01), &mut ()).unwrap();
+    // The peaks are exact to 1e-8, which the valley amplifies.
+    near(read.state.evolution, 0.013, 1e-3);
+    near(read.state.distance, 5.0, 2e-3);
+}
+
 #[test]
 fn the_curve_of_a_reading_is_that_of_its_friction() {
     let friction = Friction { a: 0.01, b: 0.013, distance: 5.0, law: StateLaw::Ageing };

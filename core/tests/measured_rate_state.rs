@@ -92,7 +92,7 @@ fn coverage(noisy: &Noisy<'_>, truth: Truth, reading: StepReading) -> [f64; 5] {
 }
 
 fn holds(value: MeasuredValue, known: f64) -> bool {
-    value.low <= known && value.high.is_none_or(|high| known <= high)
+    value.low.is_none_or(|low| low <= known) && value.high.is_none_or(|high| known <= high)
 }
 
 const KNOWN_PEAK: StepReading =
@@ -219,6 +219,26 @@ fn a_decay_that_is_not_seen_to_end_has_no_upper_limit() {
         MeasuredVelocityStep::read(&position[..end], &force[..end], RATIO, &KNOWN_PEAK, &mut ()).unwrap();
     assert_eq!(read.distance.high, None, "{:?}", read.distance);
     assert!(holds(read.distance, 200.0), "{:?}", read.distance);
+}
+
+/// Of a decay that is nearly straight only b/D_c is known: b and a − b have no end on the side to which they grow, and the values
+/// are in their intervals.
+#[test]
+fn a_straight_decay_leaves_b_open() {
+    let truth = Truth { distance: 1000.0, ..TRUTH };
+    for seed in 0..20 {
+        let (position, force) = Noisy { white: 4e-4, drift: &[] }.record(truth, seed);
+        let read = MeasuredVelocityStep::read(&position, &force, RATIO, &KNOWN_PEAK, &mut ()).unwrap();
+        for value in [read.before, read.direct, read.evolution, read.steady, read.distance] {
+            assert!(holds(value, value.value), "{seed}: {value:?}");
+        }
+        // With a longer record D_c has an end, of some seeds.
+        if read.distance.high.is_none() {
+            assert_eq!((read.evolution.high, read.steady.low), (None, None), "{seed}: {read:?}");
+            assert!(read.evolution.low.is_some() && read.steady.high.is_some(), "{seed}: {read:?}");
+        }
+        assert!(read.direct.low.is_some() && read.direct.high.is_some(), "{seed}: {:?}", read.direct);
+    }
 }
 
 /// The errors of white noise by the normal equations, from derivatives by finite differences.
@@ -374,7 +394,7 @@ fn healing_without_a_cutoff_has_the_errors_of_a_straight_line() {
     // Rounding of numbers of the size of 1.
     assert!((read.per_decade.value - slope).abs() < 1e-14 && (read.per_decade.error - error).abs() < 1e-14);
     // Student's quantile for 3 degrees of freedom, as tables print it.
-    let half = 0.5 * (read.per_decade.high.unwrap() - read.per_decade.low);
+    let half = 0.5 * (read.per_decade.high.unwrap() - read.per_decade.low.unwrap());
     assert!((half / error - 3.182).abs() < 5e-4, "{}", half / error);
     assert!((read.force_at(100.0) - mean).abs() < 1e-12);
 }

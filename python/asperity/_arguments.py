@@ -16,11 +16,13 @@ def wrong(name: str, expected: str, value: object) -> TypeError:
 
 
 def number(name: str, value: Any) -> float:
-    """A number; texts are none."""
+    """A number; texts, and True and False, are none."""
     try:
-        if isinstance(value, str | bytes):
+        if isinstance(value, str | bytes | bool | np.bool_):
             raise TypeError
         return float(value)
+    except OverflowError:
+        raise ValueError(f"{name}: expected a number in range, got one beyond it") from None
     except (TypeError, ValueError):
         raise wrong(name, "a number", value) from None
 

@@ -4,8 +4,10 @@ import csv
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from io import StringIO
 from itertools import count, pairwise
 from os import PathLike, fspath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -21,12 +23,16 @@ if TYPE_CHECKING:
 
 # What the columns of laboratories are called, by what they are; the first that fits is taken.
 NAMES = {
-    "time": re.compile(r"^(time|t)\b", re.IGNORECASE),
+    "time": re.compile(r"^time\b", re.IGNORECASE),
     "displacement": re.compile(r"displ|slip|position|load.?point|^lp", re.IGNORECASE),
     # Not "normalised".
     "normal": re.compile(r"normal(?!i[sz])", re.IGNORECASE),
     "force": re.compile(r"friction|shear|force|^(mu|µ|μ)\b|torque", re.IGNORECASE),
 }
+
+# A column called t is a time where none is called so, unless it has another unit: T is a temperature, too.
+SHORT = re.compile(r"^t\b", re.IGNORECASE)
+DURATION = re.compile(r"^([mµμun]?s|sec|seconds?|min|minutes?|h|hr|hours?|d|days?)?$", re.IGNORECASE)
 
 # Names of other roles that exclude a column: a normal displacement is neither that of the load point nor a
 # normal load, and a shear displacement is no force.
@@ -138,7 +144,8 @@ class LaboratoryRecord:
         lines = [f"<asperity.LaboratoryRecord: {len(self)} readings>"]
         for role, name in self.roles.items():
             values, unit = self.columns[name], self.units.get(name, "")
-            lines.append(f"  {role:<12} {values.min():g} to {values.max():g} {unit}".rstrip() + f"  ({name})")
+            span = f"{values.min():g} to {values.max():g} {unit}".rstrip() if len(values) else "no readings"
+            lines.append(f"  {role:<12} {span}  ({name})")
         return "\n".join(lines)
 
     def __getitem__(self, part: "slice | Motion | NDArray[np.bool_]") -> "LaboratoryRecord":
@@ -162,10 +169,10 @@ class LaboratoryRecord:
         Raises
         ------
         ValueError
-            For a count below 1.
+            For a count below 1, or above the number of readings.
         """
-        if _whole("count", count) < 1:
-            raise ValueError(f"count: expected a number of readings above 0, got {count}")
+        if not 1 <= _whole("count", count) <= len(self):
+            raise ValueError(f"count: expected a number of readings from 1 to {len(self)}, got {count}")
         whole = len(self) // count * count
         means = {
             name: values[:whole].reshape(-1, count).mean(axis=1) for name, values in self.columns.items()
@@ -409,10 +416,13 @@ def read_laboratory(
     """
     if not isinstance(path, str | PathLike):
         raise TypeError(f"path: expected a path, got {type(path).__name__}")
-    with open(fspath(path), encoding="utf-8-sig", newline="") as file:
-        lines = [
-            (number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] not in "#%"
-        ]
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = f"a byte that is none at {error.start}"
+        raise ValueError(f"{fspath(path)}: expected text in UTF-8, got {found}") from None
+    numbered = enumerate(StringIO(text), 1)
+    lines = [(number, line) for number, line in numbered if line.strip() and line[0] not in "#%"]
     if len(lines) < 2:
         raise ValueError(f"{fspath(path)}: expected a heading and readings, got {len(lines)} lines")
     rows = split([line for _, line in lines])
@@ -487,7 +497,10 @@ def named(role: str, names: tuple[str, ...], units: tuple[str, ...], taken: set[
         rate = bool(OTHER.search(name) or RATE.search(unit))
         if NAMES[role].search(name) and not others and not rate and place not in taken:
             return place
-    return None
+    if role != "time":
+        return None
+    short = (SHORT.search(name) and DURATION.search(unit) for name, unit in zip(names, units, strict=True))
+    return next((place for place, is_time in enumerate(short) if is_time and place not in taken), None)
 
 
 def distinct(names: tuple[str, ...]) -> list[str]:

@@ -288,7 +288,10 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     ------
     ValueError
         For an array that is not of two dimensions, pressures that are negative or not finite, no contact,
-        contact everywhere, no spot of enough pixels, and a pixel that is not above 0.
+        contact everywhere, no spot of enough pixels, a pixel that is not above 0, and areas or loads that are
+        beyond the numbers of a computer.
+    TypeError
+        For pressures and a pixel that are no real numbers.
 
     Examples
     --------
@@ -302,10 +305,7 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     """
     from scipy import ndimage
 
-    try:
-        values = np.asarray(pressure, dtype=float)
-    except (TypeError, ValueError):
-        raise TypeError(f"pressure: expected an array of numbers, got {type(pressure).__name__}") from None
+    values = real(pressure)
     if np.ma.is_masked(pressure):
         raise ValueError("pressure: expected numbers none of which is masked (filled(0) makes them 0)")
     if values.ndim != 2 or values.size == 0:
@@ -334,18 +334,46 @@ def spots(pressure: "ArrayLike", pixel: float, *, periodic: bool = True, at_leas
     labels = joint.number[parts]
     index = np.arange(1, count + 1)
     pixels = np.bincount(labels.ravel(), minlength=count + 1)[1:]
-    loads: _Array = np.asarray(ndimage.sum_labels(values, labels, index), dtype=np.float64) * pixel**2
+    loads: _Array = np.asarray(ndimage.sum_labels(values, labels, index), dtype=np.float64)
+    areas, loads = scaled(pixels, loads, pixel)
     kept = pixels >= at_least
     if not kept.any():
         found = f"got {pixels.max()} at most"
         raise ValueError(f"at_least: expected a spot of {at_least} pixels or more, {found}")
-    small = Dropped(int((~kept).sum()), float(pixels[~kept].sum() * pixel**2), float(loads[~kept].sum()))
+    small = Dropped(int((~kept).sum()), float(areas[~kept].sum()), float(loads[~kept].sum()))
     renumbered = np.zeros(count + 1, dtype=np.int64)
     renumbered[1:][kept] = np.arange(1, kept.sum() + 1)
     labels = renumbered[labels]
     centre = centres(values, parts, joint)[kept] * pixel
-    areas: _Array = np.asarray(pixels * pixel**2, dtype=np.float64)
     return Spots(areas[kept], loads[kept], centre, small, labels)
+
+
+def real(pressure: "ArrayLike") -> "_Array":
+    """The pressures as an array of real numbers."""
+    try:
+        found = np.asarray(pressure)
+        # A complex number would lose its imaginary part with no more than a warning.
+        if not np.iscomplexobj(found):
+            return found.astype(np.float64, copy=False)
+        what = f"{type(pressure).__name__} of dtype {found.dtype}"
+    except (TypeError, ValueError):
+        what = type(pressure).__name__
+    raise TypeError(f"pressure: expected an array of numbers, got {what}")
+
+
+def scaled(pixels: "NDArray[np.int64]", pressures: "_Array", pixel: float) -> "tuple[_Array, _Array]":
+    """Areas and loads of spots, from their numbers of pixels and their sums of pressures."""
+    # What is beyond the range of numbers is refused, and the pixel need not be the cause.
+    with np.errstate(all="ignore"):
+        square = np.float64(pixel) ** 2
+        areas, loads = pixels * square, pressures * square
+        within = np.isfinite([areas.sum(), loads.sum()]).all() and min(areas.min(), loads.min()) > 0.0
+    if not within:
+        found = f"{pixel:g} and pressures that add up to {pressures.sum():g}"
+        raise ValueError(
+            f"pixel: expected a length for which areas and loads are finite and above 0, got {found}"
+        )
+    return areas, loads
 
 
 class Joined(NamedTuple):

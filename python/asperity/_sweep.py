@@ -3,21 +3,21 @@
 import hashlib
 import itertools
 import math
-import pickle
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from types import CodeType
+from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from asperity._arguments import table, whole, wrong
-from asperity._core import Description, __version__, _Sweep, _sweep_cases, scenario as scenario_of
+from asperity._core import Description, _Sweep, _sweep_cases, scenario as scenario_of
+from asperity._identity import identity
 
 if TYPE_CHECKING:
     from os import PathLike
-    from typing import TypeAlias
+    from typing import Self, TypeAlias
 
     from xarray import Dataset
 
@@ -71,7 +71,10 @@ def sweep(
         of loky or of the standard library. None for the threads of this process.
     folder : str or PathLike, optional
         The folder for the results. Cases are stored beside it as they come: the same call continues an
-        interrupted sweep, also one of `asperity sweep`, and computes nothing that is there.
+        interrupted sweep, also one of `asperity sweep`, and computes nothing that is there. A function is
+        identified by its name, its code and that of what it wraps or encloses, by the values that it encloses
+        or has as defaults or state, and by the global numbers, texts, arrays and descriptions that it reads.
+        Global lists, dictionaries and other objects, and the code of what it calls, are not looked at.
     threads : int, optional
         Threads of this process, by default one per core for a scenario and one for a function; with an
         executor, those of each worker, by default one.
@@ -88,6 +91,8 @@ def sweep(
     ------
     ValueError
         For a scenario that is not valid at a corner of the axes, before anything is computed.
+    TypeError
+        For a function with a folder and values that cannot be pickled, by which it would be identified.
     FileExistsError
         For a folder that asperity did not make, or in which another sweep runs.
     MemoryError
@@ -119,17 +124,49 @@ def sweep(
     over = _in_order(scenario) if over is None else table("over", over, "values by dotted key")
     if keep is not None and (isinstance(keep, str) or not isinstance(keep, Iterable)):
         raise wrong("keep", "a list of what is kept", keep)
-    plan = _Sweep.of_scenario(scenario, _table(over, keep), folder)
-    if executor is None:
-        plan.compute(threads, progress=progress)
-    else:
-        specification = plan.specification
+    with _Held(_Sweep.of_scenario(scenario, _table(over, keep), folder)) as held:
+        if executor is None:
+            held.plan.compute(threads, progress=progress)
+        else:
+            _send(held, executor, threads or 1, progress)
+        return _dataset(held)
 
-        def submit(cases: list[int]) -> "Future[tuple[bytes, float]]":
-            return executor.submit(_timed, specification, cases, threads or 1)
 
-        _collect(executor, plan.missing(), submit, plan.add, _Shown(progress, plan.cases))
-    return _dataset(plan)
+class _Held:
+    """Holds a sweep of the core, and lets it go at the end.
+
+    Its lock on the folder ends with it. The traceback of an error keeps the names of all functions that it
+    went through, so that none of them may be that of the sweep: the same session could not continue it.
+    """
+
+    def __init__(self, plan: _Sweep) -> None:
+        self._plans = [plan]
+
+    @property
+    def plan(self) -> _Sweep:
+        """The sweep, to be used in place."""
+        return self._plans[0]
+
+    def __enter__(self) -> "Self":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._plans.clear()
+
+
+def _send(held: _Held, executor: Executor, threads: int, progress: "_Progress") -> None:
+    """Computes the cases of a scenario by an executor."""
+    specification = held.plan.specification
+
+    def submit(cases: list[int]) -> "Future[tuple[bytes, float]]":
+        return executor.submit(_timed, specification, cases, threads)
+
+    def add(found: bytes) -> None:
+        held.plan.add(found)
+
+    _collect(executor, held.plan.missing(), submit, add, _Shown(progress, held.plan.cases))
 
 
 def _in_order(scenario: Any) -> Mapping[str, Any] | None:
@@ -210,12 +247,12 @@ def _collect(
         raise
 
 
-def _dataset(plan: _Sweep) -> "Dataset":
+def _dataset(held: _Held) -> "Dataset":
     try:
         from xarray import Dataset
     except ImportError as error:
         raise ImportError("sweep() needs xarray: pip install 'asperity[xarray]'") from error
-    attributes, coordinates, variables = plan.finish()
+    attributes, coordinates, variables = held.plan.finish()
     lengths = {name: len(values) for name, dimensions, values, _ in coordinates if dimensions == [name]}
 
     def shaped(found: Iterable[Any]) -> Iterator[tuple[str, Any]]:
@@ -242,31 +279,39 @@ def _of_function(
     count = math.prod(len(values) for values in axes.values())
     if count > MOST:
         raise ValueError(f"over: expected {MOST} cases or fewer, got {count}")
-    text = _identity(function, axes) if folder is not None else ""
+    text = identity(function, axes) if folder is not None else ""
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     labels = [(name, _labels(values)) for name, values in axes.items()]
-    plan = _Sweep.of_function(digest, text, labels, folder)
+    with _Held(_Sweep.of_function(digest, text, labels, folder)) as held:
+        if executor is not None:
+            _call(held, function, axes, executor, progress)
+        else:
+            with ThreadPoolExecutor(threads or 1) as pool:
+                _call(held, function, axes, pool, progress)
+        return _dataset(held)
+
+
+def _call(
+    held: _Held,
+    function: Callable[..., Any],
+    axes: Mapping[str, list[Any]],
+    executor: Executor,
+    progress: "_Progress",
+) -> None:
+    """Computes the cases of a function by an executor."""
     places = list(itertools.product(*(range(len(values)) for values in axes.values())))
 
     def arguments(case: int) -> dict[str, Any]:
         return {name: values[place] for (name, values), place in zip(axes.items(), places[case], strict=True)}
 
+    def submit(cases: list[int]) -> "Future[tuple[list[_Found], float]]":
+        return executor.submit(_called, function, [(case, arguments(case)) for case in cases])
+
     def add(found: list["_Found"]) -> None:
         for i, (case, values, failure) in enumerate(found):
-            plan.add_case(case, values, failure, flush=i + 1 == len(found))
+            held.plan.add_case(case, values, failure, flush=i + 1 == len(found))
 
-    def collect(chosen: Executor) -> None:
-        def submit(cases: list[int]) -> "Future[tuple[list[_Found], float]]":
-            return chosen.submit(_called, function, [(case, arguments(case)) for case in cases])
-
-        _collect(chosen, plan.missing(), submit, add, _Shown(progress, plan.cases))
-
-    if executor is not None:
-        collect(executor)
-    else:
-        with ThreadPoolExecutor(threads or 1) as pool:
-            collect(pool)
-    return _dataset(plan)
+    _collect(executor, held.plan.missing(), submit, add, _Shown(progress, held.plan.cases))
 
 
 def _called(
@@ -304,40 +349,3 @@ def _labels(values: list[Any]) -> list[float] | list[str]:
     if all(isinstance(value, int | float | np.number) for value in values):
         return [float(value) for value in values]
     return [str(value) for value in values]
-
-
-def _identity(function: Callable[..., Any], axes: Mapping[str, list[Any]]) -> str:
-    """What identifies a sweep of a function: its name, its code and values, and the version."""
-    name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', repr(function))}"
-    code = getattr(function, "__code__", None)
-    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
-    bound = [getattr(function, part, None) for part in ("__defaults__", "__kwdefaults__", "__self__")]
-    parts = [__version__, name, "" if code is None else repr(_described(code))]
-    parts += [_digest(value) for value in (*bound, *cells)]
-    parts += [f"{key}={_digest(values)}" for key, values in axes.items()]
-    return "\n".join(parts)
-
-
-def _described(code: CodeType) -> list[Any]:
-    """A code without its place in files and in memory.
-
-    Instructions refer to names by numbers, so the names belong to it.
-    """
-
-    def constant(value: object) -> object:
-        if isinstance(value, CodeType):
-            return _described(value)
-        # The order of a set is another one in each process.
-        return sorted(map(repr, value)) if isinstance(value, frozenset) else repr(value)
-
-    names = [code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars]
-    return [code.co_code.hex(), names, [constant(value) for value in code.co_consts]]
-
-
-def _digest(value: object) -> str:
-    """The hash of a value. One that cannot be pickled is known by its place in memory."""
-    try:
-        content = pickle.dumps(value)
-    except Exception:
-        content = repr(value).encode()
-    return hashlib.sha256(content).hexdigest()

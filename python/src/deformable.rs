@@ -58,8 +58,9 @@ impl Deformable {
         slf.py().import("asperity._plot")?.call_method("model", (slf, ax), style)
     }
 
-    /// Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
-    /// contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
+    /// Drives the interface over distance, from event to event. X_T begins where the springs to the drive are in balance
+    /// with the contacts: at 0 for relaxed ones, and for time-dependent ones with start="steady" in steady sliding at
+    /// velocity.
     ///
     /// Parameters
     /// ----------

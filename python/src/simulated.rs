@@ -396,7 +396,7 @@ fn athermal_cells(
     let interface = own.deformable(contacts, &initial, tolerance, ensemble, monitor)?;
     Ok(Box::new(SimulatedInterface {
         cells: interface.len(),
-        model: DrivenCells { interface, timed: own.viscosity.is_some(), solved: ensemble.is_none() },
+        model: DrivenCells::new(interface, own.viscosity.is_some(), ensemble.is_none()),
         stretch_density,
         in_time: |_| None,
     }))

@@ -1,6 +1,6 @@
 //! The class Simulation: a model that advances step by step, from event to event, behind a lock.
 
-use std::sync::{Mutex, TryLockError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use asperity::record::Record;
 use pyo3::exceptions::{PyAttributeError, PyIndexError, PyRuntimeError};
@@ -16,12 +16,26 @@ use crate::stretches::StretchGrid;
 use crate::watch::{detached, watched};
 use crate::{error, typed, values};
 
-/// The head of a state: the version of asperity that wrote it, the model, and the velocity of its load point in time.
+/// The head of a state: the version of asperity that wrote it, the model, the velocity of its load point in time, and events.
 #[derive(Serialize, Deserialize)]
 struct Heading {
     version: String,
     model: String,
     velocity: Option<f64>,
+    slide: Slide,
+}
+
+/// The events of the last slide, which may be several clusters of cells, and how many of them have been returned.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Slide {
+    events: Record,
+    returned: usize,
+}
+
+impl Slide {
+    fn has_more(&self) -> bool {
+        self.returned < self.events.length("event").unwrap_or(0)
+    }
 }
 
 /// A simulation that advances step by step, from event to event, with its state readable in between.
@@ -49,6 +63,8 @@ pub struct Simulation {
     /// Shape of arrays with a value for each cell.
     shape: Vec<usize>,
     simulated: Mutex<Box<dyn Simulated>>,
+    /// Behind a lock that only a call which has locked `simulated` takes.
+    slide: Mutex<Slide>,
 }
 
 impl Simulation {
@@ -65,6 +81,35 @@ impl Simulation {
             heading,
             shape,
             simulated: Mutex::new(simulated),
+            slide: Mutex::default(),
+        })
+    }
+
+    fn slide(&self) -> MutexGuard<'_, Slide> {
+        self.slide.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next event up to a drive, from the drive at which the iterator was made: one of the last slide, if it has more.
+    fn next_event<'py>(
+        &self,
+        py: Python<'py>,
+        (from, until): (f64, f64),
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.with(|simulated| {
+            // Another call may have advanced it beyond the last drive.
+            if (simulated.drive() - until) * (until - from) > 0.0 {
+                return Ok(None);
+            }
+            if !self.slide().has_more() {
+                let events = watched(None, py, |monitor| simulated.next_event(until, monitor))?;
+                *self.slide() = Slide { events, returned: 0 };
+            }
+            let mut slide = self.slide();
+            if !slide.has_more() {
+                return Ok(None);
+            }
+            slide.returned += 1;
+            values::event(py, &slide.events, slide.returned - 1).map(Some)
         })
     }
 
@@ -179,7 +224,9 @@ impl Simulation {
     ///
     /// Events are those of `drive` of the same model (slips of a block or an interface, avalanches of a lattice, simultaneous
     /// breaks under a rigid slider), with the same fields: `drive`, `drop`, …. Between two events the state is the one just
-    /// after the first of them; it can be read, saved, or advanced. The iterator ends at the displacement.
+    /// after the first of them; it can be read, saved, or advanced. Clusters of cells that slip in one slide of an interface
+    /// are events at the same drive: the state is then that after the slide. The iterator ends at the displacement; a new
+    /// one goes on with the next event.
     ///
     /// Parameters
     /// ----------
@@ -202,7 +249,7 @@ impl Simulation {
             simulated.check("until", until).map_err(error::core)?;
             Ok(simulated.drive())
         })?;
-        Ok(EventIterator { simulation: slf.unbind(), interval: (from, until), rows: Mutex::default() })
+        Ok(EventIterator { simulation: slf.unbind(), interval: (from, until) })
     }
 
     /// Advances to a displacement of the load point, through all events in between.
@@ -226,6 +273,7 @@ impl Simulation {
         let drive = drive.get("drive")?;
         self.with(|simulated| {
             simulated.check("drive", drive).map_err(error::core)?;
+            *self.slide() = Slide::default();
             watched(progress, py, |monitor| simulated.advance(drive, monitor))
         })
     }
@@ -258,7 +306,10 @@ impl Simulation {
     #[pyo3(signature = (duration, *, progress: "_Progress" = None))]
     fn hold(&self, py: Python<'_>, duration: Real, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
         let duration = duration.get("duration")?;
-        self.in_time("hold", |moved| watched(progress, py, |monitor| moved.hold(duration, monitor)))
+        self.in_time("hold", |moved| {
+            *self.slide() = Slide::default();
+            watched(progress, py, |monitor| moved.hold(duration, monitor))
+        })
     }
 
     /// The density Q(x) of the stretches of the contacts of a cell, per length.
@@ -326,7 +377,7 @@ impl Simulation {
         let into = &mut bytes;
         self.with(|simulated| {
             let velocity = simulated.in_time().map(|moved| moved.velocity());
-            write(&Heading { version, model, velocity }, into);
+            write(&Heading { version, model, velocity, slide: self.slide().clone() }, into);
             detached(py, move || simulated.write_state(into));
             Ok(())
         })?;
@@ -349,7 +400,7 @@ impl Simulation {
         let expected = "bytes that a simulation has saved";
         let state = state.cast::<PyBytes>().map_err(|_| error::wrong_type("state", expected, state))?;
         let mut rest = state.as_bytes();
-        let Heading { version, model, velocity } = read(&mut rest).map_err(error::core)?;
+        let Heading { version, model, velocity, slide } = read(&mut rest).map_err(error::core)?;
         if version != env!("CARGO_PKG_VERSION") {
             let expected = format!("one that asperity {} wrote", env!("CARGO_PKG_VERSION"));
             return Err(error::invalid("state", expected, format!("one of asperity {version}")));
@@ -359,6 +410,7 @@ impl Simulation {
         }
         self.with(|simulated| {
             watched(None, py, |monitor| simulated.restore_state(rest, monitor))?;
+            *self.slide() = slide;
             match simulated.in_time().zip(velocity) {
                 Some((moved, velocity)) => moved.set_velocity(velocity).map_err(error::core),
                 None => Ok(()),
@@ -378,8 +430,6 @@ pub struct EventIterator {
     simulation: Py<Simulation>,
     /// The drive when the iterator was made, and the last drive.
     interval: (f64, f64),
-    /// The rows of the last event, and how many of them have been returned.
-    rows: Mutex<(Record, usize)>,
 }
 
 #[pymethods]
@@ -389,25 +439,6 @@ impl EventIterator {
     }
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let Ok(mut rows) = self.rows.try_lock() else {
-            return Err(PyRuntimeError::new_err("events: expected one thread, got more"));
-        };
-        if rows.0.length("event").unwrap_or(0) == rows.1 {
-            let (from, until) = self.interval;
-            let next = |simulated: &mut dyn Simulated| {
-                // Another call has advanced it beyond the last drive.
-                if (simulated.drive() - until) * (until - from) > 0.0 {
-                    return Ok(Record::default());
-                }
-                watched(None, py, |monitor| simulated.next_event(until, monitor))
-            };
-            *rows = (self.simulation.get().with(next)?, 0);
-        }
-        let (record, row) = &mut *rows;
-        if record.length("event").unwrap_or(0) == *row {
-            return Ok(None);
-        }
-        *row += 1;
-        values::event(py, record, *row - 1).map(Some)
+        self.simulation.get().next_event(py, self.interval)
     }
 }

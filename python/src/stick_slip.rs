@@ -51,9 +51,11 @@ impl StickSlip {
         let solver = model.get().solver();
         let slider = asked.slider(table(&block).as_ref(), solver.size().is_some());
         let slider = slider.and_then(|slider| slider.with_background(Model::background(model)));
-        let (slider, drive) = (slider.map_err(error::core)?, asked.build());
+        let slider = slider.map_err(error::core)?;
         let run = watched(progress, py, |monitor| {
-            slider.pull_with(solver.population(monitor)?.as_mut(), &drive, monitor)
+            let mut population = solver.population(monitor)?;
+            let drive = asked.build(slider.start(population.as_mut())?);
+            slider.pull_with(population.as_mut(), &drive, monitor)
         })?;
         let mut record = sliding::motion(&run);
         record.variables.extend(sliding::course(&run).variables);

@@ -77,7 +77,7 @@ pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResul
 
 /// A parameter of a measured curve.
 pub fn estimate(py: Python<'_>, found: MeasuredValue) -> PyResult<Estimate<'_>> {
-    let interval = (found.low, found.high.unwrap_or(f64::INFINITY));
+    let interval = (found.low.unwrap_or(f64::NEG_INFINITY), found.high.unwrap_or(f64::INFINITY));
     ESTIMATE.get(py)?.call1((found.value, found.error, interval)).map(Estimate)
 }
 

@@ -629,3 +629,21 @@ def test_thresholds_of_free_form_agree_with_those_that_made_the_curve() -> None:
     assert abs(form.mean.value - 1.0) < 4 * form.mean.error
     with pytest.raises(ValueError, match=r"^kernels: expected 12 or more"):
         found.free_form(5)
+
+
+def test_a_number_at_the_end_of_its_range_has_a_profile_up_to_its_limit() -> None:
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.15), count=1000)
+    positions = np.linspace(0.05, 5.0, 100)
+    forces = asp.MasterEquation(contacts).pull(5.0).sample_paths(positions, 1, size=1000, seed=3)[0]
+    found = asp.fit(contacts, positions, forces, free=["thresholds.mean", "thresholds.std"])
+    reading = found.params["reading"]
+    assert reading.interval[0] == 0.0
+    # The same search for the limit, to rounding.
+    assert found.interval_by_profile("reading") == pytest.approx(reading.interval, rel=1e-6)
+    # A compliance that the forces do not show.
+    found = asp.fit(
+        contacts, positions, forces, free=["thresholds.mean", "compliance"], compliance=1e-7, reading=1.0
+    )
+    low, high = found.interval_by_profile("compliance")
+    assert low == 0.0
+    assert high == pytest.approx(found.params["compliance"].interval[1], rel=1e-6)

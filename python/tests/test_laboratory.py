@@ -132,6 +132,32 @@ def test_bad_files_are_refused(tmp_path: Path, text: str, options: dict[str, str
         asp.read_laboratory(path, **options)
 
 
+@pytest.mark.parametrize(
+    ("heading", "time"),
+    [("T (°C),Time (s)", "Time"), ("T,Time (s)", "Time"), ("T (°C),t (s)", "t"), ("other,T", "T")],
+)
+def test_a_temperature_is_no_time(tmp_path: Path, heading: str, time: str) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text(f"{heading},slip,force\n20,0,1,2\n21,1,2,2\n", encoding="utf-8")
+    read = asp.read_laboratory(path)
+    assert read.roles["time"] == time
+    np.testing.assert_array_equal(read.time, [0.0, 1.0])
+
+
+def test_a_file_that_is_no_text_in_utf_8_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_bytes("time,slip (µm),force\n0,1,2\n".encode("latin-1"))
+    with pytest.raises(ValueError, match=r"record.csv: expected text in UTF-8, got a byte that is none at"):
+        asp.read_laboratory(path)
+
+
+def test_a_record_without_readings_is_shown() -> None:
+    short = record([(1.0, 10)])
+    assert "no readings" in repr(short[5:5])
+    with pytest.raises(ValueError, match="count: expected a number of readings from 1 to 10, got 11"):
+        short.average(11)
+
+
 def record(pieces: list[tuple[float, int]], force: Any = None) -> asp.LaboratoryRecord:
     """A record of ten readings a second at these velocities, with noise of the displacement."""
     velocities = np.concatenate([np.full(count, velocity) for velocity, count in pieces])

@@ -31,6 +31,7 @@ INTERFACES = {
     "lattice": asp.Lattice(CONTACTS, [8, 8], asp.Rectangular(0.0, 0.5), neighbours=0.2, connection=0.2),
 }
 AGED = asp.Interface(AGEING, [3], neighbours=1.0, connection=0.2, slip="overdamped", viscosity=0.1)
+MANY = asp.Interface(CONTACTS, [8], neighbours=1.5, connection=0.3, slip="overdamped", size=7, quenched=True)
 SOLVED, FOLLOWED = asp.MasterEquation(CONTACTS), asp.Ensemble(CONTACTS, size=2000)
 BLOCKS = {
     "solved": asp.Block(SOLVED, 0.5, "overdamped"),
@@ -448,3 +449,21 @@ def test_progress_is_reported() -> None:
     model.simulation().advance(6.0, progress=reported.append)
     assert reported[-1] == 1.0
     assert reported == sorted(reported)
+
+
+def test_events_of_one_slide_are_each_returned_once() -> None:
+    drives = MANY.drive(8.0, points=2).events["drive"]
+    place = int(np.flatnonzero(np.diff(drives) == 0.0)[0])
+    simulation = MANY.simulation()
+    # A new iterator for each event goes on with the next one.
+    first = [next(simulation.events(until=8.0)).drive for _ in range(place + 1)]
+    np.testing.assert_array_equal(first, drives[: place + 1])
+    state = simulation.state()
+    rest = [event.drive for event in simulation.events(until=8.0)]
+    np.testing.assert_array_equal(rest, drives[place + 1 :])
+    simulation.restore(state)
+    assert [event.drive for event in simulation.events(until=8.0)] == rest
+    # What has happened before an advance is not returned after it.
+    simulation.restore(state)
+    simulation.advance(drives[place] + 1e-6)
+    assert next(simulation.events(until=8.0)).drive == drives[place + 2]

@@ -193,3 +193,45 @@ def test_bad_materials_are_refused() -> None:
         asp.spots("x", 1.0)
     with pytest.raises(ValueError, match="pixel"):
         asp.spots(sphere(64, 10.0, (32.0, 32.0)), 0.0)
+
+
+@pytest.mark.parametrize("kind", [complex, np.complex64])
+def test_complex_pressures_are_refused(kind: Any) -> None:
+    pressure = sphere(64, 10.0, (32.0, 32.0)).astype(kind)
+    with pytest.raises(
+        TypeError, match="pressure: expected an array of numbers, got ndarray of dtype complex"
+    ):
+        asp.spots(pressure, 1.0)
+    with pytest.raises(TypeError, match="pressure: expected an array of numbers, got list"):
+        asp.spots(pressure.tolist(), 1.0)
+
+
+@pytest.mark.parametrize("pixel", [True, np.True_])
+def test_a_pixel_is_a_number(pixel: Any) -> None:
+    with pytest.raises(TypeError, match="pixel: expected a number, got bool"):
+        asp.spots(sphere(64, 10.0, (32.0, 32.0)), pixel)
+
+
+@pytest.mark.parametrize(
+    ("pixel", "pressure"),
+    # Squares beyond the largest and below the smallest number, loads and sums that are.
+    [(1e200, 1.0), (1e-200, 1.0), (1e150, 1e100), (1e-150, 1e-100), (1e153, 1.0)],
+)
+def test_areas_and_loads_are_finite_and_above_0(pixel: float, pressure: float) -> None:
+    values = pressure * sphere(64, 10.0, (32.0, 32.0))
+    with pytest.raises(ValueError, match=r"pixel: expected a length for which areas and loads are finite"):
+        asp.spots(values, pixel)
+
+
+def test_a_pixel_beyond_all_numbers_is_refused() -> None:
+    with pytest.raises(ValueError, match="pixel: expected a number in range"):
+        asp.spots(sphere(64, 10.0, (32.0, 32.0)), 10**400)
+
+
+@pytest.mark.parametrize("pixel", [1e140, 1e-140])
+def test_extreme_pixels_scale_areas_and_loads(pixel: float) -> None:
+    values = sphere(64, 10.0, (32.0, 32.0))
+    one, found = asp.spots(values, 1.0), asp.spots(values, pixel)
+    # A square and a product are rounded.
+    assert found.area / pixel / pixel == pytest.approx(one.area, rel=1e-14)
+    assert found.load / pixel / pixel == pytest.approx(one.load, rel=1e-14)

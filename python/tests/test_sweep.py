@@ -1,5 +1,6 @@
 """Parameter sweeps: the values of single runs along axes, on any executor, and nothing computed twice."""
 
+import functools
 import math
 import os
 import subprocess
@@ -121,6 +122,44 @@ def test_an_interrupted_sweep_is_continued(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="the machine is gone"):
         last()
     assert swept(folder=folder).identical(expected)
+
+
+def stopping(fraction: float) -> None:
+    """The progress of a sweep that is interrupted."""
+    raise KeyboardInterrupt
+
+
+class Gone(ThreadPoolExecutor):
+    """An executor whose machine is gone."""
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        raise OSError("the machine is gone")
+
+
+@pytest.mark.parametrize("executor", [None, Gone])
+def test_a_sweep_is_continued_while_its_error_is_kept(tmp_path: Path, executor: Any) -> None:
+    """A session keeps its last error, with all that its functions name."""
+    expected = swept()
+    folder = tmp_path / "results"
+    with pytest.raises((KeyboardInterrupt, OSError)) as kept:
+        swept(executor=executor and executor(1), folder=folder, progress=stopping)
+    assert swept(folder=folder).identical(expected)
+    del kept
+
+
+@pytest.mark.parametrize("executor", [None, Gone])
+def test_a_sweep_of_a_function_is_continued_while_its_error_is_kept(tmp_path: Path, executor: Any) -> None:
+    pytest.importorskip("xarray")
+    folder = tmp_path / "results"
+    over = {"x": [4.0, 9.0]}
+
+    def root(x: float) -> float:
+        return math.sqrt(x)
+
+    with pytest.raises((KeyboardInterrupt, OSError)) as kept:
+        asp.sweep(root, over, executor=executor and executor(1), folder=folder, progress=stopping)
+    assert asp.sweep(root, over, folder=folder)["value"].values.tolist() == [2.0, 3.0]
+    del kept
 
 
 # How often a function was called; what a function encloses would be part of what identifies it.
@@ -297,16 +336,154 @@ def test_functions_that_differ_in_anything_are_not_taken_for_each_other(tmp_path
             assert found["value"].values.tolist() == [function(0.5), function(1.0)]
 
 
-def test_the_same_function_is_the_same_in_another_process(tmp_path: Path) -> None:
+def wrapping(function: Callable[..., float]) -> Callable[..., float]:
+    @functools.wraps(function)
+    def called(*args: Any, **kwargs: Any) -> float:
+        return function(*args, **kwargs)
+
+    return called
+
+
+def made(text: str, wrapper: Callable[..., Any] = lambda function: function, **names: Any) -> Any:
+    """A function f of the text of a script, whose global names are these."""
+    space = {"__name__": "script", "math": math, **names}
+    exec(text, space)
+    return wrapper(space["f"])
+
+
+class Multiple:
+    """A function with a factor of its objects, one of its class, and a number of calls."""
+
+    shared = 1.0
+
+    def __init__(self, factor: float) -> None:
+        self.factor = factor
+
+    def __call__(self, x: float) -> float:
+        return self.factor * self.shared * x
+
+
+READING = "def f(x): return float((lambda: k * x)())"
+DIFFERENT: dict[str, tuple[Callable[[], Any], Callable[[], Any]]] = {
+    "lru_cache": (
+        lambda: made("def f(x): return x + 1.0", functools.lru_cache),
+        lambda: made("def f(x): return x + 2.0", functools.lru_cache),
+    ),
+    "wraps": (
+        lambda: made("def f(x): return x + 1.0", wrapping),
+        lambda: made("def f(x): return x + 2.0", wrapping),
+    ),
+    "function of partial": (
+        lambda: made("def f(x, k): return k * x", lambda f: functools.partial(f, k=2.0)),
+        lambda: made("def f(x, k): return k - x", lambda f: functools.partial(f, k=2.0)),
+    ),
+    "argument of partial": (
+        lambda: made("def f(x, k): return k * x", lambda f: functools.partial(f, k=2.0)),
+        lambda: made("def f(x, k): return k * x", lambda f: functools.partial(f, k=3.0)),
+    ),
+    "state of an object": (lambda: Multiple(2.0), lambda: Multiple(3.0)),
+    "class of an object": (
+        lambda: type("Multiple", (Multiple,), {"shared": 2.0})(2.0),
+        lambda: type("Multiple", (Multiple,), {"shared": 3.0})(2.0),
+    ),
+    "number": (lambda: made(READING, k=2), lambda: made(READING, k=3)),
+    "number alone": (lambda: made("f = lambda x: k", k=2), lambda: made("f = lambda x: k", k=3)),
+    "array": (
+        lambda: made("def f(x): return float(k[1] * x)", k=np.array([1.0, 2.0])),
+        lambda: made("def f(x): return float(k[1] * x)", k=np.array([1.0, 3.0])),
+    ),
+    "model": (
+        lambda: made("def f(x): return k.thresholds.mean() * x", k=asp.Contacts(asp.Gaussian(1.0, 0.1))),
+        lambda: made("def f(x): return k.thresholds.mean() * x", k=asp.Contacts(asp.Gaussian(2.0, 0.1))),
+    ),
+    "called function": (
+        lambda: made("def f(x): return k(x)", k=math.sin),
+        lambda: made("def f(x): return k(x)", k=math.cos),
+    ),
+    "global of what is wrapped": (
+        lambda: made(READING, functools.lru_cache, k=2),
+        lambda: made(READING, functools.lru_cache, k=3),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DIFFERENT)
+def test_a_function_is_known_by_what_it_wraps_and_reads(tmp_path: Path, name: str) -> None:
+    pytest.importorskip("xarray")
+    one, other = DIFFERENT[name]
+    x = [0.5, 1.0]
+    for function in (one(), other()):
+        found = asp.sweep(function, {"x": x}, folder=tmp_path / "results")
+        assert found["value"].values.tolist() == [function(x=value) for value in x]
+    # One that is made anew is the same.
+    found = asp.sweep(one(), {"x": x}, executor=Unused(), folder=tmp_path / "results")
+    assert found["value"].values.tolist() == [one()(x=value) for value in x]
+
+
+def test_what_a_function_writes_does_not_identify_it(tmp_path: Path) -> None:
+    """So that a session continues the sweep of a function that counts its calls."""
+    pytest.importorskip("xarray")
+    text = "def f(x):\n    global calls\n    calls += 1\n    log.append(x)\n    known[x] = x\n    return x\n"
+    function = made(text, calls=0, log=[], known={})
+    asp.sweep(function, {"x": [1.0, 2.0]}, folder=tmp_path / "results")
+    assert function.__globals__["log"] == [1.0, 2.0]
+    asp.sweep(function, {"x": [1.0, 2.0]}, executor=Unused(), folder=tmp_path / "results")
+
+
+def test_a_function_that_encloses_itself_is_known(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+
+    def factorial(x: float) -> float:
+        return 1.0 if x < 1.0 else x * factorial(x - 1.0)
+
+    data = asp.sweep(factorial, {"x": [3.0, 4.0]}, folder=tmp_path / "results")
+    again = asp.sweep(factorial, {"x": [3.0, 4.0]}, executor=Unused(), folder=tmp_path / "results")
+    assert data["value"].values.tolist() == again["value"].values.tolist() == [6.0, 24.0]
+
+
+def test_a_function_that_cannot_be_identified_is_refused_with_a_folder(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    lock = threading.Lock()
+
+    def locked(x: float) -> float:
+        with lock:
+            return x
+
+    function = Multiple(2.0)
+    function.lock = lock  # type: ignore[attr-defined]
+    for one in (locked, function, functools.partial(locked)):
+        with pytest.raises(TypeError, match=r"scenario: expected values that can be pickled.*, got lock"):
+            asp.sweep(one, {"x": [1.0]}, folder=tmp_path / "results")
+        assert not list(tmp_path.iterdir())
+        assert asp.sweep(one, {"x": [1.0]})["value"].values[0] == one(1.0)
+    with pytest.raises(TypeError, match=r"over\.x: expected values that can be pickled.*, got lock"):
+        asp.sweep(lambda x: 1.0, {"x": [lock]}, folder=tmp_path / "results")
+    # One that is only a global name is left out.
+    function = made("def f(x):\n with k: return x", k=lock)
+    assert asp.sweep(function, {"x": [1.0]}, folder=tmp_path / "results")["value"].values[0] == 1.0
+
+
+# The ends of functions f that count their calls, and what is swept.
+CALLED = {
+    "set": "max([x], key=lambda value: value if 'a' in {'a', 'b', 'c'} else 0.0)\nfunction = f\n",
+    "partial": "x\nfunction = functools.partial(f, more=2.0)\n",
+    "lru_cache": "x\nfunction = functools.lru_cache(f)\n",
+    "object": "x\nclass C:\n    def __call__(self, x):\n        return f(x)\nfunction = C()\n",
+    "globals": "x\nlaw = asp.Gamma(1.0, 0.1)\nfunction = lambda x: f(x) * law.mean() * len(words)\n",
+}
+
+
+@pytest.mark.parametrize("name", CALLED)
+def test_the_same_function_is_the_same_in_another_process(tmp_path: Path, name: str) -> None:
     pytest.importorskip("xarray")
     text = (
-        "import asperity as asp, sys\n"
-        "called = 0\n"
-        "def f(x):\n"
+        "import asperity as asp, functools\n"
+        "called, words = 0, {'a', 'b', 'c'}\n"
+        "def f(x, more=1.0):\n"
         "    global called\n"
         "    called += 1\n"
-        "    return max([x], key=lambda value: value if 'a' in {'a', 'b', 'c'} else 0.0)\n"
-        "asp.sweep(f, {'x': [1.0, 2.0]}, folder='results')\n"
+        f"    return {CALLED[name]}"
+        "asp.sweep(function, {'x': [1.0, 2.0]}, folder='results')\n"
         "print(called)\n"
     )
     script = tmp_path / "script.py"

@@ -66,6 +66,26 @@ fn a_trace_has_a_point_before_and_after_every_slip_and_the_spring_carries_the_fo
     near(*drive.last().unwrap(), 9.0, 1e-12);
 }
 
+/// A displacement counts from the equilibrium with stretched contacts: X_T = F/K at X = 0.
+#[test]
+fn a_displacement_counts_from_the_equilibrium_with_stretched_contacts() {
+    let stretched = "initial.rectangular = { min = 0.2, max = 0.4 }\nensemble = { size = 1000 }";
+    let block = "block = { stiffness = 0.5, slip = 'overdamped' }\ndrive = { distance = 0.4, points = 5 }";
+    let outcome = run(BROAD, &format!("{stretched}\n{block}"));
+    // Hardly anything breaks: F = 0.3 + X = 0.5 (X_T - X).
+    let force = |drive: f64| 0.3 + (0.5 * drive - 0.3) / 1.5;
+    let [drives, forces] = ["drive", "force"].map(|name| outcome.record.values(name).unwrap());
+    let [first, last] = [drives[0], *drives.last().unwrap()];
+    near(first, 0.6, 1e-9);
+    near(last, 1.0, 1e-9);
+    // One in a million contacts holds less than 0.53, the largest stretch.
+    drives.iter().zip(forces).for_each(|(drive, found)| near(*found, force(*drive), 1e-6));
+    // The simulated contacts have a mean stretch of their own, 0.0018 from 0.3 in the mean.
+    let drives = outcome.record.values("ensemble_drive").unwrap();
+    near(drives[0], 0.6, 0.02);
+    near(drives.last().unwrap() - drives[0], 0.4, 1e-12);
+}
+
 #[test]
 fn the_ensemble_slips_as_the_master_equation_does() {
     let rest = "block = { stiffness = 1.0, slip = 'overdamped' }\ndrive = { distance = 8.0 }\n\

@@ -90,6 +90,46 @@ drive = { distance = 2.0, points = 21 }
     }
 }
 
+/// Every point of a drive is in balance, also where the contacts of the cells are stretched from the start.
+#[test]
+fn a_drive_begins_in_balance_with_stretched_contacts() {
+    let outcome = run("
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+initial.rectangular = { min = 0.2, max = 0.4 }
+interface = { cells = [3], coupling.neighbours = { stiffness = 1.0 }, connection = 0.5, slip = 'overdamped', catalogue_from = 0.1 }
+drive = { distance = 1.2, points = 7, maps = [0.0, 1.2] }
+");
+    let [drive, position, force] = ["drive", "position", "force"].map(|name| column(&outcome, name));
+    for ((drive, position), force) in drive.iter().zip(position).zip(force) {
+        // Three springs of 0.5; equilibria are solved to 1e-10.
+        assert!((1.5 * (drive - position) - force).abs() < 1e-8, "{drive} {position} {force}");
+    }
+    assert!((drive[0] - 0.6).abs() < 1e-9 && (drive[6] - 1.8).abs() < 1e-9, "{drive:?}");
+    assert_eq!(column(&outcome, "map_drive"), drive);
+}
+
+/// Waiting times are increases of the drive from one event to the next, of which those in a hold are 0.
+#[test]
+fn events_in_a_hold_wait_for_no_drive() {
+    let outcome = run("
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.temperature = { energy = 0.02, attempt_rate = 1.0 }
+initial.rectangular = { min = 0.0, max = 0.8 }
+interface = { cells = [8, 8], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2 }
+protocol = [
+  { velocity = 0.1, distance = 1.0, points = 3 },
+  { hold = 1e5, points = 3 },
+  { velocity = 0.1, distance = 1.0, points = 3 },
+]
+");
+    let drives = column(&outcome, "event_drive");
+    let held = drives.windows(2).filter(|pair| pair[1] == pair[0]).count();
+    assert!(held > 5, "{held} of {} intervals", drives.len() - 1);
+    let mean = (drives[drives.len() - 1] - drives[0]) / (drives.len() - 1) as f64;
+    // Rounding of some hundred terms.
+    assert!((catalogue(&outcome).mean_waiting.unwrap() / mean - 1.0).abs() < 1e-12);
+}
+
 /// One cell of few contacts is a block over their ensemble, in which every break that moves it is a slip.
 #[test]
 fn a_cell_of_few_contacts_is_a_block_over_them() {
@@ -239,6 +279,22 @@ master_equation.tolerance = 1e-4
         assert!((scaled - plain).abs() < 1e-4, "{scaled} {plain}");
     }
     assert!((plain[10] - 1.25 * other[10]).abs() > 1e-2);
+}
+
+/// The scale factors of cells multiply lengths; the force of a free contact is the same in all cells.
+#[test]
+fn free_contacts_of_scaled_cells_have_the_same_friction() {
+    // The slider moves by 1000 mean thresholds in the time in which a broken contact is free: one in a thousand is not.
+    let outcome = run("
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.delay = { time = 1.0 }
+contacts.free_friction = { force = 0.3 }
+interface = { cells = [3], coupling.neighbours = { stiffness = 0.001 }, connection = 5.0, slip = 'overdamped', viscosity = 0.01, disorder.scale = [0.5, 1.0, 2.0] }
+drive = { distance = 3000.0, velocity = 1000.0, points = 3 }
+");
+    let forces = &column(&outcome, "cell_force")[6..];
+    // Contacts that are attached carry less than a thousandth of two mean thresholds.
+    assert!(forces.iter().all(|force| (force - 0.3).abs() < 3e-3), "{forces:?}");
 }
 
 /// Cells of few time-dependent contacts differ by chance, each seed by its own.

@@ -1,8 +1,10 @@
 //! The cases of sweeps: their order, their values and their bounds.
 #![allow(missing_docs)]
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
+use asperity::monitor::Monitor;
 use asperity_runner::input::{self, Input};
 use asperity_runner::sweep::{Dataset, Gathered, Plan, Values};
 
@@ -21,6 +23,36 @@ fn refused(sweep: &str) -> String {
         Err(error) => error.to_string(),
         Ok(input) => Plan::new(&input).unwrap_err().to_string(),
     }
+}
+
+/// A case that needs more memory than each thread may take is computed alone.
+#[test]
+fn results_do_not_depend_on_how_threads_share_the_memory() {
+    /// Enough for one of the lattices, of 28.8 MB, not for two.
+    struct Memory;
+    impl Monitor for Memory {
+        fn progress(&mut self, _: f64) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+        fn memory(&self) -> u64 {
+            40_000_000
+        }
+    }
+
+    let text = r#"
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+interface = { cells = [400, 1000], contacts = "one", coupling.neighbours = { stiffness = 0.2 }, connection = 0.2 }
+drive = { distance = 0.1, points = 2 }
+sweep = { keep = ["catalogue.events"], over = { "interface.connection" = [0.1, 0.2, 0.3] } }
+"#;
+    let input = input::parse(text, "text", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(&input).unwrap();
+    let cases = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| asperity_runner::sweep::compute(&plan, &[0, 1, 2], &mut Memory)).unwrap()
+    });
+    assert_eq!(cases[0], cases[1]);
+    assert!(cases[0].iter().all(|case| case.kept.is_ok()), "{:?}", cases[0]);
 }
 
 const FULL: &str = r#"

@@ -155,6 +155,7 @@ fn outlined(shape: MarkerShape, (x, y): Point, colour: Color) -> Primitive {
             let strokes = [[(-0.7, -0.7), (0.7, 0.7)], [(0.7, -0.7), (-0.7, 0.7)]];
             (strokes.map(|stroke| format!("M{}", run(&stroke))).join(" "), false)
         }
+        MarkerShape::Triangle => (format!("M{} Z", run(&[(0.0, -1.0), (-1.0, 0.7), (1.0, 0.7)])), true),
         MarkerShape::TriangleDown => (format!("M{} Z", run(&[(0.0, 1.0), (-1.0, -0.7), (1.0, -0.7)])), true),
         _ => (format!("M{} Z", run(&[(0.0, -1.2), (1.2, 0.0), (0.0, 1.2), (-1.2, 0.0)])), true),
     };

@@ -141,8 +141,8 @@ fn measured(summary: &Summary, read: &MeasuredRateState) -> [(&'static str, Stri
     };
     let force = |found| with_error(found, Quantity::Force);
     let distance = with_error(read.distance, Quantity::Length);
-    let low = short(summary, read.distance.low, Quantity::Length);
-    let high = read.distance.high.map_or("no limit".into(), |high| short(summary, high, Quantity::Length));
+    let end = |end: Option<f64>| end.map_or("no limit".into(), |end| short(summary, end, Quantity::Length));
+    let [low, high] = [read.distance.low, read.distance.high].map(end);
     let residual = short(summary, read.residual, Quantity::Force);
     [
         ("  compared curve", format!("a = {}, b = {}, D_c = {distance}", force(read.a), force(read.b))),

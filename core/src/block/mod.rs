@@ -162,6 +162,14 @@ impl Block {
         self.slip
     }
 
+    /// The drive at which the slider is in equilibrium with a population: 0 for relaxed contacts.
+    ///
+    /// # Errors
+    /// Those of the population.
+    pub fn start(&self, population: &mut dyn Population) -> Result<f64> {
+        run::start(self, population)
+    }
+
     /// Pulls the slider over `population` through the turning points of `drive`.
     ///
     /// # Errors

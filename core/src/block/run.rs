@@ -72,6 +72,11 @@ struct DriveSegment {
     requested: Vec<f64>,
 }
 
+/// See [`Block::start`].
+pub(super) fn start(block: &Block, population: &mut dyn Population) -> Result<f64> {
+    Ok(QuasistaticRun::new(block, population, &mut ())?.drive())
+}
+
 /// See [`Block::pull`].
 pub(super) fn pull(
     block: &Block,

@@ -101,7 +101,7 @@ impl FinishedSlide<'_> {
         // Without viscosity there is no time.
         let timed = slide.parameters.viscosity.map_or(f64::NAN, |_| 1.0);
         let [front_speed_left, front_speed_right] =
-            fronts(slipped, model.coupling.shape()).map(|v| timed * v);
+            fronts(slipped, model.coupling.shape(), model.coupling.edges()).map(|v| timed * v);
         let begin = slide.starts[slipped[0].cell];
         let area = slide.parameters.area.unwrap_or(1.0);
         Event {
@@ -143,26 +143,34 @@ pub(super) fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<I
 
 /// Speeds at which slip spread from the first cell towards smaller and larger columns of its row, in cells per time; NaN
 /// where fewer than [`FRONT`] adjacent cells began to slip one after the other.
-pub(super) fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
+pub(super) fn fronts(slipped: &[Slipped], shape: Shape, edges: Edges) -> [f64; 2] {
     let columns = shape.sides()[1];
     let epicentre = slipped[0].cell;
-    let row = epicentre / columns;
-    let mut starts: Vec<(usize, f64)> =
-        slipped.iter().filter(|s| s.cell / columns == row).map(|s| (s.cell, s.start)).collect();
-    starts.sort_by_key(|(cell, _)| *cell);
-    let first = starts.partition_point(|(cell, _)| *cell < epicentre);
-    let (left, right) = (&starts[..=first], &starts[first..]);
-    let left: Vec<f64> = run(left.iter().rev());
-    let right: Vec<f64> = run(right.iter());
-    [left, right].map(|starts| speed(&starts))
+    let in_row = |s: &&Slipped| s.cell / columns == epicentre / columns;
+    [false, true].map(|up| {
+        let distance = |cell: usize| {
+            let (from, to) = if up { (epicentre, cell) } else { (cell, epicentre) };
+            match edges {
+                Edges::Periodic => Some((to + columns - from) % columns),
+                Edges::Open => to.checked_sub(from),
+            }
+        };
+        let start = |s: &Slipped| Some((distance(s.cell)?, s.start));
+        let mut starts: Vec<(usize, f64)> = slipped.iter().filter(in_row).filter_map(start).collect();
+        starts.sort_by_key(|(distance, _)| *distance);
+        speed(&front(&starts))
+    })
 }
 
-/// Times at which adjacent cells began to slip, as long as each began after the one before.
-fn run<'a>(starts: impl Iterator<Item = &'a (usize, f64)> + Clone) -> Vec<f64> {
-    let pairs = starts.clone().zip(starts.clone().skip(1));
-    let follow = |(one, next): &(&(usize, f64), &(usize, f64))| one.0.abs_diff(next.0) == 1 && next.1 > one.1;
-    let length = 1 + pairs.take_while(follow).count();
-    starts.take(length).map(|(_, start)| *start).collect()
+/// Times at which adjacent cells began to slip, as long as each began after the one before: from the edge of the patch that lost
+/// balance together on, in which slip begins.
+fn front(starts: &[(usize, f64)]) -> Vec<f64> {
+    let adjacent = starts.iter().enumerate().take_while(|(i, (distance, _))| distance == i);
+    let times: Vec<f64> = adjacent.map(|(_, (_, start))| *start).collect();
+    let patch = times.iter().take_while(|time| **time == times[0]).count();
+    let after = &times[patch.saturating_sub(1)..];
+    let length = 1 + after.windows(2).take_while(|pair| pair[1] > pair[0]).count();
+    after.iter().take(length).copied().collect()
 }
 
 /// Speed of a front that arrives at distances 0, 1, 2, … at these times, by linear regression of the times. Only the middle
@@ -199,16 +207,16 @@ mod tests {
     }
 
     /// A front over `cells` cells from the cell 20, towards larger numbers or smaller ones, `speed` cells per time.
-    fn front(cells: usize, up: bool, speed: f64) -> Vec<(usize, f64)> {
+    fn regular(cells: usize, up: bool, speed: f64) -> Vec<(usize, f64)> {
         let place = |i: usize| if up { 20 + i } else { 20 - i };
         (0..cells).map(|i| (place(i), i as f64 / speed)).collect()
     }
 
     #[test]
     fn front_speeds_are_cells_per_time_to_either_side() {
-        let mut starts = front(12, true, 2.0);
-        starts.extend(&front(9, false, 0.5)[1..]);
-        let [left, right] = fronts(&chain(&starts), Shape::Chain(64));
+        let mut starts = regular(12, true, 2.0);
+        starts.extend(&regular(9, false, 0.5)[1..]);
+        let [left, right] = fronts(&chain(&starts), Shape::Chain(64), Edges::Open);
         // Rounding of the regression.
         assert!((left - 0.5).abs() < 1e-12 && (right - 2.0).abs() < 1e-12, "{left}, {right}");
     }
@@ -216,10 +224,24 @@ mod tests {
     #[test]
     fn fronts_have_five_cells_or_more() {
         for (cells, found) in [(4, false), (5, true)] {
-            let [left, right] = fronts(&chain(&front(cells, true, 3.0)), Shape::Chain(64));
+            let [left, right] = fronts(&chain(&regular(cells, true, 3.0)), Shape::Chain(64), Edges::Open);
             assert!(left.is_nan());
             assert_eq!(!right.is_nan(), found, "{cells} cells: {right}");
         }
+    }
+
+    #[test]
+    fn a_front_begins_at_the_edge_of_the_patch_that_loses_balance_together() {
+        let starts: Vec<_> = (0..14_u32).map(|i| (20 + i as usize, f64::from(i.saturating_sub(3)))).collect();
+        let [left, right] = fronts(&chain(&starts), Shape::Chain(64), Edges::Open);
+        assert!(left.is_nan() && (right - 1.0).abs() < 1e-12, "{left}, {right}");
+    }
+
+    #[test]
+    fn fronts_go_round_a_periodic_chain() {
+        let to_the_left: Vec<_> = (0..12).map(|i| ((64 + 4 - i) % 64, i as f64)).collect();
+        let [left, right] = fronts(&chain(&to_the_left), Shape::Chain(64), Edges::Periodic);
+        assert!(right.is_nan() && (left - 1.0).abs() < 1e-12, "{left}, {right}");
     }
 
     #[test]
@@ -233,18 +255,18 @@ mod tests {
                 start
             })
             .collect();
-        let [_, right] = fronts(&chain(&starts), Shape::Chain(64));
+        let [_, right] = fronts(&chain(&starts), Shape::Chain(64), Edges::Open);
         assert!((right - 2.0).abs() < 1e-12, "{right}");
     }
 
     #[test]
     fn a_front_ends_where_a_cell_slips_before_the_one_behind_it_or_one_is_passed_over() {
-        let mut early = front(12, true, 1.0);
+        let mut early = regular(12, true, 1.0);
         early[4].1 = 0.5;
-        let mut passed = front(12, true, 1.0);
+        let mut passed = regular(12, true, 1.0);
         passed.remove(3);
         for starts in [early, passed] {
-            let [_, right] = fronts(&chain(&starts), Shape::Chain(64));
+            let [_, right] = fronts(&chain(&starts), Shape::Chain(64), Edges::Open);
             assert!(right.is_nan(), "{right}");
         }
     }
@@ -254,7 +276,7 @@ mod tests {
         // Rows of 16 cells; the cells of the row below begin at other times.
         let mut starts: Vec<_> = (0..8).map(|i| (16 + 4 + i, i as f64)).collect();
         starts.extend((0..8).map(|i| (32 + 4 + i, 0.1 + 0.1 * i as f64)));
-        let [left, right] = fronts(&chain(&starts), Shape::Square([4, 16]));
+        let [left, right] = fronts(&chain(&starts), Shape::Square([4, 16]), Edges::Open);
         assert!(left.is_nan() && (right - 1.0).abs() < 1e-12, "{left}, {right}");
     }
 }

@@ -39,7 +39,8 @@ pub struct Event {
     pub broken_fraction: f64,
     /// Energy dissipated in breaks of contacts of these cells.
     pub dissipated_breaks: f64,
-    /// Energy dissipated by the slider at these cells.
+    /// Energy dissipated by the slider at these cells. That of cells which a slide pulls along without a slip of their own is in
+    /// the energy balance only.
     pub dissipated_slip: f64,
 }
 
@@ -88,8 +89,12 @@ pub(super) fn record(events: &[Event], area: Option<f64>) -> Record {
     column("drop", "force drop", force, &Event::drop);
     column("slip", "mean slip of the cells", length, &Event::slip);
     column("broken_fraction", "breaks per contact", number, &|e| e.broken_fraction);
-    column("dissipated_breaks", "energy lost in breaks", energy, &|e| e.dissipated_breaks);
-    column("dissipated_slip", "energy lost by the slider", energy, &|e| e.dissipated_slip);
+    column("dissipated_breaks", "energy lost in breaks at the cells that slipped", energy, &|e| {
+        e.dissipated_breaks
+    });
+    column("dissipated_slip", "energy lost by the slider at the cells that slipped", energy, &|e| {
+        e.dissipated_slip
+    });
     column("time", "time", Quantity::Time, &|e| e.time);
     column("epicentre", "cell that slipped first", count, &|e| e.epicentre as f64);
     column("cells", "cells that slipped", count, &|e| e.cells as f64);

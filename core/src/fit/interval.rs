@@ -128,6 +128,10 @@ pub(super) fn by_profile<O: Objective>(
     let (likelihood, optimum) = ended;
     let start = optimum.coordinates[number];
     let parameter = &likelihood.free()[number];
+    if optimum.at_bound[number] && start <= parameter.bounds[0] {
+        // At the end of its range a number has a limit only.
+        return Ok([0.0, upper_limit(ended, number, monitor)?]);
+    }
     let mut end = |step: f64| -> Result<f64> {
         Ok(parameter.value(end_of_rise(
             ended,

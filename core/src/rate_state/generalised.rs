@@ -148,7 +148,7 @@ impl<'a> GeneralisedFit<'a> {
         MeasuredValue {
             value: self.scale,
             error: widened * self.scale_error(),
-            low: if below { 0.0 } else { end(low) },
+            low: Some(if below { 0.0 } else { end(low) }),
             high: (!above).then(|| end(high)),
         }
     }
@@ -161,8 +161,26 @@ impl<'a> GeneralisedFit<'a> {
         let widened = self.widened(&gradient);
         let error = widened * self.linearised_error(&gradient);
         let (low, high) = self.interval(weights);
-        let (low, high) = (value - widened * (value - low), value + widened * (high - value));
-        MeasuredValue { value, error, low, high: Some(high) }
+        let growth = self.growth(weights);
+        MeasuredValue {
+            value,
+            error,
+            low: (growth >= 0.0).then(|| value - widened * (value - low)),
+            high: (growth <= 0.0).then(|| value + widened * (high - value)),
+        }
+    }
+
+    /// By how much a value grows with the logarithm of the scale at the last one searched, if any larger scale fits as well, and
+    /// the growth is ever more, and more than the uncertainty there: as that of b, of which only b/D is known of a D without upper
+    /// end. 0 otherwise.
+    fn growth(&self, weights: &dyn Fn(f64) -> (Vec<f64>, Vec<f64>)) -> f64 {
+        let [.., first, before, last] = &self.profile[..] else { return 0.0 };
+        let at = |(scale, fit): &(f64, LeastSquares)| product(&weights(*scale).0, &fit.coefficients);
+        let [earlier, growth] =
+            [(first, before), (before, last)].map(|(one, next)| (at(next) - at(one)) / (next.0 / one.0).ln());
+        let uncertain = self.quantile * (self.variance * last.1.variance(&weights(last.0).0)).sqrt();
+        let grows = growth.abs() > earlier.abs().max(uncertain);
+        if self.open().1 && grows { growth } else { 0.0 }
     }
 
     /// The coefficient `index`.
@@ -325,7 +343,8 @@ pub(super) fn straight(columns: Vec<Vec<f64>>, values: &[f64]) -> Option<([Measu
         let weights = [f64::from(i == 0), f64::from(i == 1)];
         let error = (fit.squares / freedom * fit.variance(&weights)).sqrt();
         let value = fit.coefficients[i];
-        MeasuredValue { value, error, low: value - quantile * error, high: Some(value + quantile * error) }
+        let [low, high] = [-1.0, 1.0].map(|side| Some(value + side * quantile * error));
+        MeasuredValue { value, error, low, high }
     };
     Some(([coefficient(0), coefficient(1)], (fit.squares / values.len() as f64).sqrt()))
 }

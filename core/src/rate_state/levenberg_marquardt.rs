@@ -5,8 +5,8 @@ use crate::Result;
 use crate::monitor::{Monitor, report};
 use crate::numerics::linear::solve;
 
-/// Largest number of iterations.
-const ITERATIONS: usize = 60;
+/// Largest number of iterations: along a narrow curved valley, as that of b and D of peaks by the slip law, they are many.
+const ITERATIONS: usize = 1000;
 
 /// Relative change of the sum of squares at which the iterations end.
 const SETTLED: f64 = 1e-8;

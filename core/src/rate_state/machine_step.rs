@@ -197,8 +197,9 @@ impl StepCurve<'_> {
         let Some((values, squares)) = best else {
             return Err(Error::invalid(
                 "force",
-                "a velocity step that rate-and-state friction describes",
-                "another curve",
+                "a velocity step that rate-and-state friction describes, behind a spring that is soft enough for its motion to be \
+                 integrated",
+                "another curve, or too many steps",
             ));
         };
         let mut states = states_of(&values);

@@ -200,7 +200,7 @@ impl Selected {
             scales: scales(self.position[self.position.len() - 1] - self.peak),
         };
         let fit = GeneralisedFit::new(&curve, reading.drift, monitor)?.ok_or_else(undetermined)?;
-        let known = |value: f64| MeasuredValue { value, error: 0.0, low: value, high: Some(value) };
+        let known = |value: f64| MeasuredValue { value, error: 0.0, low: Some(value), high: Some(value) };
         let count = fit.coefficients.len();
         let difference: Vec<f64> =
             (0..count).map(|i| f64::from(i == direct) - f64::from(i == direct + 1)).collect();

@@ -56,16 +56,17 @@ pub struct Fitted {
 ///
 /// The error is that of the linearised fit. The interval is that of the profile likelihood: the values for
 /// which χ², minimised over all other parameters, exceeds its minimum by at most t², with the quantile t of
-/// Student's distribution. It need not be symmetric. Where that of D_c or t_c has no upper end, those of the
-/// other parameters hold for the scales that were searched.
+/// Student's distribution. It need not be symmetric. Where that of D_c or t_c has no upper end, those of parameters that grow
+/// with it without limit have none on that side either.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredValue {
     /// The value.
     pub value: f64,
     /// Its standard error.
     pub error: f64,
-    /// Lower end of the interval.
-    pub low: f64,
+    /// Lower end of the interval; `None` if it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
     /// Upper end of the interval; `None` if it has none: any larger D_c or t_c fits as well.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,

@@ -51,12 +51,14 @@ impl StepFit {
 /// The scale between `low` and `high` with the smallest sum of squares. A scan comes first, as there may be
 /// several minima.
 pub(super) fn nearest_scale(squares: impl Fn(f64) -> f64, (low, high): (f64, f64)) -> Option<f64> {
-    let residual_of = |log: f64| squares(log.exp());
-    let (low, high) = (low.ln(), high.ln());
-    let step = (high - low) / CANDIDATES as f64;
-    let candidates = (0..=CANDIDATES).map(|i| low + step * i as f64);
-    let nearest = candidates.min_by(|a, b| residual_of(*a).total_cmp(&residual_of(*b)))?;
-    Some(brent_minimum(residual_of, nearest - step, nearest + step, 1e-10).0.exp())
+    let step = (high / low).ln() / CANDIDATES as f64;
+    // Both ends are candidates as they are.
+    let candidate = |i: usize| if i == CANDIDATES { high } else { low * (step * i as f64).exp() };
+    let candidates = (0..=CANDIDATES).map(candidate);
+    let nearest = candidates.min_by(|a, b| squares(*a).total_cmp(&squares(*b)))?;
+    let [from, to] = [(nearest.ln() - step).max(low.ln()), (nearest.ln() + step).min(high.ln())];
+    let (log, least) = brent_minimum(|log: f64| squares(log.exp()), from, to, 1e-10);
+    Some(if squares(nearest) <= least { nearest } else { log.exp() })
 }
 
 /// Derivatives of the fitted curve at x with respect to offset, size and scale.

@@ -7,7 +7,7 @@ use super::{Block, Protocol, Step, TaskStart, positive, size};
 use crate::block::{self, Loading};
 use crate::{Error, Result};
 
-/// Moves the top of the slider from X_T = 0 and records the position of its base.
+/// Moves the top of the slider from its equilibrium, X_T = 0 for relaxed contacts, and records the position of its base.
 ///
 /// Without `[block]` the slider is rigid, and its base moves with its top.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -80,9 +80,14 @@ impl Drive {
         self.distance.unwrap_or(DISTANCE)
     }
 
-    /// The course of the drive, or of the force.
-    pub fn build(&self) -> block::Drive {
-        let turning_points = self.force_to.map_or_else(|| self.turns(), |force| vec![force]);
+    /// The course of the drive, or of the force, of a slider that is in equilibrium at the drive `start`
+    /// ([`block::Block::start`]), from which a displacement counts.
+    pub fn build(&self, start: f64) -> block::Drive {
+        let turning_points = match (&self.turning_points, self.force_to) {
+            (Some(turns), _) => turns.clone(),
+            (None, Some(force)) => vec![force],
+            (None, None) => vec![start + self.distance()],
+        };
         block::Drive { turning_points, points: self.points }
     }
 

@@ -192,7 +192,8 @@ impl FitCurve {
         all.check()?;
         let inside = self.range.map_or_else(|| all.clone(), |range| all.within(range));
         if inside.positions.is_empty() {
-            return Err(Error::invalid("range", "one that holds readings", format!("{:?}", self.range)));
+            let [from, to] = self.range.unwrap_or_default();
+            return Err(Error::invalid("range", "one that holds readings", format!("{from} to {to}")));
         }
         let mut averaged = inside.average(average)?;
         if self.has_free_compliance() {

@@ -134,15 +134,16 @@ fn crept(
     let least = contacts.force() + model.background;
     let share = 1.0 / task.forces.len() as f64;
     let each = task.forces.iter().enumerate().map(|(i, &force)| {
-        if force < least {
+        // Friction at the start is known to the tolerance only.
+        if force < least - tolerance * contacts.unit() {
             let expected = format!("a force of at least {least}, that of friction at the start");
             return Err(Error::invalid(format!("creep.forces.{i}"), expected, force));
         }
-        let gain = force - least;
+        let gain = (force - least).max(0.0);
         let at_once = gain / (AT_ONCE * fastest(&model.contacts, task.duration));
         // A force that friction carries from the start has nothing to be raised by.
         let rate = task.loading_rate.unwrap_or(if gain > 0.0 { at_once } else { 1.0 });
-        let load = CreepLoad { force: force - model.background, rate, duration: task.duration };
+        let load = CreepLoad { force: contacts.force() + gain, rate, duration: task.duration };
         let part = &mut Part::new(monitor, i as f64 * share, share);
         CreepFound::of(&contacts, load, tolerance, part)
             .map(|found| found.raised(task.loading_rate.is_none()))

@@ -92,12 +92,13 @@ pub(super) fn run(
     let fractions = if model.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };
     let pull = equation.pull_with(reach, tolerance, &mut Part::new(monitor, 0.0, fractions[0]))?;
     let mut population = equation.population_with(tolerance, &mut Part::new(monitor, fractions[0], 0.0))?;
-    let (block, protocol) = (model.block.as_ref(), task.build());
+    let block = model.block.as_ref();
     let mut record = Record::default();
     // The curve of equilibria is that of the first loading, from the initial state.
     let fresh = population.copy();
     let master = task.slider(block, false)?.with_background(model.background)?;
     let part = &mut Part::new(monitor, fractions[0], fractions[1]);
+    let protocol = task.build(master.start(&mut population)?);
     let run = master.pull_with(&mut population, &protocol, part)?;
     // The error of the force has two parts: that of the contacts, and that of the motion. The energy imbalance divided by
     // a mean life, the distance over which contacts are replaced, measures the second one.
@@ -115,6 +116,7 @@ pub(super) fn run(
         let mut part = Part::new(monitor, done, 1.0 - done);
         let mut contacts = ensemble.population_with(&mut Aside { fraction: 0.0, monitor: &mut part })?;
         let slider = task.slider(block, true)?.with_background(model.background)?;
+        let protocol = task.build(slider.start(&mut contacts)?);
         let run = slider.pull_with(&mut contacts, &protocol, &mut part)?;
         adopt(sliding::motion(&run), "ensemble_", &mut record);
         adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);

@@ -1,5 +1,5 @@
 //! A time step of a Fokker–Planck equation by finite volumes above an absorbing boundary that may rise: a reference
-//! that shares only the Bernoulli function with the solvers.
+//! that shares no code with the solvers.
 //!
 //! Two stages, u₁ = A₁m and A₂[(1 + √2)u₁ − √2m] with A = (1 − γtL)⁻¹, γ = 1 − 1/√2, for the boundary
 //! after γt and after t: L-stable and of second order (R. Alexander, SIAM J. Numer. Anal. 14, 1006 (1977)). Where this
@@ -9,10 +9,14 @@
 use std::sync::Arc;
 
 use asperity::contacts::ThresholdFokkerPlanck;
-use asperity::numerics::diffusion::bernoulli;
 
 const SQRT_2: f64 = std::f64::consts::SQRT_2;
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// The Bernoulli function z/(e^z − 1).
+fn bernoulli(z: f64) -> f64 {
+    if z == 0.0 { 1.0 } else { z / z.exp_m1() }
+}
 
 /// No boundary.
 pub const NO_FLOOR: (f64, f64) = (f64::NEG_INFINITY, f64::NEG_INFINITY);

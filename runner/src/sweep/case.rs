@@ -34,14 +34,16 @@ pub struct Case {
     pub kept: Result<Kept, String>,
 }
 
-/// Computes a scenario.
+/// Computes a scenario, of which the monitor allows a part of the `memory` of all.
 ///
 /// # Errors
-/// Only a stop by the monitor: other failures are what is kept of the case.
+/// A stop by the monitor, and a job that needs more than that part, but not more than the whole: other failures are what is kept
+/// of the case.
 pub fn compute(
     number: usize,
     scenario: Result<Scenario, Box<Diagnostic>>,
     keep: &[Keep],
+    memory: u64,
     monitor: &mut dyn Monitor,
 ) -> asperity::Result<Case> {
     let kept = match scenario {
@@ -52,10 +54,16 @@ pub fn compute(
                 kept(keep, &summary, &outcome.record)
             }
             Err(asperity::Error::Stopped) => return Err(asperity::Error::Stopped),
+            Err(error) if fits_alone(&error, memory) => return Err(error),
             Err(error) => Err(error.to_string()),
         },
     };
     Ok(Case { number, kept })
+}
+
+/// Whether a job was refused that would fit into this memory.
+fn fits_alone(error: &asperity::Error, memory: u64) -> bool {
+    matches!(error, asperity::Error::TooLarge { needed, allowed, .. } if needed <= &memory && allowed < &memory)
 }
 
 /// What is kept of a result.

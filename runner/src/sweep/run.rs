@@ -1,4 +1,7 @@
 //! Computation of the cases of a plan on all threads: each thread takes the next case, and passes on what it has every 0.2 s.
+//!
+//! Threads share the memory. Cases that need more than a thread may take are computed last, one after the other with all of it,
+//! so that results do not depend on the number of threads.
 
 use std::ops::ControlFlow;
 use std::str::FromStr;
@@ -106,6 +109,10 @@ struct Shared<'a> {
     next: AtomicUsize,
     done: AtomicUsize,
     stopped: AtomicBool,
+    /// What all threads may take.
+    memory: u64,
+    /// Cases that need more than one of them may take.
+    large: Mutex<Vec<usize>>,
 }
 
 /// The monitor of one case.
@@ -145,6 +152,24 @@ fn share(
     keep: &(dyn Fn(&[Case]) -> ControlFlow<()> + Sync),
     monitor: &mut dyn Monitor,
 ) -> asperity::Result<()> {
+    let threads = rayon::current_num_threads().min(cases.len());
+    let large = share_on(threads, plan, (cases, before), keep, monitor)?;
+    if large.is_empty() {
+        return Ok(());
+    }
+    let before = before + cases.len() - large.len();
+    share_on(1, plan, (&large, before), keep, monitor).map(|_| ())
+}
+
+/// The same on these threads. Returns the cases that need more memory than one of them may take.
+fn share_on(
+    threads: usize,
+    plan: &Plan,
+    (cases, before): (&[usize], usize),
+    keep: &(dyn Fn(&[Case]) -> ControlFlow<()> + Sync),
+    monitor: &mut dyn Monitor,
+) -> asperity::Result<Vec<usize>> {
+    let whole = monitor.memory();
     let shared = Shared {
         plan,
         cases,
@@ -152,16 +177,22 @@ fn share(
         next: AtomicUsize::new(0),
         done: AtomicUsize::new(0),
         stopped: AtomicBool::new(false),
+        memory: whole,
+        large: Mutex::default(),
     };
-    let threads = rayon::current_num_threads().min(cases.len());
-    let memory = monitor.memory() / threads.max(1) as u64;
+    let memory = whole / threads.max(1) as u64;
     rayon::in_place_scope(|scope| {
         for _ in 1..threads {
             scope.spawn(|_| shared.work(keep, Watch { shared: &shared, whole: None, memory }));
         }
         shared.work(keep, Watch { shared: &shared, whole: Some(monitor), memory });
     });
-    if shared.stopped.load(Ordering::Relaxed) { Err(asperity::Error::Stopped) } else { Ok(()) }
+    if shared.stopped.load(Ordering::Relaxed) {
+        return Err(asperity::Error::Stopped);
+    }
+    let mut large = shared.large.into_inner().unwrap_or_else(PoisonError::into_inner);
+    large.sort_unstable();
+    Ok(large)
 }
 
 impl Shared<'_> {
@@ -172,9 +203,15 @@ impl Shared<'_> {
         while !self.stopped.load(Ordering::Relaxed) {
             let Some(&number) = self.cases.get(self.next.fetch_add(1, Ordering::Relaxed)) else { break };
             let scenario = self.plan.case(number);
-            // A case that was stopped is not one that failed.
-            let Ok(case) = case::compute(number, scenario, &self.plan.keep, &mut monitor) else { break };
-            batch.push(case);
+            match case::compute(number, scenario, &self.plan.keep, self.memory, &mut monitor) {
+                Ok(case) => batch.push(case),
+                Err(asperity::Error::TooLarge { .. }) => {
+                    self.large.lock().unwrap_or_else(PoisonError::into_inner).push(number);
+                    continue;
+                }
+                // A case that was stopped is not one that failed.
+                Err(_) => break,
+            }
             self.done.fetch_add(1, Ordering::Relaxed);
             let _ = monitor.progress(0.0);
             if began.elapsed() >= BATCH || batch.len() * each >= VALUES {

@@ -460,6 +460,11 @@ impl RateDependentInterface {
         Ok(Vec::new())
     }
 
+    /// Events that have ended, but not been returned because an earlier one has not: the last ones of a motion.
+    pub fn last_events(&mut self) -> Vec<(Event, Vec<Slipped>)> {
+        self.slips.take_all_ended()
+    }
+
     /// Fraction of the present run that is done.
     fn fraction(&self) -> f64 {
         let (from, to) = self.path;

@@ -241,7 +241,7 @@ impl Slips {
         let slipped: Vec<Slipped> =
             started.iter().map(|s| Slipped { cell: s.cell, start: s.time - time, slip: slip(s) }).collect();
         let mean = |of: &dyn Fn(&Started) -> f64| on_area(of) / slipped_area;
-        let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape());
+        let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape(), coupling.edges());
         let area = self.area.unwrap_or(1.0);
         let event = Event {
             drive,
@@ -267,11 +267,22 @@ impl Slips {
     /// Events that have ended, up to the first one that has not, in the order in which they began.
     pub fn take_ended(&mut self) -> Vec<(Event, Vec<Slipped>)> {
         let over = self.events.iter().take_while(|event| event.is_over()).count();
+        Self::outcomes(self.events.drain(..over))
+    }
+
+    /// All events that have ended, at the end of a motion: also those that began after one that has not ended.
+    pub fn take_all_ended(&mut self) -> Vec<(Event, Vec<Slipped>)> {
+        let (over, open) = std::mem::take(&mut self.events).into_iter().partition(OpenEvent::is_over);
+        self.events = open;
+        Self::outcomes(over)
+    }
+
+    fn outcomes(over: impl IntoIterator<Item = OpenEvent>) -> Vec<(Event, Vec<Slipped>)> {
         let ended = |event: OpenEvent| match event.outcome {
             Outcome::Over(event, slipped) => Some((event, slipped)),
             Outcome::OpenEvent | Outcome::Small => None,
         };
-        self.events.drain(..over).filter_map(ended).collect()
+        over.into_iter().filter_map(ended).collect()
     }
 
     /// Restores the state of an interface of the same parameters.
@@ -357,6 +368,23 @@ mod tests {
         assert_eq!(events.iter().map(|event| event.0.time).collect::<Vec<_>>(), [0.5, 0.5]);
         assert_eq!((cells(0), cells(1)), (vec![1, 2, 4, 3], vec![8]));
         assert_eq!(events[0].0.epicentre, 1);
+    }
+
+    #[test]
+    fn what_ended_beside_a_slip_that_goes_on_is_taken_at_the_end() {
+        let mut velocities = [[0.0; 9]; 4];
+        (1..4).for_each(|look| velocities[look][0] = 20.0);
+        velocities[1][8] = 15.0;
+        let coupling = neighbours(Shape::Chain(9), Edges::Open, 1.0).unwrap();
+        let mut slips = Slips::new(vec![1.0; 9], 0.0, None, false);
+        for pair in looks(&velocities).windows(2) {
+            slips.pass(&pair[0], &pair[1], 1.0, coupling.as_ref());
+        }
+        assert!(slips.take_ended().is_empty());
+        let epicentres: Vec<usize> =
+            slips.take_all_ended().iter().map(|(event, _)| event.epicentre).collect();
+        assert_eq!(epicentres, [8]);
+        assert!(slips.take_all_ended().is_empty() && slips.events.len() == 1);
     }
 
     #[test]

@@ -12,6 +12,8 @@ use super::step_context::StepContext;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::monitor::{Monitor, Watch, fits};
 use crate::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Sink, Workspace};
+use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::wide::vectorised;
 use crate::{Error, Result};
 
 /// Diffusing thresholds.
@@ -206,6 +208,38 @@ impl Diffusing {
         stretch.abs().max(self.maturing.support.0)
     }
 
+    /// How far apart the stretches are at which the contacts of two cohorts break: as far as the stretches now, and as the
+    /// distributions of their thresholds above them.
+    pub(super) fn distance(
+        &self,
+        (first, at): (&ThresholdMasses, Place),
+        (second, then): (&ThresholdMasses, Place),
+    ) -> f64 {
+        let fine = LEVELS - 1;
+        let apart = self.levels[fine].wasserstein_distance(&first.levels[fine], &second.levels[fine]);
+        let length = self.maturing.support.1 - self.floor(at.stretch);
+        (at.stretch - then.stretch).abs() + length * apart
+    }
+
+    /// The thresholds of two cohorts of these masses as one, `part` of whose attached contacts are of the second. Both move
+    /// with their cells to the mean stretch, in opposite directions.
+    pub(super) fn merged(
+        first: (&ThresholdMasses, f64),
+        second: (&ThresholdMasses, f64),
+        part: f64,
+    ) -> ThresholdMasses {
+        let (one, two) = (first.0, second.0);
+        let more = second.1 / (first.1 + second.1);
+        let mean = |level: usize| {
+            let cells = one.levels[level].iter().zip(&two.levels[level]);
+            cells.map(|(one, two)| one + more * (two - one)).collect()
+        };
+        ThresholdMasses {
+            stretch: one.stretch + part * (two.stretch - one.stretch),
+            levels: std::array::from_fn(mean),
+        }
+    }
+
     /// Advances in time, in steps that grow with the age. Returns the stiffness that surviving contacts gain
     /// by diffusion of their thresholds.
     pub(super) fn advance(
@@ -292,9 +326,14 @@ impl Diffusing {
             let floor = (self.floor(start), self.floor(end));
             let rise =
                 MovingBoundary { floor, ceiling, duration: segment.duration, absorbing: middle >= low };
-            let heat =
-                |temperature: Temperature| move |h: f64| temperature.rate(middle, h, self.stiffness.of(h));
-            let heat = self.temperature.map(heat);
+            let heat = self.temperature.map(|temperature| {
+                move |h: &Nodal| {
+                    vectorised(
+                        #[inline(always)]
+                        || temperature.rates(&[middle; NODES], h, &self.stiffness),
+                    )
+                }
+            });
             let sink = heat.as_ref().map(|heat| heat as Sink<'_>);
             let medium =
                 Coefficients { potential: &self.potential, diffusion: self.maturing.diffusion, sink };

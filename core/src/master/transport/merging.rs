@@ -7,7 +7,8 @@
 //! The sum of ab/(a + b) Δ² of all that has been merged, the *spread* of a cohort, is limited.
 //!
 //! Contacts whose thresholds do not change with age have the same future at the same stretch, wherever and whenever they formed:
-//! neighbours in stretch are merged. Others are merged with those that formed next at the same seed.
+//! neighbours in stretch are merged. Others are merged with those that formed next at the same seed. Diffusing thresholds move
+//! with the cells of a cohort to the mean stretch, those of either cohort in opposite directions.
 
 use std::sync::Arc;
 
@@ -146,6 +147,22 @@ mod tests {
                     with_and_without_merging(&contacts, 1e-3, 800).map(|transport| transport.cohorts.len());
                 assert!(3 * few < 2 * many, "{energy}: {few} of {many}");
             }
+        }
+    }
+
+    #[test]
+    fn merged_cohorts_of_diffusing_thresholds_have_the_same_force() {
+        let mature: SharedLaw = Arc::new(Gaussian::new(1.3, 0.1).unwrap());
+        for (temperature, stiffness) in
+            [(None, Stiffness::Equal(1.0)), (Some(0.02), Stiffness::PerThreshold(1.0))]
+        {
+            let ageing = Some(Ageing::Smoluchowski { mature: mature.clone(), diffusion: 0.02 });
+            let temperature = temperature.map(|energy| Temperature::new(energy, 1.0));
+            let contacts =
+                Contacts { stiffness, ..contacts(Rules { ageing, temperature, ..Rules::default() }) };
+            let [many, few] =
+                with_and_without_merging(&contacts, 1e-3, 400).map(|transport| transport.cohorts.len());
+            assert!(3 * few < 2 * many, "{few} of {many}");
         }
     }
 

@@ -129,6 +129,11 @@ impl CohortModel {
             (Self::Shared(_), CohortThresholds::Shared(one), CohortThresholds::Shared(two)) => {
                 Some(one.distance(*two).max((first.1.stretch - second.1.stretch).abs()))
             }
+            (
+                Self::Diffusing(diffusing),
+                CohortThresholds::Diffusing(one),
+                CohortThresholds::Diffusing(two),
+            ) => Some(diffusing.distance((one, first.1), (two, second.1))),
             _ => None,
         }
     }
@@ -149,6 +154,9 @@ impl CohortModel {
             }
             (Self::Shared(_), CohortThresholds::Shared(one), CohortThresholds::Shared(two)) => {
                 CohortThresholds::Shared(one.merged(*two, part))
+            }
+            (Self::Diffusing(_), CohortThresholds::Diffusing(one), CohortThresholds::Diffusing(two)) => {
+                CohortThresholds::Diffusing(Diffusing::merged((one, first.1), (two, second.1), part))
             }
             _ => unreachable!("only cohorts with a distance are merged"),
         }

@@ -27,17 +27,6 @@ pub use moving_grid::{Coefficients, MovingBoundary, MovingGrid, Sink, Workspace}
 pub use potential::{Potential, Slope};
 pub use resolvent::Resolvent;
 
-/// The Bernoulli function B(z) = z/(e^z − 1).
-pub fn bernoulli(z: f64) -> f64 {
-    /// Below this |z| a series is summed, with a relative error of z¹⁰/5e7.
-    const SMALL: f64 = 0.2;
-    if z.abs() > SMALL {
-        return z / z.exp_m1();
-    }
-    let square = z * z;
-    1.0 - 0.5 * z + square / 12.0 * (1.0 - square / 60.0 * (1.0 - square / 42.0 * (1.0 - square / 40.0)))
-}
-
 /// Masses on cells with these `middles` from points (position, mass), by linear weighting (cloud in cell):
 /// each mass is divided between the two nearest middles, which conserves the mean, however rough the
 /// distribution of the points.

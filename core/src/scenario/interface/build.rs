@@ -284,16 +284,17 @@ fn rate_dependent(
     ensemble: Option<(&Ensemble, &[usize])>,
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<Box<dyn RateDependentContacts>>> {
-    // Cells of the same temperature, and, in steady sliding, of the same velocity, share one solution, which takes long to
-    // compute.
-    let mut alike: HashMap<[Option<u64>; 2], Transport> = HashMap::new();
+    // Cells of the same temperature and friction of free contacts, and, in steady sliding, of the same velocity, share one
+    // solution, which takes long to compute.
+    let mut alike: HashMap<[Option<u64>; 3], Transport> = HashMap::new();
     let each = 1.0 / scales.len() as f64;
     let mut first = 0;
     let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
         let monitor = &mut Part::new(monitor, cell as f64 * each, each);
         report(monitor, 0.0)?;
-        let contacts = cooler(contacts, scale);
+        let contacts = in_units_of(scale, contacts);
         let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
+        let free = Some(contacts.rules.free_friction.force.to_bits());
         // A cell of the scale s slides at v/s in its own units.
         let velocity = match start {
             CellStart::Initial(_) => None,
@@ -307,7 +308,7 @@ fn rate_dependent(
                 first += sizes[cell] as u64;
                 Box::new(drawn.in_time_with(monitor)?)
             }
-            None => Box::new(match alike.entry([energy, velocity]) {
+            None => Box::new(match alike.entry([energy, free, velocity]) {
                 Entry::Occupied(known) => known.get().clone(),
                 Entry::Vacant(new) => {
                     let solution = match start {
@@ -333,9 +334,10 @@ pub(in crate::scenario) fn no_steady_ensemble() -> Error {
     Error::invalid("ensemble", expected, "one")
 }
 
-/// Contacts of a cell in units of its scale factor: lengths are divided by `scale`, energies by its square.
-fn cooler(contacts: &Contacts, scale: f64) -> Contacts {
+/// Contacts of a cell in units of its scale factor: lengths and forces are divided by `scale`, energies by its square.
+fn in_units_of(scale: f64, contacts: &Contacts) -> Contacts {
     let mut contacts = contacts.clone();
+    contacts.rules.free_friction.force /= scale;
     if let Some(temperature) = &mut contacts.rules.temperature {
         temperature.energy /= scale * scale;
     }

@@ -17,9 +17,9 @@ pub fn read<M: DrivenInterface>(
 ) -> Result<Catalogue> {
     let quantity = found.events.get(M::MAGNITUDE).map_or(Quantity::Number, |column| column.quantity);
     let drives = found.of_events("drive")?.unwrap_or_default();
-    // Clusters of one slide are events at the same drive, with no waiting time between them.
+    // Clusters of one slide are events at the same drive, with no waiting time between them. In a hold the drive does not change.
     let waiting: Vec<f64> =
-        drives.windows(2).map(|pair| pair[1] - pair[0]).filter(|&wait| wait > 0.0).collect();
+        drives.windows(2).map(|pair| pair[1] - pair[0]).filter(|&wait| !M::CLUSTERED || wait > 0.0).collect();
     let events = drives.len();
     drop(drives);
     let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);

@@ -15,11 +15,20 @@ const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed
 #[derive(Debug)]
 pub struct DrivenCells {
     /// The cells.
-    pub interface: elastic::Interface,
+    interface: elastic::Interface,
+    /// The drive of the balance at the start.
+    origin: f64,
     /// Whether slides have a duration, set by a viscosity.
-    pub timed: bool,
+    timed: bool,
     /// Whether contacts follow the master equation; the ensemble otherwise.
-    pub solved: bool,
+    solved: bool,
+}
+
+impl DrivenCells {
+    /// An interface that has not been driven.
+    pub fn new(interface: elastic::Interface, timed: bool, solved: bool) -> Self {
+        Self { origin: interface.drive(), interface, timed, solved }
+    }
 }
 
 impl DrivenInterface for DrivenCells {
@@ -28,6 +37,7 @@ impl DrivenInterface for DrivenCells {
 
     const MAGNITUDE: &'static str = "moment";
     const WHOLE: bool = false;
+    const CLUSTERED: bool = true;
     const TRACE: &'static [Column] = &[
         Column::new("position", "mean position of the cells", Quantity::Length, &["point"]),
         Column::new("force", "friction force of all cells", Quantity::Force, &["point"]),
@@ -39,6 +49,10 @@ impl DrivenInterface for DrivenCells {
 
     fn drive(&self) -> f64 {
         self.interface.drive()
+    }
+
+    fn origin(&self) -> f64 {
+        self.origin
     }
 
     fn advance(

@@ -242,6 +242,10 @@ impl DrivenInterface for DrivenRateDependentCells {
         Ok(reached)
     }
 
+    fn last_events(&mut self) -> Vec<Self::Event> {
+        self.interface.last_events()
+    }
+
     fn columns(&self, events: &[Self::Event]) -> Record {
         self.interface.record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
     }

@@ -165,7 +165,7 @@ pub(super) fn run(
             let built =
                 interface.deformable(contacts.clone(), initial, tolerance, ensemble.as_ref(), monitor)?;
             let (timed, solved) = (interface.viscosity.is_some(), ensemble.is_none());
-            let driven = DrivenCells { interface: built, timed, solved };
+            let driven = DrivenCells::new(built, timed, solved);
             let points = output_points(task, interface, driven.origin());
             drive(model, &points, (interface, units), driven, storage, monitor)
         }

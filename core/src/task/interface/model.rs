@@ -19,6 +19,8 @@ pub trait DrivenInterface {
     const MAGNITUDE: &'static str;
     /// Whether magnitudes are whole numbers.
     const WHOLE: bool;
+    /// Whether events at the same drive are parts of one slide.
+    const CLUSTERED: bool = false;
     /// The column of events along which they follow each other, drive or time.
     const CLOCK: &'static str = "drive";
     /// Columns of the whole interface.
@@ -34,8 +36,8 @@ pub trait DrivenInterface {
         self.drive()
     }
 
-    /// The drive from which displacements are counted: 0, where the springs of relaxed contacts carry no force, or the balance
-    /// with forces that time-dependent contacts have from the start.
+    /// The drive from which displacements are counted, the balance with the forces that contacts have from the start: 0 where
+    /// they are relaxed, and for contacts coupled one by one, whose drive is counted from their initial stretches.
     fn origin(&self) -> f64 {
         0.0
     }
@@ -52,6 +54,11 @@ pub trait DrivenInterface {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool>;
+
+    /// Events that have ended, but not been passed on because an earlier one has not: the last ones of a run.
+    fn last_events(&mut self) -> Vec<Self::Event> {
+        Vec::new()
+    }
 
     /// Events as columns, including the drive, with the names of `events.csv`.
     fn columns(&self, events: &[Self::Event]) -> Record;

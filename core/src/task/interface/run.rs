@@ -112,6 +112,8 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
 
     /// The recorded columns of a run that is over.
     pub fn finish(mut self) -> Result<Found<'a>> {
+        let last = self.model.last_events();
+        self.record(&last)?;
         if self.found.stored {
             self.found.put_into_store()?;
         }
