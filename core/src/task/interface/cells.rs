@@ -15,7 +15,7 @@ const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed
 #[derive(Debug)]
 pub struct DrivenCells {
     /// The cells.
-    interface: elastic::Interface,
+    pub interface: elastic::Interface,
     /// The drive of the balance at the start.
     origin: f64,
     /// Whether slides have a duration, set by a viscosity.
