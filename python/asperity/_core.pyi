@@ -830,8 +830,9 @@ class Deformable(Description):
         progress: _Progress = None,
         threads: SupportsIndex | None = None,
     ) -> Result:
-        """Drives the interface from X_T = 0 over distance, from event to event; with start="steady" and time-dependent
-        contacts from steady sliding at velocity, where X_T begins at the balance of the springs to the drive.
+        """Drives the interface over distance, from event to event. X_T begins where the springs to the drive are in balance
+        with the contacts: at 0 for relaxed ones, and for time-dependent ones with start="steady" in steady sliding at
+        velocity.
 
         Parameters
         ----------
@@ -4016,7 +4017,9 @@ class Simulation:
 
         Events are those of `drive` of the same model (slips of a block or an interface, avalanches of a lattice, simultaneous
         breaks under a rigid slider), with the same fields: `drive`, `drop`, …. Between two events the state is the one just
-        after the first of them; it can be read, saved, or advanced. The iterator ends at the displacement.
+        after the first of them; it can be read, saved, or advanced. Clusters of cells that slip in one slide of an interface
+        are events at the same drive: the state is then that after the slide. The iterator ends at the displacement; a new
+        one goes on with the next event.
 
         Parameters
         ----------
