@@ -22,7 +22,7 @@ fn steps(criterion: &mut Criterion) {
     let maturing = ThresholdFokkerPlanck::new(gaussian(0.5, 0.1), gaussian(1.0, 0.05), DIFFUSION);
     let potential = maturing.potential();
     let ceiling = maturing.support.1;
-    let sink: Sink<'_> = &|h| 1e-3 * h;
+    let sink: Sink<'_> = &|positions| positions.map(|h| 1e-3 * h);
     let mut group = criterion.benchmark_group("step");
     for count in [256, 4096] {
         let cells = MovingGrid::new(count, 0.05);

@@ -226,19 +226,22 @@ fn a_decay_that_is_not_seen_to_end_has_no_upper_limit() {
 #[test]
 fn a_straight_decay_leaves_b_open() {
     let truth = Truth { distance: 1000.0, ..TRUTH };
+    let mut open = 0;
     for seed in 0..20 {
         let (position, force) = Noisy { white: 4e-4, drift: &[] }.record(truth, seed);
         let read = MeasuredVelocityStep::read(&position, &force, RATIO, &KNOWN_PEAK, &mut ()).unwrap();
         for value in [read.before, read.direct, read.evolution, read.steady, read.distance] {
             assert!(holds(value, value.value), "{seed}: {value:?}");
         }
-        // With a longer record D_c has an end, of some seeds.
         if read.distance.high.is_none() {
+            open += 1;
             assert_eq!((read.evolution.high, read.steady.low), (None, None), "{seed}: {read:?}");
             assert!(read.evolution.low.is_some() && read.steady.high.is_some(), "{seed}: {read:?}");
         }
         assert!(read.direct.low.is_some() && read.direct.high.is_some(), "{seed}: {:?}", read.direct);
     }
+    // The record is a fifth of D_c long: hardly any of them shows where the decay ends.
+    assert!(open > 15, "{open} of 20");
 }
 
 /// The errors of white noise by the normal equations, from derivatives by finite differences.

@@ -176,7 +176,7 @@ def globals_of(function: FunctionType) -> Iterator[tuple[str, Any]]:
     """
     named, written = names_of(function.__code__)
     for name in sorted(named - written):
-        value = function.__globals__.get(name)
+        value = function.__globals__.get(name, ...)
         if isinstance(value, FUNCTIONS) or is_constant(value):
             yield name, value
 

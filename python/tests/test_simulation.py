@@ -452,7 +452,9 @@ def test_progress_is_reported() -> None:
 
 
 def test_events_of_one_slide_are_each_returned_once() -> None:
-    drives = MANY.drive(8.0, points=2).events["drive"]
+    events = MANY.drive(8.0, points=2).events
+    assert events is not None
+    drives = events["drive"]
     place = int(np.flatnonzero(np.diff(drives) == 0.0)[0])
     simulation = MANY.simulation()
     # A new iterator for each event goes on with the next one.

@@ -537,3 +537,21 @@ velocity_curve = { from = 0.2, to = 0.4, points = 2 }
     // Steady sliding in the end: the tolerance, of three cells.
     near(forces[forces.len() - 1], 3.0 * friction, 6e-3);
 }
+
+/// Friction at the start is known to the tolerance, 1e-5, so that a force next to it is one at rest; a smaller one is refused.
+#[test]
+fn a_creep_force_may_be_that_of_friction_at_the_start() {
+    let text = |force: f64| {
+        format!(
+            "contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
+             contacts.temperature = {{ energy = 0.03, attempt_rate = 1.0 }}
+             initial.rectangular = {{ min = 0.2, max = 0.4 }}
+             creep = {{ forces = [{force}], duration = 100.0 }}"
+        )
+    };
+    let outcome = run(&text(0.3 - 1e-9));
+    // The mean stretch is 0.3: nothing is loaded.
+    near(outcome.record.values("loaded_position").unwrap()[0], 0.0, 1e-5);
+    let error = asperity_runner::run(&parsed(&text(0.299)).scenario, &mut ()).unwrap_err().to_string();
+    assert!(error.contains("creep.forces.0: expected a force of at least 0.3"), "{error}");
+}

@@ -162,8 +162,8 @@ pub(super) fn fronts(slipped: &[Slipped], shape: Shape, edges: Edges) -> [f64; 2
     })
 }
 
-/// Times at which adjacent cells began to slip, as long as each began after the one before: from the edge of the patch that lost
-/// balance together on, in which slip begins.
+/// Times at which adjacent cells began to slip, as long as each began after the one before. The first one is that of the edge of
+/// the nucleation patch, whose cells lose balance at the same time.
 fn front(starts: &[(usize, f64)]) -> Vec<f64> {
     let adjacent = starts.iter().enumerate().take_while(|(i, (distance, _))| distance == i);
     let times: Vec<f64> = adjacent.map(|(_, (_, start))| *start).collect();
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_front_begins_at_the_edge_of_the_patch_that_loses_balance_together() {
+    fn a_front_begins_at_the_edge_of_the_nucleation_patch() {
         let starts: Vec<_> = (0..14_u32).map(|i| (20 + i as usize, f64::from(i.saturating_sub(3)))).collect();
         let [left, right] = fronts(&chain(&starts), Shape::Chain(64), Edges::Open);
         assert!(left.is_nan() && (right - 1.0).abs() < 1e-12, "{left}, {right}");

@@ -22,7 +22,7 @@ pub struct Event {
     pub moment: f64,
     /// Time from when the first cell slipped until the slide was over; NaN without viscosity.
     pub duration: f64,
-    /// Speed at which the slip spread from the epicentre along the chain or the row towards smaller numbers, in cells per
+    /// Speed at which the slip spread from the nucleation patch along the chain or the row towards smaller numbers, in cells per
     /// time; NaN where fewer than five cells slipped one after another.
     pub front_speed_left: f64,
     /// The same towards larger numbers.

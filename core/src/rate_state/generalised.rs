@@ -165,8 +165,8 @@ impl<'a> GeneralisedFit<'a> {
         MeasuredValue {
             value,
             error,
-            low: (growth >= 0.0).then(|| value - widened * (value - low)),
-            high: (growth <= 0.0).then(|| value + widened * (high - value)),
+            low: (growth >= 0.0).then_some(value - widened * (value - low)),
+            high: (growth <= 0.0).then_some(value + widened * (high - value)),
         }
     }
 

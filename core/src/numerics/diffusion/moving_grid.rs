@@ -46,6 +46,8 @@ pub struct Workspace {
     rates: Rates,
     factorisation: TwistedFactorisation,
     masses: PairedMasses,
+    /// The masses before the step.
+    begun: PairedMasses,
 }
 
 /// What a step knows of each cell.
@@ -171,11 +173,11 @@ impl MovingGrid {
         room: &mut Workspace,
     ) {
         let Some(held) = held(masses) else { return };
-        let Workspace { rates, factorisation, masses: pairs } = room;
+        let Workspace { rates, factorisation, masses: pairs, begun } = room;
         let reached = self.find_rates(rise, medium, held, rates);
         factorisation.factorise(rates, reached.clone());
         pairs.set(masses, reached.start, factorisation.rows.len());
-        factorisation.advance(pairs);
+        factorisation.advance(pairs, begun);
         pairs.put(&mut masses[reached.clone()]);
     }
 
@@ -366,8 +368,9 @@ impl TwistedFactorisation {
 
     /// Both stages of a step. They have the same matrix, factorised once: γ is the same in both, which is the reason for an
     /// SDIRK method.
-    fn advance(&self, masses: &mut PairedMasses) {
-        let begun = masses.clone();
+    fn advance(&self, masses: &mut PairedMasses, begun: &mut PairedMasses) {
+        begun.pairs.clone_from(&masses.pairs);
+        begun.middle = masses.middle;
         self.solve(masses);
         for (stage, mass) in masses.pairs.iter_mut().zip(&begun.pairs) {
             for i in 0..2 {
