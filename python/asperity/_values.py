@@ -220,7 +220,8 @@ class Estimate(NamedTuple):
     """Its standard error; 0 where it is at the end of its range."""
     interval: tuple[float, float]
     """Its 95 % interval, of a fit 1.96 standard errors to both sides of the value, or of its logarithm for
-    numbers above 0; it ends at inf if the curve gives no upper limit.
+    numbers above 0 (Student's t for independent errors of unknown size); it ends at inf if the curve gives no
+    upper limit.
     """
     limit: float | None = None
     """Where the curve only gives a limit: the value below which it is with 95 %; otherwise None."""

@@ -24,7 +24,8 @@ use crate::watch::watched;
 ///
 /// A reading of the force at the position y is F(X) + B + offset + trend y + an error, where y = origin + X + compliance
 /// (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
-/// found by Fisher scoring, and their errors follow from the expected information.
+/// found by Fisher scoring, and their errors follow from the expected information; sizes of errors are those of the highest
+/// restricted likelihood.
 ///
 /// Parameters
 /// ----------

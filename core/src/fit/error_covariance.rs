@@ -90,6 +90,33 @@ impl ErrorCovariance {
         }
     }
 
+    /// Replaces M by Σ⁻¹M.
+    fn solve(&self, matrix: &mut Mat<f64>) {
+        match self {
+            Self::White(reading) => *matrix *= faer::Scale(1.0 / (reading * reading)),
+            Self::Dense(dense) => dense.factor.solve(matrix.as_mut()),
+        }
+    }
+
+    /// What the restricted likelihood needs of the derivatives of Σ by `parts`, for the derivatives J of a curve.
+    pub fn along_curve(&self, positions: &[f64], parts: &[ErrorPart], derivatives: &Mat<f64>) -> AlongCurve {
+        let mut solved = derivatives.clone();
+        self.solve(&mut solved);
+        let changed = |part: &ErrorPart| match self {
+            Self::White(reading) if *part == ErrorPart::Reading => {
+                &solved * faer::Scale(2.0 * reading * reading)
+            }
+            Self::White(_) => Mat::zeros(solved.nrows(), solved.ncols()),
+            Self::Dense(dense) => dense.changed(*part, positions, (derivatives, &solved)),
+        };
+        let mut changed: Vec<Mat<f64>> = parts.iter().map(changed).collect();
+        let first = changed.iter().map(|changed| solved.transpose() * changed).collect();
+        changed.iter_mut().for_each(|changed| self.whiten(changed));
+        let second =
+            Mat::from_fn(parts.len(), parts.len(), |a, b| trace_of_transposed(&changed[a], &changed[b]));
+        AlongCurve { first, second }
+    }
+
     /// What the likelihood needs of the derivatives of Σ by `parts`, for the residuals r.
     pub fn derivatives(
         &self,
@@ -127,6 +154,15 @@ impl CovarianceDerivatives {
     }
 }
 
+/// With Z = Σ⁻¹J and the derivatives Σ_b of Σ by the parts b.
+#[derive(Debug)]
+pub(super) struct AlongCurve {
+    /// ZᵀΣ_bZ.
+    pub first: Vec<Mat<f64>>,
+    /// tr(ZᵀΣ_aΣ⁻¹Σ_bZ).
+    pub second: Mat<f64>,
+}
+
 /// tr P_a and tr(P_a P_b).
 #[derive(Debug)]
 struct Traces {
@@ -143,15 +179,8 @@ impl DenseCovariance {
     ) -> CovarianceDerivatives {
         let mut z = residuals.clone();
         self.factor.solve(z.as_mut());
-        let variance = self.sizes.reading * self.sizes.reading;
-        let white = variance * z.squared_norm_l2();
-        let slow = self.drift.as_ref().map_or(0.0, |drift| quadratic(drift.as_ref(), &z));
-        let misfit = |part: &ErrorPart| match part {
-            ErrorPart::Noise => dot(residuals, &z) - white - slow,
-            ErrorPart::Reading => 2.0 * white,
-            ErrorPart::DriftAmplitude => 2.0 * slow,
-            ErrorPart::DriftLength => quadratic(self.lengthened(positions).as_ref(), &z),
-        };
+        let misfit =
+            |part: &ErrorPart| trace_of_transposed(&z, &self.changed(*part, positions, (residuals, &z)));
         let traces = || match self.drift {
             None => self.traces_without_drift(parts, positions.len()),
             Some(_) => self.traces(parts, &self.factor.inverse(), positions),
@@ -160,6 +189,24 @@ impl DenseCovariance {
         assert_eq!(of, parts, "the covariance of another likelihood");
         let slope = parts.iter().zip(&traces.single).map(|(part, trace)| 0.5 * (trace - misfit(part)));
         CovarianceDerivatives { slope: slope.collect(), information: &traces.double * faer::Scale(0.5) }
+    }
+
+    /// Σ_b Σ⁻¹M with the derivative Σ_b of Σ by a part, for M and Σ⁻¹M.
+    fn changed(
+        &self,
+        part: ErrorPart,
+        positions: &[f64],
+        (matrix, solved): (&Mat<f64>, &Mat<f64>),
+    ) -> Mat<f64> {
+        let white = || solved * faer::Scale(self.sizes.reading * self.sizes.reading);
+        let none = || Mat::zeros(solved.nrows(), solved.ncols());
+        let slow = || self.drift.as_ref().map_or_else(none, |drift| product(drift.as_ref(), solved));
+        match part {
+            ErrorPart::Noise => matrix - white() - slow(),
+            ErrorPart::Reading => white() * faer::Scale(2.0),
+            ErrorPart::DriftAmplitude => slow() * faer::Scale(2.0),
+            ErrorPart::DriftLength => product(self.lengthened(positions).as_ref(), solved),
+        }
     }
 
     fn traces(&self, parts: &[ErrorPart], inverse: &Mat<f64>, positions: &[f64]) -> Traces {
@@ -230,21 +277,19 @@ impl DenseCovariance {
     }
 }
 
-fn dot(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
-    (a.transpose() * b)[(0, 0)]
+/// MZ for few columns Z. On one thread: others would sum in another order.
+fn product(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> Mat<f64> {
+    let mut product = Mat::zeros(z.nrows(), z.ncols());
+    matmul(product.as_mut(), Accum::Replace, matrix, z.as_ref(), 1.0, Par::Seq);
+    product
 }
 
-/// zᵀMz.
-fn quadratic(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> f64 {
-    // On one thread: others would sum in another order.
-    let mut product = Mat::zeros(z.nrows(), 1);
-    matmul(product.as_mut(), Accum::Replace, matrix, z.as_ref(), 1.0, Par::Seq);
-    dot(z, &product)
+/// tr AᵀB.
+fn trace_of_transposed(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+    (0..a.ncols()).map(|j| a.col(j).transpose() * b.col(j)).sum()
 }
 
 /// tr(AB).
-fn trace_of_product(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
-    let transposed = a.transpose().to_owned();
-    let column = |j: usize| transposed.col(j).transpose() * b.col(j);
-    (0..a.nrows()).map(column).sum()
+pub(super) fn trace_of_product(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+    trace_of_transposed(&a.transpose().to_owned(), b)
 }

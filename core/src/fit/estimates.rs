@@ -35,7 +35,8 @@ pub struct Estimate {
     /// Its standard error.
     pub error: f64,
     /// The interval that holds the true value with 95 %: 1.96 standard errors to both sides of the value, or of its logarithm
-    /// for numbers above 0, but not beyond the end of its range.
+    /// for numbers above 0, but not beyond the end of its range. For independent errors of unknown size it is Student's t of n − p
+    /// degrees of freedom in place of 1.96.
     pub interval: [f64; 2],
     /// Where only a limit is known: the value below which it is with 95 %, by the profile of the likelihood.
     pub limit: Option<f64>,
@@ -129,7 +130,8 @@ impl Estimates {
     }
 
     /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
-    /// risen by 3.84.
+    /// risen by 3.84. Where sizes of errors are free, L is the restricted likelihood. For independent errors of unknown size the rise
+    /// is ν ln(1 + t²/ν), with Student's t for ν = n − p.
     ///
     /// # Errors
     /// A name that was not free; errors of the solver; stopped by the monitor.
@@ -143,7 +145,7 @@ impl Estimates {
     }
 
     /// By how much −2 ln L, lowest in all other numbers, is above its minimum where a number has another value; ∞ where there
-    /// is no curve.
+    /// is no curve. Where sizes of errors are free, L is the restricted likelihood.
     ///
     /// # Errors
     /// As [`Self::interval_by_profile`]; a value that is not finite, or not above 0 for a number that is.
@@ -156,7 +158,7 @@ impl Estimates {
             return Err(Error::invalid("values", format!("a finite number{above}"), value));
         }
         let lowest = interval::profile((likelihood, optimum), (number, u), monitor)?;
-        Ok(lowest - optimum.trial.deviance)
+        Ok(lowest - optimum.trial.restricted_deviance())
     }
 
     /// `count` values of a number for [`Self::profile`], from three standard errors below its estimate to three above; of the
@@ -197,15 +199,16 @@ impl Estimates {
             .zip(values)
             .map(|(parameter, &value)| parameter.coordinate(value))
             .collect();
-        let trial = if coordinates.iter().all(|u| u.is_finite()) {
-            likelihood.trial(&coordinates, &mut Part::new(monitor, 0.0, 0.5))?
+        let known = if coordinates.iter().all(|u| u.is_finite()) {
+            likelihood.unrestricted(&coordinates, monitor)?
         } else {
             None
         };
-        let Some(trial) = trial else { return Ok((f64::NEG_INFINITY, vec![f64::NAN; values.len()])) };
-        let score = likelihood.score(&coordinates, &trial, &mut Part::new(monitor, 0.5, 0.5))?;
-        let slope = |k: usize| -score.slope[(k, 0)] / likelihood.free[k].slope(coordinates[k]);
-        Ok((-0.5 * trial.deviance, (0..values.len()).map(slope).collect()))
+        let Some((deviance, halved)) = known else {
+            return Ok((f64::NEG_INFINITY, vec![f64::NAN; values.len()]));
+        };
+        let slope = |k: usize| -halved[(k, 0)] / likelihood.free[k].slope(coordinates[k]);
+        Ok((-0.5 * deviance, (0..values.len()).map(slope).collect()))
     }
 
     fn number(&self, name: &str) -> Result<usize> {
@@ -231,8 +234,7 @@ impl Ended {
         let least = if likelihood.smoothness.is_some() { UNDETERMINED_FORM } else { UNDETERMINED };
         refuse_undetermined(free, &optimum.score.information, &active, ("curve", least))?;
         let covariance = matrix::covariance(&optimum.score.information, &active);
-        let mut covariance =
-            covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len())) * faer::Scale(self.bias());
+        let mut covariance = covariance.unwrap_or_else(|| Mat::zeros(free.len(), free.len()));
         self.add_kurtosis(&mut covariance);
         let share = 1.0 / free.len() as f64;
         let parameters = (0..free.len()).map(|k| {
@@ -250,21 +252,10 @@ impl Ended {
             converged: optimum.converged,
             solutions: optimum.solutions,
             misfit: (!likelihood.fit.is_planned()).then(|| self.misfit()),
-            reading: optimum.trial.reading() * self.bias().sqrt(),
+            reading: optimum.trial.reading(),
             readings: (0..likelihood.fit.curves.len()).map(|curve| self.readings(curve)).collect(),
             ended: self,
         })
-    }
-
-    /// Number of readings.
-    fn count(&self) -> usize {
-        self.likelihood.fit.curves.iter().map(|curve| curve.positions.len()).sum()
-    }
-
-    /// What the most probable variance of independent errors, the mean of the squared residuals, lacks.
-    fn bias(&self) -> f64 {
-        let (n, p) = (self.count() as f64, self.likelihood.free.len() as f64);
-        if matches!(self.likelihood.errors, Errors::ProfiledWhite) { n / (n - p) } else { 1.0 }
     }
 
     fn readings(&self, curve: usize) -> Readings {
@@ -274,7 +265,7 @@ impl Ended {
             Errors::Modelled(Some(noise)) => Some(noise.covariances[curve].diagonal()),
             _ => None,
         };
-        let white = sizes.reading * sizes.reading * self.bias() + sizes.drift[0] * sizes.drift[0];
+        let white = sizes.reading * sizes.reading + sizes.drift[0] * sizes.drift[0];
         let std = |i: usize| (noise.as_ref().map_or(0.0, |noise| sizes.noise * noise[i]) + white).sqrt();
         let n = trial.whitened.nrows();
         Readings {
@@ -295,21 +286,24 @@ impl Ended {
     fn misfit(&self) -> Misfit {
         let Self { likelihood, optimum } = self;
         let chi_squared = optimum.trial.chi_squared();
-        let of_curve = likelihood.free.iter().filter(|parameter| !parameter.is_of_errors()).count();
-        let degrees_of_freedom = self.count() - of_curve;
-        let profiled = matches!(likelihood.errors, Errors::ProfiledWhite);
+        let of_errors = likelihood.free.iter().filter(|parameter| parameter.is_of_errors()).count();
+        let determined = likelihood.determined(&optimum.score.information, &optimum.at_bound);
+        let of_curve = determined - of_errors as f64;
+        let degrees_of_freedom = likelihood.count().saturating_sub(of_curve.round() as usize);
+        let profiled =
+            matches!(likelihood.errors, Errors::ProfiledWhite { .. } | Errors::RenewedWhite { .. });
         let estimated =
             profiled || self.divides_noise() || likelihood.free.iter().any(FreeParameter::is_of_errors);
         let deviance = optimum.trial.deviance;
         let whitened: Vec<_> = optimum.trial.curves.iter().map(|curve| &curve.whitened).collect();
-        let count = likelihood.free.len() + usize::from(profiled);
+        let count = determined + f64::from(u8::from(profiled));
         Misfit {
             chi_squared,
             degrees_of_freedom,
             probability: (!estimated).then(|| misfit::probability(chi_squared, degrees_of_freedom)),
             whiteness: misfit::whiteness(&whitened),
             deviance,
-            akaike: deviance + 2.0 * count as f64,
+            akaike: deviance + 2.0 * count,
         }
     }
 }
@@ -365,7 +359,8 @@ pub(super) fn estimate<O: Objective>(
     } else {
         None
     };
-    let end = |side: f64| parameter.value((u + side * TWO_SIDED * error).max(parameter.bounds[0]));
+    let width = TWO_SIDED.quantile(likelihood.freedom()) * error;
+    let end = |side: f64| parameter.value((u + side * width).max(parameter.bounds[0]));
     let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
     Ok(Estimate { name: parameter.name.clone(), value, error: error * parameter.slope(u), interval, limit })
 }

@@ -8,7 +8,7 @@ use super::friction::WithError;
 use super::interval::TWO_SIDED;
 use super::likelihood::{Errors, Likelihood};
 use super::matrix;
-use super::search::{COARSE, Optimum, SHORT, search, search_from_score};
+use super::search::{COARSE, Optimum, SHORT, search, search_from, search_from_score};
 use super::smoothness::Smoothness;
 use super::{Fit, Role};
 use crate::law::{Law, LogKernels};
@@ -59,6 +59,8 @@ const STRENGTHS: [f64; 2] = [0.01, 1e8];
 /// Most renewals of the strength, and the change of its logarithm that ends them.
 const RENEWALS: usize = 30;
 const SETTLED: f64 = 0.3;
+/// The same of the size of independent errors.
+const SETTLED_READING: f64 = 0.02;
 
 impl Fit {
     /// The same fit with thresholds of free form: ln P_c is a sum of `count` Gaussian kernels, over eight standard
@@ -87,9 +89,12 @@ impl Fit {
         let level = coefficients.iter().sum::<f64>() / count as f64;
         let smoothness = Smoothness { places: 0..count, strength: STRENGTH, level };
         let mut free = fit.free_parameters()?;
-        free.extend(fit.free_errors_of(found));
+        if !fit.is_profiled() {
+            free.extend(fit.free_errors_of(found));
+        }
         let coordinates: Vec<f64> = free.iter().map(|number| number.coordinate(number.start)).collect();
-        let likelihood = fit.likelihood_near(free, &coordinates, &mut Part::new(monitor, 0.04, 0.06))?;
+        let likelihood =
+            fit.likelihood_near((free, found.reading), &coordinates, &mut Part::new(monitor, 0.04, 0.06))?;
         let likelihood = Likelihood { smoothness: Some(smoothness), ..likelihood };
         let (likelihood, optimum) =
             most_probable(likelihood, &coordinates, &mut Part::new(monitor, 0.1, 0.7))?;
@@ -128,26 +133,27 @@ impl Fit {
         free
     }
 
-    /// The likelihood whose noise of contacts is that at these coordinates.
+    /// The likelihood whose noise of contacts is that at these coordinates, or whose independent errors of unknown size begin at
+    /// `reading`.
     fn likelihood_near(
         &self,
-        free: Vec<FreeParameter>,
+        (free, reading): (Vec<FreeParameter>, f64),
         coordinates: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<Likelihood> {
-        let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite, smoothness: None };
+        let white = Likelihood {
+            fit: self.clone(),
+            free,
+            errors: Errors::RenewedWhite { reading },
+            smoothness: None,
+            restricted: None,
+        };
         if self.is_profiled() {
             return Ok(white);
         }
         let likelihood = Likelihood { errors: Errors::Modelled(None), ..white };
         let readings = likelihood.expected(coordinates, &mut Part::new(monitor, 0.0, 0.3))?;
-        let readings = readings.ok_or_else(|| {
-            Error::invalid(
-                "thresholds",
-                "a density from which a curve follows",
-                "none at the fitted thresholds",
-            )
-        })?;
+        let readings = readings.ok_or_else(none)?;
         let noise = self.contact_noise(&readings, coordinates, &mut Part::new(monitor, 0.3, 0.7))?;
         Ok(Likelihood { errors: Errors::Modelled(noise), ..likelihood })
     }
@@ -167,9 +173,15 @@ fn most_probable(
     for renewal in 0..=RENEWALS {
         let Some(before) = likelihood.smoothness.clone() else { break };
         let plain = renewed(&before, &found);
-        let settled = renewal == RENEWALS || (plain / before.strength).ln().abs() < SETTLED;
+        let reading = renewed_reading(&likelihood, &found);
+        let is_far = |reading: f64| (reading / found.trial.reading()).ln().abs() > SETTLED_READING;
+        let settled = renewal == RENEWALS
+            || ((plain / before.strength).ln().abs() < SETTLED && !reading.is_some_and(is_far));
         let strength = if settled { before.strength } else { renewals.next(before.strength, plain) };
         likelihood.smoothness = Some(Smoothness { strength, ..before.clone() });
+        if let (Some(reading), false) = (reading, settled) {
+            likelihood.errors = Errors::RenewedWhite { reading };
+        }
         // The number of renewals is not known beforehand.
         let done = 0.2 + 0.6 * (1.0 - 0.85_f64.powi(renewal as i32));
         let part = &mut Part::new(monitor, done, 0.1);
@@ -183,6 +195,23 @@ fn most_probable(
     unreachable!("a free form has a penalty, and its last renewal returns")
 }
 
+/// The error of thresholds from which no curve follows.
+fn none() -> Error {
+    Error::invalid("thresholds", "a density from which a curve follows", "none at the fitted thresholds")
+}
+
+/// The standard deviation σ² = Σr²/(n − p) of independent errors of unknown size, where the curve determines p numbers; at least one
+/// reading is left for them.
+fn renewed_reading(likelihood: &Likelihood, found: &Optimum) -> Option<f64> {
+    if !matches!(likelihood.errors, Errors::RenewedWhite { .. }) {
+        return None;
+    }
+    let fitted = likelihood.determined(&found.score.information, &found.at_bound);
+    let freedom = (likelihood.count() as f64 - fitted).max(1.0);
+    let reading = found.trial.reading() * (found.trial.chi_squared() / freedom).sqrt();
+    Some(reading.max(likelihood.least_reading()))
+}
+
 /// The search from where one with the penalty `before` has ended.
 ///
 /// # Errors
@@ -194,11 +223,18 @@ fn restarted(
     monitor: &mut dyn Monitor,
 ) -> Result<Optimum> {
     let Optimum { coordinates, mut trial, mut score, solutions, .. } = ended;
+    let held = vec![false; coordinates.len()];
+    if matches!(likelihood.errors, Errors::RenewedWhite { .. }) {
+        let readings = trial.curves.into_iter().map(|curve| curve.readings).collect();
+        let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(none)?;
+        let mut found = search_from(likelihood, (&coordinates, trial), (&held, short), monitor)?;
+        found.solutions += solutions;
+        return Ok(found);
+    }
     let strength = likelihood.smoothness.as_ref().map_or(0.0, |now| now.strength);
     let change = strength - before.strength;
     trial.deviance += change * before.roughness(&coordinates);
     before.add_roughness((change, &coordinates), &mut score.slope, &mut score.information);
-    let held = vec![false; coordinates.len()];
     let mut found = search_from_score(likelihood, (&coordinates, trial, score), (&held, short), monitor)?;
     found.solutions += solutions;
     Ok(found)
@@ -228,25 +264,9 @@ impl StrengthRenewals {
 
 /// γ/Σ(Δ³θ)².
 fn renewed(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
-    let (effective, roughness) = (effective(smoothness, optimum), smoothness.roughness(&optimum.coordinates));
+    let effective = smoothness.effective(&optimum.score.information, &optimum.at_bound);
+    let roughness = smoothness.roughness(&optimum.coordinates);
     (effective.max(1e-3) / roughness.max(f64::MIN_POSITIVE)).clamp(STRENGTHS[0], STRENGTHS[1])
-}
-
-/// γ = K − 3 − λ tr V DᵀD.
-fn effective(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
-    let active: Vec<usize> = (0..optimum.coordinates.len()).filter(|&k| !optimum.at_bound[k]).collect();
-    let information = &optimum.score.information;
-    let trace = match matrix::covariance(information, &active) {
-        Some(covariance) => smoothness.trace(&covariance),
-        // A strong penalty leaves no digits of what the data say of quadratic polynomials.
-        None => matrix::trace_with_inverse(
-            &smoothness.differences(optimum.coordinates.len()),
-            information,
-            &active,
-        )
-        .unwrap_or_default(),
-    };
-    (smoothness.count() as f64 - smoothness.strength * trace).max(0.0)
 }
 
 impl FreeForm {
@@ -254,7 +274,7 @@ impl FreeForm {
         let Some(smoothness) = ended.likelihood.smoothness.clone() else {
             unreachable!("the likelihood of a free form has a penalty")
         };
-        let effective = effective(&smoothness, &ended.optimum);
+        let effective = smoothness.effective(&ended.optimum.score.information, &ended.optimum.at_bound);
         let first = &ended.likelihood.fit.equation.contacts().thresholds;
         let coordinates = ended.optimum.coordinates[smoothness.places.clone()].to_vec();
         let ends = [first.quantile(0.0), first.quantile(1.0)];
@@ -304,7 +324,7 @@ impl FreeForm {
             let by_log: Vec<f64> = law.kernels(x).iter().zip(&means).map(|(b, mean)| b - mean).collect();
             let by_cumulative: Vec<f64> = changes.iter().map(|change| -change(x)).collect();
             band.density.push(law.density(x));
-            let factor = (TWO_SIDED * error(&by_log)).exp();
+            let factor = (TWO_SIDED.quantile(None) * error(&by_log)).exp();
             band.low.push(law.density(x) / factor);
             band.high.push(law.density(x) * factor);
             band.cumulative.push(law.cumulative(x));

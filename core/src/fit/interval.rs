@@ -8,13 +8,12 @@ use super::search::{Objective, Optimum, SHORT, search_from};
 use crate::Result;
 use crate::monitor::Monitor;
 use crate::numerics::roots::brent_root;
+use crate::numerics::student::two_sided;
 
-/// Standard errors of an interval that covers 95 %.
-pub(super) const TWO_SIDED: f64 = 1.959_963_984_540_054;
-/// Rise of the deviance at a limit that holds with 95 %, 1.645².
-const ONE_SIDED: f64 = 2.705_543_454_095_416;
-/// Rise of the deviance at the ends of an interval that covers 95 %, 1.96².
-const INTERVAL: f64 = TWO_SIDED * TWO_SIDED;
+/// An interval that covers 95 %.
+pub(super) const TWO_SIDED: Width = Width { outside: 0.05, normal: 1.959_963_984_540_054 };
+/// A limit that holds with 95 %.
+const ONE_SIDED: Width = Width { outside: 0.1, normal: 1.644_853_626_951_472_2 };
 /// Accuracy of the end of an interval, in 1.96 standard errors.
 const ACCURACY: f64 = 0.01;
 /// The other numbers are taken for what they are at the minimum where their change would lower the deviance by this much less than
@@ -23,6 +22,29 @@ const CERTAIN: f64 = 10.0;
 const NEAR: f64 = 0.5;
 /// Accuracy of a limit, in its logarithm.
 const LIMIT: f64 = 0.005;
+
+/// The width of an interval to both sides.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Width {
+    /// Probability that a value is outside of it.
+    outside: f64,
+    /// Half of it in standard errors that are known.
+    normal: f64,
+}
+
+impl Width {
+    /// Half of it in standard errors: Student's t, if errors are independent and of one unknown size.
+    pub fn quantile(self, freedom: Option<f64>) -> f64 {
+        freedom.map_or(self.normal, |freedom| two_sided(self.outside, freedom))
+    }
+
+    /// Rise of the deviance at its ends: t², or ν ln(1 + t²/ν), if the deviance is ν ln Σr² (D. M. Bates and D. G. Watts, *Nonlinear
+    /// Regression Analysis and Its Applications*, 1988).
+    fn rise(self, freedom: Option<f64>) -> f64 {
+        let square = self.quantile(freedom).powi(2);
+        freedom.map_or(square, |freedom| freedom * (square / freedom).ln_1p())
+    }
+}
 
 /// The lowest deviance where one number has the coordinate `u`.
 ///
@@ -82,41 +104,43 @@ pub(super) fn upper_limit<O: Objective>(
 ) -> Result<f64> {
     let (likelihood, optimum) = ended;
     let (start, parameter) = (optimum.coordinates[number], &likelihood.free()[number]);
+    let rise = ONE_SIDED.rise(likelihood.freedom());
     let (step, accuracy) = if parameter.logarithmic {
-        (step_of_squares(optimum.score.slope[(number, 0)]), LIMIT)
+        (step_of_squares(optimum.score.slope[(number, 0)], rise), LIMIT)
     } else {
-        let step = step_to_rise(optimum, number);
+        let step = step_to_rise(optimum, number, rise);
         (step, LIMIT * step)
     };
-    let end = end_of_rise(ended, (number, start, step), (ONE_SIDED, accuracy), monitor)?;
+    let end = end_of_rise(ended, (number, start, step), (rise, accuracy), monitor)?;
     Ok(parameter.value(end))
 }
 
 /// The step from the end of the range of a number to its limit, for a deviance that is quadratic in all numbers: with half its slope
 /// g and the information I of this number, all others estimated, 2gδ + Iδ² is the rise.
-fn step_to_rise<P>(optimum: &Optimum<P>, number: usize) -> f64 {
+fn step_to_rise<P>(optimum: &Optimum<P>, number: usize, rise: f64) -> f64 {
     let Score { slope, information } = &optimum.score;
     let slope = slope[(number, 0)];
     let moving: Vec<usize> =
         (0..optimum.at_bound.len()).filter(|&k| k == number || !optimum.at_bound[k]).collect();
     let variance = matrix::covariance(information, &moving).map(|covariance| covariance[(number, number)]);
     let information = variance.map_or(information[(number, number)], f64::recip);
-    ((slope * slope + information * ONE_SIDED).sqrt() - slope) / information
+    ((slope * slope + information * rise).sqrt() - slope) / information
 }
 
 /// About the step of the logarithm of an error at the end of its range, where half the deviance has this slope, to its limit:
 /// errors add by their squares, in which the deviance begins to rise in proportion.
-fn step_of_squares(slope: f64) -> f64 {
+fn step_of_squares(slope: f64, rise: f64) -> f64 {
     /// Where the slope does not show it, and the factor by which the step is longer, so that it rather brackets the limit.
     const UNKNOWN: f64 = 0.5;
     const LONGER: f64 = 1.01;
     if slope <= 0.0 {
         return UNKNOWN;
     }
-    (LONGER * 0.5 * (ONE_SIDED / slope).ln_1p()).min(UNKNOWN)
+    (LONGER * 0.5 * (rise / slope).ln_1p()).min(UNKNOWN)
 }
 
-/// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by 3.84.
+/// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by [`Width::rise`], 3.84 for
+/// errors of known size.
 ///
 /// # Errors
 /// Those of [`profile`].
@@ -132,15 +156,13 @@ pub(super) fn by_profile<O: Objective>(
         // At the end of its range a number has a limit only.
         return Ok([0.0, upper_limit(ended, number, monitor)?]);
     }
+    let freedom = likelihood.freedom();
+    let (half, rise) = (TWO_SIDED.quantile(freedom) * error, TWO_SIDED.rise(freedom));
     let mut end = |step: f64| -> Result<f64> {
-        Ok(parameter.value(end_of_rise(
-            ended,
-            (number, start, step),
-            (INTERVAL, ACCURACY * step.abs()),
-            monitor,
-        )?))
+        let found = end_of_rise(ended, (number, start, step), (rise, ACCURACY * step.abs()), monitor)?;
+        Ok(parameter.value(found))
     };
-    Ok([end(-TWO_SIDED * error)?, end(TWO_SIDED * error)?])
+    Ok([end(-half)?, end(half)?])
 }
 
 /// The coordinate, from `start` in the direction of `step`, where the profile has risen by `rise`, to `accuracy`.

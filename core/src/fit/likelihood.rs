@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use faer::Mat;
 
 use super::Fit;
-use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes};
+use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes, trace_of_product};
 use super::expected::{self, ExpectedReadings};
 use super::free::{FreeParameter, Role, UNREAD};
 use super::hierarchical::Hierarchical;
+use super::restricted::Restricted;
 use super::smoothness::Smoothness;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -21,13 +22,19 @@ pub(super) struct Likelihood {
     pub errors: Errors,
     /// What is known beforehand of thresholds of free form.
     pub smoothness: Option<Smoothness>,
+    /// The term of the restricted likelihood, by which a search finds free sizes of errors.
+    pub restricted: Option<Restricted>,
 }
 
 /// How the errors of readings are known.
 #[derive(Debug)]
 pub(super) enum Errors {
-    /// Independent, of one unknown size: the most probable one at each values of the other numbers.
-    ProfiledWhite,
+    /// Independent, of one unknown size: at each values of the other numbers that of the highest restricted likelihood, σ² =
+    /// Σr²/(n − p), where p numbers of the curve are `fitted`. ln |M| is −p ln σ² but for what does not change with σ.
+    ProfiledWhite { fitted: f64 },
+    /// Independent, of this standard deviation, which is renewed between searches: thresholds of free form can follow all readings of
+    /// a short record, and Σr² has no minimum then.
+    RenewedWhite { reading: f64 },
     /// Of the sizes of the model, some of which may be free.
     Modelled(Option<ContactNoise>),
 }
@@ -73,6 +80,8 @@ pub(super) struct LikelihoodPoint {
     pub curves: Vec<CurvePoint>,
     /// −2 ln L, priors included.
     pub deviance: f64,
+    /// What the restricted likelihood adds to it.
+    pub restriction: f64,
 }
 
 /// The part of one curve in a point of the likelihood.
@@ -88,6 +97,11 @@ pub(super) struct CurvePoint {
 }
 
 impl LikelihoodPoint {
+    /// What a search makes as low as possible.
+    pub fn restricted_deviance(&self) -> f64 {
+        self.deviance + self.restriction
+    }
+
     /// rᵀΣ⁻¹r.
     pub fn chi_squared(&self) -> f64 {
         self.curves.iter().map(|curve| curve.whitened.squared_norm_l2()).sum()
@@ -116,6 +130,20 @@ impl Score {
 }
 
 impl Likelihood {
+    /// Number of readings.
+    pub fn count(&self) -> usize {
+        self.fit.curves.iter().map(|curve| curve.positions.len()).sum()
+    }
+
+    /// Number of free numbers; of thresholds of free form, as many as the curve determines at this information. The common level of
+    /// their coefficients changes nothing.
+    pub fn determined(&self, information: &Mat<f64>, at_bound: &[bool]) -> f64 {
+        let penalised = self.smoothness.as_ref().map_or(0.0, |smoothness| {
+            smoothness.count() as f64 + 1.0 - smoothness.effective(information, at_bound)
+        });
+        self.free.len() as f64 - penalised
+    }
+
     /// The values at coordinates.
     pub fn values(&self, coordinates: &[f64]) -> Vec<f64> {
         self.free.iter().zip(coordinates).map(|(parameter, &u)| parameter.value(u)).collect()
@@ -153,6 +181,32 @@ impl Likelihood {
         coordinates: &[f64],
         readings: Vec<ExpectedReadings>,
     ) -> Option<LikelihoodPoint> {
+        self.with_fitted((coordinates, self.fitted()), readings)
+    }
+
+    /// The number of fitted numbers, where errors are independent and of one unknown size.
+    fn fitted(&self) -> f64 {
+        if let Errors::ProfiledWhite { fitted } = self.errors { fitted } else { 0.0 }
+    }
+
+    /// The same, where errors of one unknown size have their highest likelihood, and not the restricted one.
+    ///
+    /// # Errors
+    /// Errors of the solver; stopped by the monitor.
+    pub fn unrestricted_trial(
+        &self,
+        coordinates: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<LikelihoodPoint>> {
+        let readings = self.expected(coordinates, monitor)?;
+        Ok(readings.and_then(|readings| self.with_fitted((coordinates, 0.0), readings)))
+    }
+
+    fn with_fitted(
+        &self,
+        (coordinates, fitted): (&[f64], f64),
+        readings: Vec<ExpectedReadings>,
+    ) -> Option<LikelihoodPoint> {
         let residuals: Vec<Mat<f64>> = readings
             .iter()
             .zip(&self.fit.curves)
@@ -162,7 +216,7 @@ impl Likelihood {
                 Mat::from_fn(measured.positions.len(), 1, |i, _| residual(i))
             })
             .collect();
-        let reading = self.reading(coordinates, &residuals);
+        let reading = self.reading((coordinates, fitted), &residuals);
         let points = readings.into_iter().zip(residuals).enumerate();
         let points = points.map(|(c, (readings, residuals))| {
             let sizes = self.sizes((c, coordinates), reading);
@@ -175,8 +229,17 @@ impl Likelihood {
                 + point.covariance.log_determinant(n)
                 + n as f64 * std::f64::consts::TAU.ln()
         };
-        let deviance = points.iter().map(of_curve).sum::<f64>() + self.prior(coordinates);
-        deviance.is_finite().then_some(LikelihoodPoint { curves: points, deviance })
+        let sum = points.iter().map(of_curve).sum::<f64>() + self.prior(coordinates);
+        // n ln Σr²/n + n in place of n ln Σr²/(n − p) + n − p.
+        let n = self.count() as f64;
+        let deviance = sum + n * (-fitted / n).ln_1p() + fitted;
+        let covariances = points.iter().map(|point| &*point.covariance);
+        let restriction = match &self.restricted {
+            Some(restricted) => restricted.log_determinant(covariances)?,
+            None => sum - deviance - 2.0 * fitted * reading.ln(),
+        };
+        let finite = deviance.is_finite() && restriction.is_finite();
+        finite.then_some(LikelihoodPoint { curves: points, deviance, restriction })
     }
 
     /// The part of curve `curve`; `None` where its covariance is not positive definite.
@@ -192,7 +255,7 @@ impl Likelihood {
                 let made = || ErrorCovariance::new(positions, Some(&noise.covariances[curve]), sizes);
                 noise.last.of((curve, sizes), made)?
             }
-            Errors::Modelled(None) | Errors::ProfiledWhite => {
+            Errors::Modelled(None) | Errors::ProfiledWhite { .. } | Errors::RenewedWhite { .. } => {
                 Arc::new(ErrorCovariance::new(positions, None, sizes)?)
             }
         };
@@ -208,18 +271,23 @@ impl Likelihood {
     }
 
     /// The standard deviation of the independent error of a reading at coordinates.
-    fn reading(&self, coordinates: &[f64], residuals: &[Mat<f64>]) -> f64 {
+    fn reading(&self, (coordinates, fitted): (&[f64], f64), residuals: &[Mat<f64>]) -> f64 {
         let reading = match self.errors {
-            Errors::ProfiledWhite => {
-                let n: usize = residuals.iter().map(Mat::nrows).sum();
+            Errors::ProfiledWhite { .. } => {
                 let squares: f64 = residuals.iter().map(|r| r.squared_norm_l2()).sum();
-                (squares / n as f64).sqrt()
+                (squares / (self.count() as f64 - fitted)).sqrt()
             }
+            Errors::RenewedWhite { reading } => reading,
             Errors::Modelled(_) => {
                 self.of_errors(Role::Reading, coordinates).or(self.fit.errors.reading).unwrap_or(0.0)
             }
         };
-        reading.max(UNREAD * self.fit.scale())
+        reading.max(self.least_reading())
+    }
+
+    /// The smallest one that is tried.
+    pub fn least_reading(&self) -> f64 {
+        UNREAD * self.fit.scale()
     }
 
     /// The sizes of errors of a curve at coordinates.
@@ -254,7 +322,7 @@ impl Likelihood {
         of_numbers + self.smoothness.as_ref().map_or(0.0, |smoothness| smoothness.penalty(coordinates))
     }
 
-    /// The slope and the information at a point.
+    /// The slope and the information at a point, those of the restriction included.
     ///
     /// With J = ∂F/∂u and the errors' part, see [`super::error_covariance::CovarianceDerivatives`]: the slope of half the
     /// deviance is −JᵀΣ⁻¹r + ½(tr Σ⁻¹Σ_u − rᵀΣ⁻¹Σ_uΣ⁻¹r), the information JᵀΣ⁻¹J + ½ tr Σ⁻¹Σ_uΣ⁻¹Σ_v.
@@ -288,7 +356,14 @@ impl Likelihood {
     }
 
     /// The slope and the information at a point where the readings have these derivatives.
-    pub fn score_by(
+    pub fn score_by(&self, derivatives: Vec<Mat<f64>>, at: (&[f64], &LikelihoodPoint)) -> Score {
+        let mut score = self.unrestricted_score(derivatives, at);
+        self.add_restriction(at.1, &mut score);
+        score
+    }
+
+    /// Those of −2 ln L alone.
+    pub fn unrestricted_score(
         &self,
         derivatives: Vec<Mat<f64>>,
         (coordinates, trial): (&[f64], &LikelihoodPoint),
@@ -341,6 +416,59 @@ impl Likelihood {
                     power * other_power * of_errors.information[(number(part), number(other))];
             }
         }
+    }
+
+    /// Adds what the restricted likelihood contributes. With Z = Σ⁻¹JL⁻ᵀ, M = LLᵀ: the slope of ½ ln |M| is −½ tr ZᵀΣ_uZ, and
+    /// the information changes by −tr ZᵀΣ_uΣ⁻¹Σ_vZ + ½ tr ZᵀΣ_uZ ZᵀΣ_vZ, to ½ tr PΣ_uPΣ_v with P = Σ⁻¹ − ZZᵀ.
+    fn add_restriction(&self, trial: &LikelihoodPoint, score: &mut Score) {
+        let Some(restricted) = &self.restricted else { return };
+        let covariances = trial.curves.iter().map(|curve| &*curve.covariance);
+        let Some(standardised) = restricted.standardised(covariances) else { return };
+        let count = standardised[0].ncols();
+        let mut first = vec![Mat::zeros(count, count); self.free.len()];
+        for (c, (point, derivatives)) in trial.curves.iter().zip(&standardised).enumerate() {
+            let shares = self.shares(c);
+            let mut parts: Vec<ErrorPart> = shares.iter().map(|share| share.1).collect();
+            parts.dedup();
+            let along = point.covariance.along_curve(&self.fit.curves[c].positions, &parts, derivatives);
+            let number = |part: ErrorPart| parts.iter().position(|other| *other == part).unwrap_or(0);
+            for &(a, part, power) in &shares {
+                first[a] += &along.first[number(part)] * faer::Scale(power);
+                for &(b, other, other_power) in &shares {
+                    let second = along.second[(number(part), number(other))];
+                    score.information[(a, b)] -= power * other_power * second;
+                }
+            }
+        }
+        for (a, of) in first.iter().enumerate() {
+            score.slope[(a, 0)] -= 0.5 * (0..count).map(|i| of[(i, i)]).sum::<f64>();
+            for (b, other) in first.iter().enumerate() {
+                score.information[(a, b)] += 0.5 * trace_of_product(of, other);
+            }
+        }
+    }
+
+    /// The restricted likelihood with the derivatives of the curves at a point, where sizes of errors are free.
+    ///
+    /// # Errors
+    /// As [`Self::score`].
+    pub fn restrict(
+        &mut self,
+        coordinates: &[f64],
+        trial: &LikelihoodPoint,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
+        if self.has_free_errors() {
+            let derivatives = self.derivatives(coordinates, trial, monitor)?;
+            let covariances = trial.curves.iter().map(|curve| &*curve.covariance);
+            let precision = |parameter: &FreeParameter| {
+                let prior = parameter.prior.filter(|_| !parameter.is_of_errors());
+                prior.map_or(0.0, |[_, std]| 1.0 / (std * std))
+            };
+            let precision: Vec<f64> = self.free.iter().map(precision).collect();
+            self.restricted = Restricted::new(derivatives, covariances, &precision);
+        }
+        Ok(())
     }
 
     /// Which free numbers change which part of Σ of a curve, and by which power of its size; sorted by part.

@@ -75,7 +75,7 @@ impl Objective for Linearised<'_> {
     }
 
     fn deviance(point: &LikelihoodPoint) -> f64 {
-        point.deviance
+        point.restricted_deviance()
     }
 
     fn score(&self, coordinates: &[f64], point: &LikelihoodPoint, _: &mut dyn Monitor) -> Result<Score> {

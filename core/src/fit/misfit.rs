@@ -16,7 +16,7 @@ const SHORTEST: usize = 5;
 pub struct Misfit {
     /// χ² = rᵀΣ⁻¹r.
     pub chi_squared: f64,
-    /// Number of readings less that of free numbers of the expected curve.
+    /// Number of readings less that of free numbers of the expected curve; of thresholds of free form, less the effective number.
     pub degrees_of_freedom: usize,
     /// The probability of a larger χ²; `None` where the sizes of errors are estimated, which makes χ² what it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -57,6 +57,7 @@ mod modelled_errors;
 mod noise_size;
 mod objective;
 mod prediction;
+mod restricted;
 mod search;
 mod smoothness;
 mod standardised;
@@ -215,7 +216,8 @@ impl Fit {
         if self.is_planned() {
             return self.planned(free, monitor);
         }
-        let white = Likelihood { fit: self.clone(), free, errors: Errors::ProfiledWhite, smoothness: None };
+        let errors = Errors::ProfiledWhite { fitted: free.len() as f64 };
+        let white = Likelihood { fit: self.clone(), free, errors, smoothness: None, restricted: None };
         let (coordinates, solutions) = self.first_values(&white, &mut Part::new(monitor, 0.0, 0.05))?;
         let short = if self.is_profiled() { SHORT } else { ONE_ERROR };
         let mut first = search(&white, &coordinates, short, &mut Part::new(monitor, 0.05, 0.25))?;
@@ -245,15 +247,22 @@ impl Fit {
         free.extend(self.free_errors(0.0, 0.0));
         let coordinates: Vec<f64> =
             free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
-        let white = Likelihood { fit: self.clone(), free, errors: Errors::Modelled(None), smoothness: None };
+        let white = Likelihood {
+            fit: self.clone(),
+            free,
+            errors: Errors::Modelled(None),
+            smoothness: None,
+            restricted: None,
+        };
         let readings = white.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.3))?.ok_or_else(|| {
             Error::invalid("free", "first values from which a curve follows", "none at the first values")
         })?;
         let noise = self.contact_noise(&readings, &coordinates, &mut Part::new(monitor, 0.3, 0.3))?;
-        let likelihood = Likelihood { errors: Errors::Modelled(noise), ..white };
+        let mut likelihood = Likelihood { errors: Errors::Modelled(noise), ..white };
         let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(|| {
             Error::invalid("reading", "errors whose covariance is positive definite", "a smaller one")
         })?;
+        likelihood.restrict(&coordinates, &trial, &mut Part::new(monitor, 0.6, 0.1))?;
         let score = likelihood.score(&coordinates, &trial, &mut Part::new(monitor, 0.7, 0.1))?;
         let at_bound = vec![false; coordinates.len()];
         let optimum =

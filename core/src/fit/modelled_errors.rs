@@ -40,6 +40,7 @@ impl Fit {
             free: free.clone(),
             errors: Errors::Modelled(None),
             smoothness: None,
+            restricted: None,
         };
         let mut known: Vec<_> = trial.curves.into_iter().map(|curve| curve.readings).collect();
         let mut divided = false;
@@ -135,10 +136,13 @@ impl Likelihood {
             solutions += 1;
             self.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.1))?.ok_or_else(none)?
         };
+        let mut settled = false;
         for renewal in 0..=renewals {
             let monitor = &mut Part::new(monitor, 0.1 + 0.2 * renewal as f64, 0.2);
             let part = &mut Part::new(monitor, 0.0, 0.2);
-            self.errors = Errors::Modelled(self.fit.contact_noise(&readings, &coordinates, part)?);
+            if !settled {
+                self.errors = Errors::Modelled(self.fit.contact_noise(&readings, &coordinates, part)?);
+            }
             if renewal == 0 && !divided && self.divide_noise(&mut coordinates, &readings) {
                 let part = &mut Part::new(monitor, 0.2, 0.1);
                 readings = self.expected(&coordinates, part)?.ok_or_else(none)?;
@@ -149,10 +153,13 @@ impl Likelihood {
             let part = &mut Part::new(monitor, 0.3, 0.7);
             let mut found = search_from(&self, (&coordinates, trial), (&held, short), part)?;
             solutions += found.solutions;
-            if renewal == renewals || !found.converged || self.has_settled(&found) {
+            settled = self.has_settled(&found);
+            let restricted = self.restricted.is_some() || !self.has_free_errors();
+            if renewal == renewals || !found.converged || (settled && restricted) {
                 found.solutions = solutions;
                 return Ok(Ended { likelihood: self, optimum: found });
             }
+            self.restrict(&found.coordinates, &found.trial, &mut Part::new(monitor, 1.0, 0.0))?;
             readings = found.trial.curves.into_iter().map(|curve| curve.readings).collect();
             coordinates = found.coordinates;
         }

@@ -1,11 +1,13 @@
 //! The likelihood of a fit as what its search makes as high as possible.
 
+use faer::Mat;
+
 use super::free::{FreeParameter, Role};
-use super::likelihood::{Likelihood, LikelihoodPoint, Score};
+use super::likelihood::{Errors, Likelihood, LikelihoodPoint, Score};
 use super::linearised;
 use super::search::Objective;
 use crate::Result;
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Part};
 
 impl Objective for Likelihood {
     type Point = LikelihoodPoint;
@@ -24,7 +26,7 @@ impl Objective for Likelihood {
     }
 
     fn deviance(point: &LikelihoodPoint) -> f64 {
-        point.deviance
+        point.restricted_deviance()
     }
 
     fn score(
@@ -34,6 +36,25 @@ impl Objective for Likelihood {
         monitor: &mut dyn Monitor,
     ) -> Result<Score> {
         Self::score(self, coordinates, point, monitor)
+    }
+
+    fn unrestricted(
+        &self,
+        coordinates: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(f64, Mat<f64>)>> {
+        let trial = self.unrestricted_trial(coordinates, &mut Part::new(monitor, 0.0, 0.5))?;
+        let Some(trial) = trial else { return Ok(None) };
+        let derivatives = self.derivatives(coordinates, &trial, &mut Part::new(monitor, 0.5, 0.5))?;
+        Ok(Some((trial.deviance, self.unrestricted_score(derivatives, (coordinates, &trial)).slope)))
+    }
+
+    fn freedom(&self) -> Option<f64> {
+        if let Errors::ProfiledWhite { fitted } = self.errors {
+            Some(self.count() as f64 - fitted)
+        } else {
+            None
+        }
     }
 
     fn without_solutions(

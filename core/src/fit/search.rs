@@ -5,7 +5,7 @@ use faer::Mat;
 use super::free::FreeParameter;
 use super::likelihood::{LikelihoodPoint, Score};
 use super::matrix;
-use crate::monitor::{Aside, Monitor};
+use crate::monitor::{Aside, Monitor, Part};
 use crate::{Error, Result};
 
 /// Steps after which the search is given up.
@@ -46,7 +46,7 @@ pub(super) trait Objective {
     /// Errors of the solver; stopped by the monitor.
     fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<Self::Point>>;
 
-    /// −2 ln L, priors included.
+    /// −2 ln L, priors included, or that of the restricted likelihood.
     fn deviance(point: &Self::Point) -> f64;
 
     /// The slope and the expected information at a point.
@@ -54,6 +54,27 @@ pub(super) trait Objective {
     /// # Errors
     /// As [`Self::trial`].
     fn score(&self, coordinates: &[f64], point: &Self::Point, monitor: &mut dyn Monitor) -> Result<Score>;
+
+    /// −2 ln L without what the restricted likelihood adds to it, and half its slope; `None` where the likelihood is 0.
+    ///
+    /// # Errors
+    /// As [`Self::trial`].
+    fn unrestricted(
+        &self,
+        coordinates: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(f64, Mat<f64>)>> {
+        let trial = self.trial(coordinates, &mut Part::new(monitor, 0.0, 0.5))?;
+        let Some(trial) = trial else { return Ok(None) };
+        let score = self.score(coordinates, &trial, &mut Part::new(monitor, 0.5, 0.5))?;
+        Ok(Some((Self::deviance(&trial), score.slope)))
+    }
+
+    /// The degrees of freedom ν of errors that are independent and of one unknown size; the deviance is then ν ln Σr² but for a
+    /// constant and priors.
+    fn freedom(&self) -> Option<f64> {
+        None
+    }
 
     /// The coordinates of the highest likelihood, with the numbers that are `held` fixed and to within `short`, as far as they follow
     /// from this score without another solution; `None` where a step of Newton leads as far.

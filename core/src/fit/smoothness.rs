@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use faer::Mat;
 
+use super::matrix;
+
 /// A normal prior of third differences of neighbouring coordinates, of variance 1/λ: the penalty λ Σ(Δ³θ)² in −2 ln L.
 ///
 /// P. H. C. Eilers and B. D. Marx, Stat. Sci. 11, 89 (1996). A penalty for the mean of the coordinates keeps it where it is, since a
@@ -77,14 +79,27 @@ impl Smoothness {
     }
 
     /// DᵀD among so many coordinates, with D the third differences.
-    pub fn differences(&self, coordinates: usize) -> Mat<f64> {
+    fn differences(&self, coordinates: usize) -> Mat<f64> {
         let mut squared = Mat::zeros(coordinates, coordinates);
         self.add_roughness((1.0, &vec![0.0; coordinates]), &mut Mat::zeros(coordinates, 1), &mut squared);
         squared
     }
 
+    /// γ = K − 3 − λ tr V DᵀD, with the inverse V of the information of the numbers that are not at the end of their range: how many
+    /// third differences the curve determines.
+    pub fn effective(&self, information: &Mat<f64>, at_bound: &[bool]) -> f64 {
+        let active: Vec<usize> = (0..at_bound.len()).filter(|&k| !at_bound[k]).collect();
+        let trace = match matrix::covariance(information, &active) {
+            Some(covariance) => self.trace(&covariance),
+            // A strong penalty leaves no digits of what the data say of quadratic polynomials.
+            None => matrix::trace_with_inverse(&self.differences(at_bound.len()), information, &active)
+                .unwrap_or_default(),
+        };
+        (self.count() as f64 - self.strength * trace).max(0.0)
+    }
+
     /// tr V DᵀD, with D the third differences and V a covariance of all coordinates.
-    pub fn trace(&self, covariance: &Mat<f64>) -> f64 {
+    fn trace(&self, covariance: &Mat<f64>) -> f64 {
         let term = |first: usize| -> f64 {
             let pairs = (0..4).flat_map(|a| (0..4).map(move |b| (a, b)));
             pairs.map(|(a, b)| THIRD[a] * THIRD[b] * covariance[(first + a, first + b)]).sum()

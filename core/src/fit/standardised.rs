@@ -5,7 +5,7 @@ use faer::{Mat, Side};
 use super::estimates::{Ended, Estimate, Estimates};
 use super::free::FreeParameter;
 use super::search::Objective;
-use crate::monitor::{Monitor, Part};
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// A likelihood of any kind, with its priors, as a function of the coordinates of free numbers.
@@ -25,10 +25,7 @@ impl<O: Objective + std::fmt::Debug + Sync> LogDensity for O {
     }
 
     fn deviance(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<(f64, Mat<f64>)>> {
-        let trial = self.trial(coordinates, &mut Part::new(monitor, 0.0, 0.5))?;
-        let Some(trial) = trial else { return Ok(None) };
-        let score = self.score(coordinates, &trial, &mut Part::new(monitor, 0.5, 0.5))?;
-        Ok(Some((O::deviance(&trial), score.slope)))
+        self.unrestricted(coordinates, monitor)
     }
 }
 
