@@ -396,8 +396,30 @@ fn healing_without_a_cutoff_has_the_errors_of_a_straight_line() {
     let error = (rest / 3.0 / 10.0).sqrt();
     // Rounding of numbers of the size of 1.
     assert!((read.per_decade.value - slope).abs() < 1e-14 && (read.per_decade.error - error).abs() < 1e-14);
-    // Student's quantile for 3 degrees of freedom, as tables print it.
+    // At least Student's quantile for 3 degrees of freedom, as tables print it: to one side of the line there is no cutoff time.
     let half = 0.5 * (read.per_decade.high.unwrap() - read.per_decade.low.unwrap());
-    assert!((half / error - 3.182).abs() < 5e-4, "{}", half / error);
+    assert!(half / error > 3.182 - 5e-4, "{}", half / error);
     assert!((read.force_at(100.0) - mean).abs() < 1e-12);
+}
+
+/// The cutoff time is a third of the shortest hold, so that many records show none.
+#[test]
+fn intervals_of_healing_without_a_cutoff_hold_the_truth() {
+    let hold: Vec<f64> = (0..9).map(|i| 10.0_f64.powf(0.5 * f64::from(i))).collect();
+    let (mut held, mut straight) = ([0.0; 2], 0.0);
+    for seed in 0..4000 {
+        let mut normal = Normal::new(3000 + seed);
+        let force: Vec<f64> =
+            hold.iter().map(|t| 0.6 + 0.008 * (t / 0.3).ln_1p() + 1e-3 * normal.next()).collect();
+        let read = MeasuredHealing::read(&hold, &force).unwrap();
+        if read.cutoff.is_none() {
+            straight += 1.0;
+            held[0] += f64::from(holds(read.per_decade, 0.008 * std::f64::consts::LN_10));
+            held[1] += f64::from(holds(read.at_one, 0.6 + 0.008 * (1.0_f64 / 0.3).ln_1p()));
+        }
+    }
+    println!("healing per decade, force after a hold of 1: {held:.2?} of {straight} records");
+    assert!(straight > 300.0, "{straight}");
+    // 0.88 and 0.90 with a standard deviation of 0.02, of records selected by their noise; 0.70 and 0.69 by the errors of the line.
+    assert!(held.iter().all(|held| held / straight > 0.82), "{held:?} of {straight}");
 }

@@ -337,7 +337,7 @@ fn checkpoints(
 /// OSError
 ///     For a file that cannot be read.
 /// ValueError
-///     For one that asperity did not write.
+///     For one that asperity did not write, and for the folder of a sweep.
 ///
 /// Examples
 /// --------
@@ -352,6 +352,11 @@ fn checkpoints(
 #[pyfunction]
 pub fn open_result(py: Python<'_>, folder: Argument<PathBuf>) -> PyResult<Py<Result>> {
     let folder = folder.get("folder")?;
+    let sweep = folder.join("sweep.nc");
+    if sweep.is_file() {
+        let found = format!("that of a sweep: xarray.open_dataset reads {}", sweep.display());
+        return Err(error::invalid("folder", "the folder of a run", found));
+    }
     object(py, detached(py, || output::read(&folder)).map_err(error::files)?)
 }
 

@@ -34,7 +34,8 @@ impl MeasuredHealing {
     ///
     /// The scatter of the forces is taken as independent and of the same size for all holds, and is estimated from the
     /// residuals; with few holds Student's distribution makes the intervals wider. A cutoff time a thousand
-    /// times shorter than the shortest hold counts as none: then a straight line over ln t is fitted.
+    /// times shorter than the shortest hold counts as none: then a straight line over ln t is fitted. The intervals contain the
+    /// values for all cutoff times with which the forces agree as well.
     ///
     /// # Errors
     /// Fewer than 4 holds or 3 different hold times, hold times that are not above 0, numbers of different length; forces
@@ -63,27 +64,26 @@ impl MeasuredHealing {
             scales: (SHORTEST * shortest, LONGEST * longest),
         };
         let fit = GeneralisedFit::new(&curve, false, monitor)?.ok_or_else(undetermined)?;
-        if fit.scale <= SHORTEST * shortest {
-            return Self::line(hold, force);
-        }
         if fit.scale >= longest {
             let expected = "forces that grow with the logarithm of the hold time";
             return Err(Error::invalid("force", expected, "growth in proportion to the hold time"));
         }
         let after_one =
             |cutoff: f64| (vec![1.0, (1.0 / cutoff).ln_1p()], vec![0.0, -1.0 / (cutoff * (cutoff + 1.0))]);
-        Ok(Self {
+        let found = Self {
             per_decade: fit.value(&|_| (vec![0.0, LN_10], vec![0.0; 2])),
             cutoff: Some(fit.scale_value()),
             at_one: fit.value(&after_one),
             residual: fit.residual,
-        })
+        };
+        if fit.scale <= SHORTEST * shortest { found.without_cutoff(hold, force) } else { Ok(found) }
     }
 
-    /// A straight line over the logarithm of the hold time.
-    fn line(hold: &[f64], force: &[f64]) -> Result<Self> {
+    /// A straight line over the logarithm of the hold time, with intervals that contain those of this fit.
+    fn without_cutoff(&self, hold: &[f64], force: &[f64]) -> Result<Self> {
         let columns = vec![vec![1.0; hold.len()], hold.iter().map(|t| t.log10()).collect()];
         let ([at_one, per_decade], residual) = straight(columns, force).ok_or_else(undetermined)?;
+        let (at_one, per_decade) = (at_one.widened(self.at_one), per_decade.widened(self.per_decade));
         Ok(Self { per_decade, cutoff: None, at_one, residual })
     }
 

@@ -71,3 +71,11 @@ pub struct MeasuredValue {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
 }
+
+impl MeasuredValue {
+    /// The same with an interval that contains that of another one.
+    fn widened(self, other: Self) -> Self {
+        let end = |own: Option<f64>, other: Option<f64>, of: fn(f64, f64) -> f64| Some(of(own?, other?));
+        Self { low: end(self.low, other.low, f64::min), high: end(self.high, other.high, f64::max), ..self }
+    }
+}
