@@ -72,9 +72,9 @@ fn intervals_with_the_noise_of_contacts_hold_the_truth_and_white_ones_do_not() {
     // The relative error of N is sqrt(2/300) = 8 %, that of the mean of 100 curves 0.8 %, and its bias of the order of 1/300 per
     // free number.
     assert!((count / 2000.0 - 1.0).abs() < 0.03, "{count}");
-    // N makes χ² the number of readings with noise, less three of the curve. Up to X = 0.44, 22 readings, fewer than one in a hundred curves has a broken
-    // contact: residuals are 0, and the smallest error of a reading that is tried, 0.02 of the roughness of the residuals, is
-    // above the noise. In the next readings the error takes a part of the noise, in each curve of one reading or two.
+    // N makes χ² the number of readings with noise, less three of the curve. Up to X = 0.44, 22 readings, fewer than one in a hundred
+    // curves has a broken contact: residuals are 0, and the smallest error of a reading that is tried, 0.02 of the roughness of the
+    // residuals, is above the noise. In the next readings the error takes a part of the noise, in each curve of one reading or two.
     let noisy = 300.0 - 22.0 - 3.0;
     assert!((chi_squared - noisy).abs() < 4.0, "{chi_squared}");
     let white = ErrorModel { contacts: false, ..ErrorModel::default() };
@@ -810,6 +810,22 @@ fn a_free_form_of_a_short_record_has_errors() {
     let within = found.iter().filter(|(mean, error)| (mean - 1.0).abs() < 2.06 * error).count();
     // 22.8 of 24 with a standard deviation of 1.1; t of 26 degrees of freedom.
     assert!(within >= 20, "{within}: {found:?}");
+}
+
+/// Six readings that are hardly more than numbers, with errors of known size: no degree of freedom may be left, and no probability then.
+#[test]
+fn a_free_form_of_very_few_readings_is_fitted() {
+    let positions = positions(6, 2.4);
+    let forces = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions);
+    for reading in [0.1, 5.0] {
+        let measured = drifting((&positions, &forces), (reading, [0.0, 1.0]), 2);
+        let white = ErrorModel { contacts: false, reading: Some(reading), drift: None };
+        let fit =
+            fit(&positions, measured).free(["thresholds.mean", "thresholds.std", "count"]).errors(white);
+        let misfit = fit.run().unwrap().free_form(36, &mut ()).unwrap().estimates.misfit.unwrap();
+        assert!(misfit.degrees_of_freedom <= 3 && misfit.akaike.is_finite(), "{misfit:?}");
+        assert_eq!(misfit.probability.is_some(), misfit.degrees_of_freedom > 0, "{misfit:?}");
+    }
 }
 
 /// In independent errors of unknown size, too, thresholds of free form have the shape that the curve shows.

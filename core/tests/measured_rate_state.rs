@@ -396,7 +396,8 @@ fn healing_without_a_cutoff_has_the_errors_of_a_straight_line() {
     let error = (rest / 3.0 / 10.0).sqrt();
     // Rounding of numbers of the size of 1.
     assert!((read.per_decade.value - slope).abs() < 1e-14 && (read.per_decade.error - error).abs() < 1e-14);
-    // At least Student's quantile for 3 degrees of freedom, as tables print it: to one side of the line there is no cutoff time.
+    // At least Student's quantile for 3 degrees of freedom, as tables print it: a straight line is the limit of short cutoff
+    // times, whose intervals are added on one side.
     let half = 0.5 * (read.per_decade.high.unwrap() - read.per_decade.low.unwrap());
     assert!(half / error > 3.182 - 5e-4, "{}", half / error);
     assert!((read.force_at(100.0) - mean).abs() < 1e-12);

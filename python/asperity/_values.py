@@ -647,15 +647,19 @@ class Misfit(NamedTuple):
     chi_squared: float
     """χ² = rᵀΣ⁻¹r of the residuals r, with Σ the covariance of their errors."""
     degrees_of_freedom: int
-    """The number of readings less that of the free numbers of the expected curve."""
+    """The number of readings less that of the numbers of the expected curve that they determine; of
+    thresholds of free form the effective number.
+    """
     probability: float | None
     """The probability of a larger χ²; None where the sizes of errors are estimated, so that χ² is no test."""
     whiteness: float
     """The probability of more autocorrelated whitened residuals, by the test of Ljung and Box."""
     deviance: float
-    """-2 ln L, priors included."""
+    """-2 ln L at the estimates, priors included; sizes of errors are those of the restricted likelihood."""
     akaike: float
-    """Akaike's criterion: -2 ln L plus twice the number of free numbers, those of errors included."""
+    """Akaike's criterion: -2 ln L plus twice the number of free numbers, those of errors included; of
+    thresholds of free form the effective number, without their penalty in -2 ln L.
+    """
     unlikely: bool
     """Whether one of the probabilities is below 0.001: the curve is then not of the kind that was fitted, and
     the errors of the estimates cannot be trusted.

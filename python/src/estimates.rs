@@ -320,7 +320,7 @@ impl Estimates {
 
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
     /// numbers, has risen by 3.84. Where sizes of errors are free, L is the restricted likelihood; for independent errors of
-    /// unknown size the rise is nu ln(1 + t²/nu), with Student's t for the nu readings beyond the number of free numbers.
+    /// unknown size the rise is nu ln(1 + t²/nu), with Student's t of nu = n - p degrees of freedom for n readings and p free numbers.
     ///
     /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
     /// whitened residuals, and may be larger.

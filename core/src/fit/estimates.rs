@@ -130,8 +130,8 @@ impl Estimates {
     }
 
     /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
-    /// risen by 3.84. Where sizes of errors are free, L is the restricted likelihood. For independent errors of unknown size the rise
-    /// is ν ln(1 + t²/ν), with Student's t for ν = n − p.
+    /// risen by 3.84. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free form. For
+    /// independent errors of unknown size the rise is ν ln(1 + t²/ν), with Student's t for ν = n − p.
     ///
     /// # Errors
     /// A name that was not free; errors of the solver; stopped by the monitor.
@@ -288,7 +288,9 @@ impl Ended {
         let chi_squared = optimum.trial.chi_squared();
         let of_errors = likelihood.free.iter().filter(|parameter| parameter.is_of_errors()).count();
         let determined = likelihood.determined(&optimum.score.information, &optimum.at_bound);
-        let of_curve = determined - of_errors as f64;
+        // N and ⟨k⟩ change a curve alike.
+        let alike = f64::from(u8::from(self.divides_noise()));
+        let of_curve = determined - of_errors as f64 - alike;
         let degrees_of_freedom = likelihood.count().saturating_sub(of_curve.round() as usize);
         let profiled =
             matches!(likelihood.errors, Errors::ProfiledWhite { .. } | Errors::RenewedWhite { .. });
@@ -297,13 +299,16 @@ impl Ended {
         let deviance = optimum.trial.deviance;
         let whitened: Vec<_> = optimum.trial.curves.iter().map(|curve| &curve.whitened).collect();
         let count = determined + f64::from(u8::from(profiled));
+        let penalty = likelihood.smoothness.as_ref();
+        let penalty = penalty.map_or(0.0, |smoothness| smoothness.penalty(&optimum.coordinates));
         Misfit {
             chi_squared,
             degrees_of_freedom,
-            probability: (!estimated).then(|| misfit::probability(chi_squared, degrees_of_freedom)),
+            probability: (!estimated && degrees_of_freedom > 0)
+                .then(|| misfit::probability(chi_squared, degrees_of_freedom)),
             whiteness: misfit::whiteness(&whitened),
             deviance,
-            akaike: deviance + 2.0 * count,
+            akaike: deviance - penalty + 2.0 * count,
         }
     }
 }

@@ -8,7 +8,7 @@ use super::friction::WithError;
 use super::interval::TWO_SIDED;
 use super::likelihood::{Errors, Likelihood};
 use super::matrix;
-use super::search::{COARSE, Optimum, SHORT, search, search_from, search_from_score};
+use super::search::{COARSE, Objective, Optimum, SHORT, search, search_from, search_from_score};
 use super::smoothness::Smoothness;
 use super::{Fit, Role};
 use crate::law::{Law, LogKernels};
@@ -41,7 +41,8 @@ pub struct ThresholdBand {
     pub thresholds: Vec<f64>,
     /// P_c.
     pub density: Vec<f64>,
-    /// The ends of its interval of 95 %, 1.96 standard errors of ln P_c to both sides.
+    /// The ends of its interval of 95 %, 1.96 standard errors of ln P_c to both sides, or Student's t if errors are independent and
+    /// of unknown size.
     pub low: Vec<f64>,
     /// The upper ends.
     pub high: Vec<f64>,
@@ -144,7 +145,7 @@ impl Fit {
         let white = Likelihood {
             fit: self.clone(),
             free,
-            errors: Errors::RenewedWhite { reading },
+            errors: Errors::RenewedWhite { reading, fitted: 0.0 },
             smoothness: None,
             restricted: None,
         };
@@ -174,13 +175,17 @@ fn most_probable(
         let Some(before) = likelihood.smoothness.clone() else { break };
         let plain = renewed(&before, &found);
         let reading = renewed_reading(&likelihood, &found);
-        let is_far = |reading: f64| (reading / found.trial.reading()).ln().abs() > SETTLED_READING;
-        let settled = renewal == RENEWALS
-            || ((plain / before.strength).ln().abs() < SETTLED && !reading.is_some_and(is_far));
+        let moves = reading
+            .is_some_and(|[reading, _]| (reading / found.trial.reading()).ln().abs() > SETTLED_READING);
+        let settled = renewal == RENEWALS || ((plain / before.strength).ln().abs() < SETTLED && !moves);
+        if moves {
+            renewals = StrengthRenewals::default();
+        }
         let strength = if settled { before.strength } else { renewals.next(before.strength, plain) };
         likelihood.smoothness = Some(Smoothness { strength, ..before.clone() });
-        if let (Some(reading), false) = (reading, settled) {
-            likelihood.errors = Errors::RenewedWhite { reading };
+        if let Some([reading, fitted]) = reading {
+            let reading = if settled { found.trial.reading() } else { reading };
+            likelihood.errors = Errors::RenewedWhite { reading, fitted };
         }
         // The number of renewals is not known beforehand.
         let done = 0.2 + 0.6 * (1.0 - 0.85_f64.powi(renewal as i32));
@@ -200,16 +205,16 @@ fn none() -> Error {
     Error::invalid("thresholds", "a density from which a curve follows", "none at the fitted thresholds")
 }
 
-/// The standard deviation σ² = Σr²/(n − p) of independent errors of unknown size, where the curve determines p numbers; at least one
-/// reading is left for them.
-fn renewed_reading(likelihood: &Likelihood, found: &Optimum) -> Option<f64> {
+/// The standard deviation σ² = Σr²/(n − p) of independent errors of unknown size, and p, the number of numbers that the curve
+/// determines; at least one reading is left for the errors.
+fn renewed_reading(likelihood: &Likelihood, found: &Optimum) -> Option<[f64; 2]> {
     if !matches!(likelihood.errors, Errors::RenewedWhite { .. }) {
         return None;
     }
     let fitted = likelihood.determined(&found.score.information, &found.at_bound);
     let freedom = (likelihood.count() as f64 - fitted).max(1.0);
     let reading = found.trial.reading() * (found.trial.chi_squared() / freedom).sqrt();
-    Some(reading.max(likelihood.least_reading()))
+    Some([reading.max(likelihood.least_reading()), fitted])
 }
 
 /// The search from where one with the penalty `before` has ended.
@@ -319,12 +324,13 @@ impl FreeForm {
         let changes = names.iter().map(|name| law.survival_derivative(name)).collect::<Result<Vec<_>>>()?;
         let means = kernel_means(law);
         let error = |gradient: &[f64]| self.estimates.propagate(gradient);
+        let width = TWO_SIDED.quantile(self.estimates.ended.likelihood.freedom());
         let mut band = ThresholdBand { thresholds: thresholds.to_vec(), ..ThresholdBand::default() };
         for &x in thresholds {
             let by_log: Vec<f64> = law.kernels(x).iter().zip(&means).map(|(b, mean)| b - mean).collect();
             let by_cumulative: Vec<f64> = changes.iter().map(|change| -change(x)).collect();
             band.density.push(law.density(x));
-            let factor = (TWO_SIDED.quantile(None) * error(&by_log)).exp();
+            let factor = (width * error(&by_log)).exp();
             band.low.push(law.density(x) / factor);
             band.high.push(law.density(x) * factor);
             band.cumulative.push(law.cumulative(x));

@@ -37,13 +37,6 @@ impl Width {
     pub fn quantile(self, freedom: Option<f64>) -> f64 {
         freedom.map_or(self.normal, |freedom| two_sided(self.outside, freedom))
     }
-
-    /// Rise of the deviance at its ends: t², or ν ln(1 + t²/ν), if the deviance is ν ln Σr² (D. M. Bates and D. G. Watts, *Nonlinear
-    /// Regression Analysis and Its Applications*, 1988).
-    fn rise(self, freedom: Option<f64>) -> f64 {
-        let square = self.quantile(freedom).powi(2);
-        freedom.map_or(square, |freedom| freedom * (square / freedom).ln_1p())
-    }
 }
 
 /// The lowest deviance where one number has the coordinate `u`.
@@ -104,7 +97,7 @@ pub(super) fn upper_limit<O: Objective>(
 ) -> Result<f64> {
     let (likelihood, optimum) = ended;
     let (start, parameter) = (optimum.coordinates[number], &likelihood.free()[number]);
-    let rise = ONE_SIDED.rise(likelihood.freedom());
+    let rise = likelihood.rise(ONE_SIDED.quantile(likelihood.freedom()));
     let (step, accuracy) = if parameter.logarithmic {
         (step_of_squares(optimum.score.slope[(number, 0)], rise), LIMIT)
     } else {
@@ -139,7 +132,7 @@ fn step_of_squares(slope: f64, rise: f64) -> f64 {
     (LONGER * 0.5 * (rise / slope).ln_1p()).min(UNKNOWN)
 }
 
-/// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by [`Width::rise`], 3.84 for
+/// The interval of 95 % by the profile: where the deviance, lowest in all other numbers, has risen by [`Objective::rise`], 3.84 for
 /// errors of known size.
 ///
 /// # Errors
@@ -156,8 +149,8 @@ pub(super) fn by_profile<O: Objective>(
         // At the end of its range a number has a limit only.
         return Ok([0.0, upper_limit(ended, number, monitor)?]);
     }
-    let freedom = likelihood.freedom();
-    let (half, rise) = (TWO_SIDED.quantile(freedom) * error, TWO_SIDED.rise(freedom));
+    let quantile = TWO_SIDED.quantile(likelihood.freedom());
+    let (half, rise) = (quantile * error, likelihood.rise(quantile));
     let mut end = |step: f64| -> Result<f64> {
         let found = end_of_rise(ended, (number, start, step), (rise, ACCURACY * step.abs()), monitor)?;
         Ok(parameter.value(found))

@@ -29,12 +29,13 @@ pub(super) struct Likelihood {
 /// How the errors of readings are known.
 #[derive(Debug)]
 pub(super) enum Errors {
-    /// Independent, of one unknown size: at each values of the other numbers that of the highest restricted likelihood, σ² =
-    /// Σr²/(n − p), where p numbers of the curve are `fitted`. ln |M| is −p ln σ² but for what does not change with σ.
+    /// Independent, of one unknown size: for any values of the other numbers that of the highest restricted likelihood, σ² =
+    /// Σr²/(n − p), where p numbers of the curve are `fitted`, those with priors among them. Without priors ln |M| is −p ln σ² but
+    /// for what does not change with σ.
     ProfiledWhite { fitted: f64 },
-    /// Independent, of this standard deviation, which is renewed between searches: thresholds of free form can follow all readings of
-    /// a short record, and Σr² has no minimum then.
-    RenewedWhite { reading: f64 },
+    /// Independent, of this standard deviation, σ² = Σr²/(n − p) for p `fitted` numbers, which is renewed between searches: thresholds
+    /// of free form can follow all readings of a short record, so that ln Σr² has no minimum.
+    RenewedWhite { reading: f64, fitted: f64 },
     /// Of the sizes of the model, some of which may be free.
     Modelled(Option<ContactNoise>),
 }
@@ -100,6 +101,11 @@ impl LikelihoodPoint {
     /// What a search makes as low as possible.
     pub fn restricted_deviance(&self) -> f64 {
         self.deviance + self.restriction
+    }
+
+    /// The covariance of the errors of each curve.
+    fn covariances(&self) -> impl Iterator<Item = &ErrorCovariance> {
+        self.curves.iter().map(|curve| &*curve.covariance)
     }
 
     /// rᵀΣ⁻¹r.
@@ -181,7 +187,11 @@ impl Likelihood {
         coordinates: &[f64],
         readings: Vec<ExpectedReadings>,
     ) -> Option<LikelihoodPoint> {
-        self.with_fitted((coordinates, self.fitted()), readings)
+        let mut point = self.with_fitted((coordinates, self.fitted()), readings)?;
+        if let Some(restricted) = &self.restricted {
+            point.restriction += restricted.log_determinant(point.covariances())?;
+        }
+        point.restriction.is_finite().then_some(point)
     }
 
     /// The number of fitted numbers, where errors are independent and of one unknown size.
@@ -189,7 +199,8 @@ impl Likelihood {
         if let Errors::ProfiledWhite { fitted } = self.errors { fitted } else { 0.0 }
     }
 
-    /// The same, where errors of one unknown size have their highest likelihood, and not the restricted one.
+    /// The likelihood at coordinates without what the restricted one adds, where errors of one unknown size have their most probable
+    /// one; `None` where it is 0 or not defined.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
@@ -230,16 +241,12 @@ impl Likelihood {
                 + n as f64 * std::f64::consts::TAU.ln()
         };
         let sum = points.iter().map(of_curve).sum::<f64>() + self.prior(coordinates);
-        // n ln Σr²/n + n in place of n ln Σr²/(n − p) + n − p.
         let n = self.count() as f64;
-        let deviance = sum + n * (-fitted / n).ln_1p() + fitted;
-        let covariances = points.iter().map(|point| &*point.covariance);
-        let restriction = match &self.restricted {
-            Some(restricted) => restricted.log_determinant(covariances)?,
-            None => sum - deviance - 2.0 * fitted * reading.ln(),
-        };
-        let finite = deviance.is_finite() && restriction.is_finite();
-        finite.then_some(LikelihoodPoint { curves: points, deviance, restriction })
+        // n ln Σr²/n + n in place of n ln Σr²/(n − p) + n − p, if Σr² is not of rounding.
+        let lower = if reading > self.least_reading() { n * (-fitted / n).ln_1p() + fitted } else { 0.0 };
+        let deviance = sum + lower;
+        let restriction = -lower - 2.0 * fitted * reading.ln();
+        deviance.is_finite().then_some(LikelihoodPoint { curves: points, deviance, restriction })
     }
 
     /// The part of curve `curve`; `None` where its covariance is not positive definite.
@@ -277,7 +284,7 @@ impl Likelihood {
                 let squares: f64 = residuals.iter().map(|r| r.squared_norm_l2()).sum();
                 (squares / (self.count() as f64 - fitted)).sqrt()
             }
-            Errors::RenewedWhite { reading } => reading,
+            Errors::RenewedWhite { reading, .. } => reading,
             Errors::Modelled(_) => {
                 self.of_errors(Role::Reading, coordinates).or(self.fit.errors.reading).unwrap_or(0.0)
             }
@@ -388,7 +395,15 @@ impl Likelihood {
         Score { slope, information }
     }
 
-    /// Whether sizes of errors are free.
+    /// Whether sizes of errors are free beside the curve: those of readings and drift, or N and ⟨k⟩ at a given N⟨k⟩.
+    pub fn estimates_errors(&self) -> bool {
+        let noisy =
+            |curve: usize| self.shares(curve).iter().filter(|share| share.1 == ErrorPart::Noise).count();
+        self.free.iter().any(FreeParameter::is_of_errors)
+            || (0..self.fit.curves.len()).any(|curve| noisy(curve) == 2)
+    }
+
+    /// Whether free numbers change the errors.
     pub fn has_free_errors(&self) -> bool {
         (0..self.fit.curves.len()).any(|curve| !self.shares(curve).is_empty())
     }
@@ -422,8 +437,7 @@ impl Likelihood {
     /// the information changes by −tr ZᵀΣ_uΣ⁻¹Σ_vZ + ½ tr ZᵀΣ_uZ ZᵀΣ_vZ, to ½ tr PΣ_uPΣ_v with P = Σ⁻¹ − ZZᵀ.
     fn add_restriction(&self, trial: &LikelihoodPoint, score: &mut Score) {
         let Some(restricted) = &self.restricted else { return };
-        let covariances = trial.curves.iter().map(|curve| &*curve.covariance);
-        let Some(standardised) = restricted.standardised(covariances) else { return };
+        let Some(standardised) = restricted.standardised(trial.covariances()) else { return };
         let count = standardised[0].ncols();
         let mut first = vec![Mat::zeros(count, count); self.free.len()];
         for (c, (point, derivatives)) in trial.curves.iter().zip(&standardised).enumerate() {
@@ -458,15 +472,14 @@ impl Likelihood {
         trial: &LikelihoodPoint,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
-        if self.has_free_errors() {
+        if self.estimates_errors() {
             let derivatives = self.derivatives(coordinates, trial, monitor)?;
-            let covariances = trial.curves.iter().map(|curve| &*curve.covariance);
             let precision = |parameter: &FreeParameter| {
                 let prior = parameter.prior.filter(|_| !parameter.is_of_errors());
                 prior.map_or(0.0, |[_, std]| 1.0 / (std * std))
             };
             let precision: Vec<f64> = self.free.iter().map(precision).collect();
-            self.restricted = Restricted::new(derivatives, covariances, &precision);
+            self.restricted = Restricted::new(derivatives, trial.covariances(), &precision);
         }
         Ok(())
     }

@@ -18,14 +18,16 @@ pub struct Misfit {
     pub chi_squared: f64,
     /// Number of readings less that of free numbers of the expected curve; of thresholds of free form, less the effective number.
     pub degrees_of_freedom: usize,
-    /// The probability of a larger χ²; `None` where the sizes of errors are estimated, which makes χ² what it is.
+    /// The probability of a larger χ²; `None` without degrees of freedom, and where the sizes of errors are estimated, which makes
+    /// χ² what it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probability: Option<f64>,
     /// The probability of more autocorrelated residuals, by the test of Ljung and Box on the whitened residuals.
     pub whiteness: f64,
-    /// −2 ln L, priors included.
+    /// −2 ln L, priors included, at the estimates; those of sizes of errors have the highest restricted likelihood.
     pub deviance: f64,
-    /// Akaike's criterion: −2 ln L plus twice the number of free numbers, those of errors included.
+    /// Akaike's criterion: −2 ln L plus twice the number of free numbers, those of errors included; of thresholds of free form the
+    /// effective number, without their penalty in −2 ln L.
     pub akaike: f64,
 }
 

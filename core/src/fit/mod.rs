@@ -259,10 +259,12 @@ impl Fit {
         })?;
         let noise = self.contact_noise(&readings, &coordinates, &mut Part::new(monitor, 0.3, 0.3))?;
         let mut likelihood = Likelihood { errors: Errors::Modelled(noise), ..white };
-        let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(|| {
-            Error::invalid("reading", "errors whose covariance is positive definite", "a smaller one")
-        })?;
+        let indefinite =
+            || Error::invalid("reading", "errors whose covariance is positive definite", "a smaller one");
+        let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(indefinite)?;
         likelihood.restrict(&coordinates, &trial, &mut Part::new(monitor, 0.6, 0.1))?;
+        let readings = trial.curves.into_iter().map(|curve| curve.readings).collect();
+        let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(indefinite)?;
         let score = likelihood.score(&coordinates, &trial, &mut Part::new(monitor, 0.7, 0.1))?;
         let at_bound = vec![false; coordinates.len()];
         let optimum =

@@ -154,7 +154,7 @@ impl Likelihood {
             let mut found = search_from(&self, (&coordinates, trial), (&held, short), part)?;
             solutions += found.solutions;
             settled = self.has_settled(&found);
-            let restricted = self.restricted.is_some() || !self.has_free_errors();
+            let restricted = self.restricted.is_some() || !self.estimates_errors();
             if renewal == renewals || !found.converged || (settled && restricted) {
                 found.solutions = solutions;
                 return Ok(Ended { likelihood: self, optimum: found });

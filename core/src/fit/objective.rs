@@ -50,11 +50,20 @@ impl Objective for Likelihood {
     }
 
     fn freedom(&self) -> Option<f64> {
-        if let Errors::ProfiledWhite { fitted } = self.errors {
-            Some(self.count() as f64 - fitted)
-        } else {
-            None
+        match self.errors {
+            Errors::ProfiledWhite { fitted } | Errors::RenewedWhite { fitted, .. } => {
+                Some((self.count() as f64 - fitted).max(1.0))
+            }
+            Errors::Modelled(_) => None,
         }
+    }
+
+    /// Of a profiled size of errors the deviance is ν ln Σr², which rises by ν ln(1 + t²/ν) (D. M. Bates and D. G. Watts, *Nonlinear
+    /// Regression Analysis and Its Applications*, 1988).
+    fn rise(&self, quantile: f64) -> f64 {
+        let square = quantile * quantile;
+        let profiled = self.freedom().filter(|_| matches!(self.errors, Errors::ProfiledWhite { .. }));
+        profiled.map_or(square, |freedom| freedom * (square / freedom).ln_1p())
     }
 
     fn without_solutions(

@@ -4,8 +4,8 @@
 //! by p/2n for p numbers and n independent readings, by far more for a drift of few correlation lengths. The restricted likelihood is
 //! that of what no change of the p numbers can describe (H. D. Patterson and R. Thompson, Biometrika 58, 545 (1971)), or the one
 //! with these numbers integrated out (D. A. Harville, Biometrika 61, 383 (1974)): −2 ln L has the term ln |M|, M = JᵀΣ⁻¹J + Π,
-//! with the derivatives J of the curves by the numbers and the precision Π of priors. J is that at the highest likelihood without this
-//! term.
+//! with the derivatives J of the curves by the numbers and the precision Π of priors. J is that at the end of
+//! the search before.
 
 use faer::prelude::Solve;
 use faer::{Mat, Side};

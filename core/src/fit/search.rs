@@ -70,10 +70,14 @@ pub(super) trait Objective {
         Ok(Some((Self::deviance(&trial), score.slope)))
     }
 
-    /// The degrees of freedom ν of errors that are independent and of one unknown size; the deviance is then ν ln Σr² but for a
-    /// constant and priors.
+    /// The degrees of freedom ν of errors that are independent and of one unknown size.
     fn freedom(&self) -> Option<f64> {
         None
+    }
+
+    /// By how much the deviance rises where a number is `quantile` of its standard errors from its estimate.
+    fn rise(&self, quantile: f64) -> f64 {
+        quantile * quantile
     }
 
     /// The coordinates of the highest likelihood, with the numbers that are `held` fixed and to within `short`, as far as they follow

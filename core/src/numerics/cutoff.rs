@@ -343,8 +343,9 @@ mod tests {
         // How many are at least this large.
         let ranks: Vec<usize> = beyond.iter().map(|sum| (1e5 * sum / whole).round() as usize).collect();
         let sizes = ranks.windows(2).zip((6..999_999).rev());
-        let tail: Vec<f64> =
+        let mut tail: Vec<f64> =
             sizes.flat_map(|(n, k)| std::iter::repeat_n(f64::from(k), n[1] - n[0])).collect();
+        tail.reverse();
         let fit = above(&[&tail[..], &[1e6]].concat(), 0.5).unwrap();
         assert_eq!((fit.scale, fit.scale_error), (f64::INFINITY, f64::INFINITY));
         // Ranks are rounded to one of 1e5, which moves the mean of ln x by less than a tenth of its error.

@@ -34,8 +34,8 @@ impl MeasuredHealing {
     ///
     /// The scatter of the forces is taken as independent and of the same size for all holds, and is estimated from the
     /// residuals; with few holds Student's distribution makes the intervals wider. A cutoff time a thousand
-    /// times shorter than the shortest hold counts as none: then a straight line over ln t is fitted. The intervals contain the
-    /// values for all cutoff times with which the forces agree as well.
+    /// times shorter than the shortest hold counts as none: then a straight line over ln t is fitted. The intervals, not
+    /// the errors, then contain the values for all cutoff times that the forces do not exclude.
     ///
     /// # Errors
     /// Fewer than 4 holds or 3 different hold times, hold times that are not above 0, numbers of different length; forces
