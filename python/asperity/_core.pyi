@@ -1264,7 +1264,8 @@ class Estimates:
 
     def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-        numbers, has risen by 3.84.
+        numbers, has risen by 3.84. Where sizes of errors are free, L is the restricted likelihood; for independent errors of
+        unknown size the rise is nu ln(1 + t²/nu), with Student's t of nu = n - p degrees of freedom for n readings and p free numbers.
 
         The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
         whitened residuals, and may be larger.
@@ -1377,7 +1378,7 @@ class Estimates:
         self, /, name: str, values: ArrayLike | None = None, *, progress: _Progress = None
     ) -> Profile:
         """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
-        its minimum.
+        its minimum. Where sizes of errors are free, L is the restricted likelihood.
 
         The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
         whitened residuals, and may be larger.
@@ -5225,7 +5226,8 @@ def fit(
 
     A reading of the force at the position y is F(X) + B + offset + trend y + an error, where y = origin + X + compliance
     (F(X) + B), F(X) is the force of the contacts on a pull, and B their background force. The most probable values are
-    found by Fisher scoring, and their errors follow from the expected information.
+    found by Fisher scoring, and their errors follow from the expected information; sizes of errors are those of the highest
+    restricted likelihood.
 
     Parameters
     ----------
@@ -5559,7 +5561,7 @@ def open_result(folder: str | PathLike[str]) -> Result:
     OSError
         For a file that cannot be read.
     ValueError
-        For one that asperity did not write.
+        For one that asperity did not write, and for the folder of a sweep.
 
     Examples
     --------
