@@ -17,7 +17,7 @@ PLAIN = (type(None), bool, float, complex, str)
 # Instructions that write global names.
 WRITES = ("STORE_GLOBAL", "DELETE_GLOBAL")
 # Functions of global names count by their names.
-FUNCTIONS = (FunctionType, BuiltinFunctionType)
+FUNCTIONS: tuple[type, ...] = (FunctionType, BuiltinFunctionType)
 CALL = "__call__"
 # The protocol of pickles that describes objects. It is fixed, so that new versions of Python change nothing.
 PROTOCOL = 4

@@ -308,6 +308,7 @@ def test_folders_of_others_are_left_alone(tmp_path: Path) -> None:
 
 
 def test_the_folder_of_a_sweep_is_no_result(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
     over = {"contacts.thresholds.gamma.std": [0.2, 0.3]}
     asp.sweep(TEXT, over, ["kinetic_friction"], folder=tmp_path / "sweep")
     with pytest.raises(ValueError, match=r"folder: expected the folder of a run, got that of a sweep: "):
