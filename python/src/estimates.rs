@@ -267,7 +267,7 @@ impl Estimates {
     }
 
     /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
-    /// its minimum. Where sizes of errors are free, L is the restricted likelihood.
+    /// its minimum. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free form.
     ///
     /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
     /// whitened residuals, and may be larger.
@@ -319,8 +319,9 @@ impl Estimates {
     }
 
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-    /// numbers, has risen by 3.84. Where sizes of errors are free, L is the restricted likelihood; for independent errors of
-    /// unknown size the rise is nu ln(1 + t²/nu), with Student's t of nu = n - p degrees of freedom for n readings and p free numbers.
+    /// numbers, has risen by 3.84. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free
+    /// form. For independent errors of unknown size the rise is nu ln(1 + t²/nu), with Student's t of nu = n - p degrees of
+    /// freedom for n readings and p free numbers.
     ///
     /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
     /// whitened residuals, and may be larger.

@@ -145,7 +145,7 @@ impl Estimates {
     }
 
     /// By how much −2 ln L, lowest in all other numbers, is above its minimum where a number has another value; ∞ where there
-    /// is no curve. Where sizes of errors are free, L is the restricted likelihood.
+    /// is no curve. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free form.
     ///
     /// # Errors
     /// As [`Self::interval_by_profile`]; a value that is not finite, or not above 0 for a number that is.
