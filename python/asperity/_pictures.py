@@ -227,8 +227,8 @@ def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
 
 
 def stick_slip_scatter(record: "Record", ax: "Axes", **style: Any) -> None:
-    """In which fraction of the simulations of single contacts a spring makes stick-slip; at several
-    velocities, in which fraction it persists at each.
+    """In which fraction of the simulations of single contacts a spring makes stick-slip, and where persistent
+    stick-slip ends; at several velocities, in which fraction it persists at each.
     """
     order = np.argsort(record["stiffness"])
     rows = {
@@ -242,11 +242,33 @@ def stick_slip_scatter(record: "Record", ax: "Axes", **style: Any) -> None:
         lines = [("no stick-slip" if name == "none" else name, row[0]) for name, row in rows.items()]
     for label, row in lines:
         ax.plot(record["stiffness"][order], row[order], **{"marker": ".", "label": label, **style})
+    if len(rows["persistent"]) == 1:
+        ends_of_persistence(record, ax)
     ax.set_xscale("log")
     ax.set_ylim(0.0, 1.08)
     ax.set_xlabel(axis("K", record.labels["stiffness"].units))
     ax.set_ylabel("fraction of the simulations")
     _plot.legend_above(ax)
+
+
+def ends_of_persistence(record: "Record", ax: "Axes") -> None:
+    """The stiffnesses at which persistent stick-slip ends, those of single contacts with their scatter."""
+    first, last = record["stiffness"].min(), record["stiffness"].max()
+    of_contacts, mean, std = (
+        float(np.ravel(record[name])[0]) if name in record else math.nan
+        for name in (
+            "persistent_stiffness",
+            "ensemble_persistent_stiffness",
+            "ensemble_persistent_stiffness_std",
+        )
+    )
+    if first < mean < last:
+        bar = 0.0 if math.isnan(std) else std
+        ax.axvline(mean, color=ink(), linewidth=0.9, label="end of persistence, single contacts")
+        ax.axvspan(max(mean - bar, first), min(mean + bar, last), color=muted(), alpha=0.3, linewidth=0)
+    if first < of_contacts < last:
+        label = "end of persistence, $N \\to \\infty$"
+        ax.axvline(of_contacts, linestyle="--", color=ink(), linewidth=0.9, label=label)
 
 
 def hold_curve(record: "Record", ax: "Axes", **style: Any) -> None:

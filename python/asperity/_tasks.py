@@ -211,6 +211,8 @@ class VelocityCurve(TaskResult):
     """F_k of the ensemble, shape of `kinetic_friction`; None without one."""
     ensemble_error: "_Array | None"
     """Its standard error."""
+    residual: "_Array | None"
+    """Measured minus computed force, shape (measured,); None if none was measured."""
     residual_rms: float | None
     """The root mean square of measured minus computed force; None if none was measured."""
 
@@ -275,6 +277,8 @@ class HoldCurve(TaskResult):
     """The force of the ensemble at the peaks, shape (n,); None without one."""
     ensemble_error: "_Array | None"
     """Its standard error."""
+    residual: "_Array | None"
+    """Measured minus computed static friction, shape (measured,); None if none was measured."""
     residual_rms: float | None
     """The root mean square of measured minus computed static friction; None if none was measured."""
 
@@ -377,6 +381,8 @@ class Comparison(TaskResult):
     """The measured forces, shape (n,)."""
     points: int
     """The number of measured points within the pull."""
+    residual: "_Array"
+    """Measured minus computed force, shape (n,); nan where the pull computes none."""
     residual_rms: float | None
     """The root mean square of measured minus computed force at these points; None if there are none."""
 
@@ -537,6 +543,7 @@ def velocity_curve(
         tuple(limits),
         _array(result, "ensemble_force"),
         _array(result, "ensemble_error"),
+        _array(result, "compared_residual"),
         _residual(result),
     )
 
@@ -690,6 +697,7 @@ def hold_curve(
         growth,
         _array(result, "ensemble_force"),
         _array(result, "ensemble_error"),
+        _array(result, "compared_residual"),
         _residual(result),
     )
 
@@ -934,4 +942,5 @@ def compare(
     scenario["compare"] = {"position": place, "force": measured}
     result = run(scenario, progress=progress)
     found = result.summary["compare"]
-    return Comparison(result, place, measured, found["points"], found.get("residual_rms"))
+    residual = result["compared_residual"]
+    return Comparison(result, place, measured, found["points"], residual, found.get("residual_rms"))

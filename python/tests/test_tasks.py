@@ -74,6 +74,7 @@ def test_measured_points_are_compared_where_they_were_measured() -> None:
     forces = np.array([asp.velocity_curve(WARM, velocity) for velocity in velocities])
     curve = asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2, measured=(velocities, forces + 0.01))
     # Two solutions of the renewal equation, each to 1e-10.
+    assert curve.residual == pytest.approx([0.01] * 3, abs=1e-9)
     assert curve.residual_rms == pytest.approx(0.01, abs=1e-9)
     assert asp.velocity_curve(WARM, span=(1e-2, 1e-1), points=2).residual_rms is None
     held = asp.hold_curve(AGEING, (1.0, 100.0), velocity=0.1, points=3)
@@ -81,6 +82,7 @@ def test_measured_points_are_compared_where_they_were_measured() -> None:
         AGEING, (2.0, 200.0), velocity=0.1, points=2, measured=(held.hold, held.static_friction - 0.02)
     )
     # Peaks are as accurate as the default tolerance of 1e-6 makes them.
+    assert other.residual == pytest.approx([-0.02] * 3, abs=1e-4)
     assert other.residual_rms == pytest.approx(0.02, abs=1e-4)
     assert other.hold.tolist() == [2.0, 200.0]
     pytest.importorskip("matplotlib")
@@ -157,7 +159,10 @@ def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
     found = asp.compare(theory, pull.position, pull.force + 0.25, distance=3.0)
     assert found.points == 31
     # Of a constant difference, to the rounding of differences of order 1.
+    assert found.residual == pytest.approx([0.25] * 31, rel=1e-12)
     assert found.residual_rms == pytest.approx(0.25, rel=1e-12)
+    beyond = asp.compare(theory, [1.0, 4.0], [0.5, 0.5], distance=3.0)
+    assert np.isnan(beyond.residual).tolist() == [False, True]
     sampled = asp.compare(asp.Ensemble(COLD, size=50), [1.0], [0.5], distance=2.0, points=11)
     assert "ensemble_force" in sampled.result
 

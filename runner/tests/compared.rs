@@ -23,6 +23,12 @@ fn off([first, middle, last]: [f64; 3]) -> String {
     format!("[{}, {}, {}]", first + 0.01, middle - 0.01, last + 0.02)
 }
 
+/// Measured less computed forces: what `off` added.
+fn residuals_are_those_of_off(outcome: &Outcome, tolerance: f64) -> bool {
+    let residuals = outcome.record.values("compared_residual").unwrap();
+    residuals.len() == 3 && residuals.iter().zip([0.01, -0.01, 0.02]).all(|(r, off)| (r - off).abs() <= tolerance)
+}
+
 #[test]
 fn kinetic_friction_is_compared_at_the_measured_velocities() {
     let velocities = [2.0, 0.03, 0.4];
@@ -41,6 +47,7 @@ fn kinetic_friction_is_compared_at_the_measured_velocities() {
     // Two solutions of the renewal equation, each to 1e-10.
     assert!(compare.points == 3 && (compare.residual_rms.unwrap() - RMS).abs() < 1e-9, "{compare:?}");
     assert_eq!(outcome.record.values("compared_velocity").unwrap(), velocities);
+    assert!(residuals_are_those_of_off(&outcome, 1e-9), "{:?}", outcome.record.values("compared_residual"));
     assert_eq!(outcome.record.values("kinetic_friction"), alone.record.values("kinetic_friction"));
     // The background force is part of both.
     let raised = run(&format!(
@@ -71,6 +78,7 @@ fn static_friction_is_compared_at_the_measured_hold_times() {
     let off = (found.residual_rms.unwrap() - RMS).abs();
     assert!(found.points == 3 && off <= error(&outcome) + error(&other), "{found:?}");
     assert_eq!(outcome.record.values("compared_hold").unwrap(), holds);
+    assert!(residuals_are_those_of_off(&outcome, error(&outcome) + error(&other)));
     let peaks = |outcome: &Outcome| outcome.record.values("static_friction").unwrap().to_vec();
     let pairs = peaks(&outcome).into_iter().zip(peaks(&alone));
     let apart = pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);

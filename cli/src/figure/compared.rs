@@ -4,12 +4,11 @@
 
 use asperity::task::summary::{ProtocolStep, SpringRateState};
 use asperity_runner::output::Outcome;
-use kuva::plot::MarkerShape;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, line};
-use super::style::{self, BLACK, BLUE, GREEN, Page, RED};
+use super::style::{self, BLACK, BLUE, Page, RED};
 use super::{measured, velocity_step};
 
 const DASHES: &str = "8 5";
@@ -37,7 +36,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let mut plots = vec![line(curve(position, force), BLUE, 2.0, None), measured::points(measured.clone())];
     let mut legend = vec![
         style::line("master equation", BLUE, None),
-        style::marker("measured", GREEN, MarkerShape::Circle),
+        measured::entry(),
     ];
     let fits = [
         (fits(steps, &computed, |step| step.rate_state_spring.as_ref()), RED, "rate-and-state fit"),
@@ -49,8 +48,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         }
         plots.extend(lines.into_iter().map(|points| -> Plot { line(points, color, 1.6, Some(DASHES)) }));
     }
-    let curves = (computed.as_slice(), measured.as_slice());
-    Some(measured::with_residuals(outcome, page, (plots, layout), curves, legend))
+    Some(measured::placed(outcome, page, (plots, layout), "compared_position", legend))
 }
 
 /// The fits of the velocity steps of a curve, each at its points up to the next step.

@@ -10,7 +10,7 @@ use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, errors, line, spread};
 use super::simplify::bends;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots};
+use super::style::{self, BLACK, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, measured, ticks};
 
 /// Largest number of markers of the force of the ensemble.
@@ -23,12 +23,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (position, force) = (record.values("position")?, record.values("force")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     band(outcome, position, force, &mut plots, &mut legend);
-    let compared = measured::measured(outcome, "compared_position");
     plots.push(line(straight(position, force, force), BLUE, 2.0, None));
     legend.insert(0, style::line("master equation", BLUE, None));
-    if let Some(measured) = &compared {
-        plots.push(measured::points(measured.clone()));
-        legend.push(style::marker("measured", GREEN, MarkerShape::Circle));
+    if let Some(points) = measured::measured(outcome, "compared_position") {
+        plots.push(measured::points(points));
+        legend.push(measured::entry());
     }
     ensemble(outcome, position, &mut plots, &mut legend);
     let axes = axes(outcome, page, position, force)?;
@@ -38,10 +37,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         Some(coefficients) => loaded(axes, coefficients.normal_load),
         None => axes,
     };
-    if let Some(measured) = &compared {
-        let computed: Vec<Point> = position.iter().copied().zip(force.iter().copied()).collect();
-        let curves = (computed.as_slice(), measured.as_slice());
-        return Some(measured::with_residuals(outcome, page, (plots, axes), curves, legend));
+    if let Some(residuals) = measured::residuals(outcome, "compared_position") {
+        return Some(measured::with_residuals(outcome, page, (plots, axes), residuals, legend));
     }
     let scene = match loaded_by {
         Some(_) => ticks::twin(plots, Vec::new(), axes),

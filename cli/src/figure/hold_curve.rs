@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 use super::curve::{computed, errors, line};
 use super::smooth::along_logarithm;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::{legend, measured, ticks};
+use super::measured;
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
@@ -29,9 +29,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         plots.extend(errors(hold, force, error, ORANGE));
         legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
     }
-    if let Some((points, entry)) = measured::marked(outcome, "compared_hold") {
-        plots.push(points);
-        legend.push(entry);
+    if let Some(points) = measured::measured(outcome, "compared_hold") {
+        plots.push(measured::points(points));
+        legend.push(measured::entry());
     }
     let range = style::range([hold, record.values("compared_hold").unwrap_or(&[])]);
     let decades = style::decades(&[range.0, range.1]);
@@ -41,7 +41,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))
         .with_y_label(style::axis(outcome, "Static friction F_s", record.get("static_friction")?));
-    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
+    Some(measured::placed(outcome, page, (plots, layout), "compared_hold", legend))
 }
 
 /// Points of the fitted curve.

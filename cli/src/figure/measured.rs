@@ -1,4 +1,4 @@
-//! Measured forces as points, and what is left of them beside the computed curve, in a panel below.
+//! Measured forces as points, and their residuals, the measured less the computed forces, in a panel below.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
@@ -23,15 +23,22 @@ const MANY: usize = 200;
 
 /// The measured points against the variable `along`, thinned where they are many.
 pub fn measured(outcome: &Outcome, along: &str) -> Option<Vec<Point>> {
-    let [x, y] = [along, "compared_force"].map(|name| outcome.record.values(name));
+    against(outcome, along, "compared_force")
+}
+
+/// The measured less the computed forces against the variable `along`, where a force is computed, thinned where they are many.
+pub fn residuals(outcome: &Outcome, along: &str) -> Option<Vec<Point>> {
+    against(outcome, along, "compared_residual")
+}
+
+fn against(outcome: &Outcome, along: &str, name: &str) -> Option<Vec<Point>> {
+    let [x, y] = [along, name].map(|name| outcome.record.values(name));
     Some(curve(x?, y?))
 }
 
-/// The measured points against the variable `along` of a picture without residuals, and their entry in the legend.
-pub fn marked(outcome: &Outcome, along: &str) -> Option<(Plot, LegendEntry)> {
-    let [x, y] = [along, "compared_force"].map(|name| outcome.record.values(name));
-    let all = x?.iter().copied().zip(y?.iter().copied()).collect();
-    Some((points(all), style::marker("measured", GREEN, MarkerShape::Circle)))
+/// The entry of measured points in a legend.
+pub fn entry() -> LegendEntry {
+    style::marker("measured", GREEN, MarkerShape::Circle)
 }
 
 /// Measured points as they are drawn.
@@ -40,12 +47,26 @@ pub fn points(points: Vec<Point>) -> Plot {
     Plot::Scatter(ScatterPlot::new().with_data(points).with_color(GREEN).with_size(size))
 }
 
-/// The picture with a panel of what is left of the measured points: their forces less those of the curve.
+/// A picture of one panel, above one of the residuals where there are measured points along this variable.
+pub fn placed(
+    outcome: &Outcome,
+    page: Page,
+    (plots, layout): (Plots, Layout),
+    along: &str,
+    legend: Vec<LegendEntry>,
+) -> Scene {
+    match residuals(outcome, along) {
+        Some(residuals) => with_residuals(outcome, page, (plots, layout), residuals, legend),
+        None => legend::placed(ticks::panel(plots, layout), &legend, &[0]),
+    }
+}
+
+/// The picture with a panel of the residuals of the measured points.
 pub fn with_residuals(
     outcome: &Outcome,
     page: Page,
     (plots, layout): (Plots, Layout),
-    (curve, measured): (&[Point], &[Point]),
+    residuals: Vec<Point>,
     legend: Vec<LegendEntry>,
 ) -> Scene {
     let ends = (layout.x_axis_min.unwrap_or(0.0), layout.x_axis_max.unwrap_or(1.0));
@@ -53,7 +74,8 @@ pub fn with_residuals(
     let (title, size) = page.heading(&outcome.summary.title);
     let [above, below] = [HEIGHT, RESIDUALS].map(|height| page.height(height));
     let sides = if layout.y2_range.is_some() { style::TWO_SIDES } else { style::SIDES };
-    let (residuals, lower) = residuals(outcome, ends, (curve, measured));
+    let (residuals, mut lower) = panel_of_residuals(outcome, ends, residuals);
+    (lower.log_x, lower.x_tick_format) = (layout.log_x, layout.x_tick_format.clone());
     let figure = Figure::new(2, 1)
         .with_title(title)
         .with_title_size(size)
@@ -66,31 +88,15 @@ pub fn with_residuals(
     legend::placed(ticks::panels(figure, vec![plots, residuals], vec![upper, lower]), &legend, &[0])
 }
 
-/// What is left of measured points: their forces less those of the curve, between these ends.
-pub fn residuals(
-    outcome: &Outcome,
-    ends: (f64, f64),
-    (curve, measured): (&[Point], &[Point]),
-) -> (Plots, Layout) {
-    let left: Vec<Point> = measured.iter().filter_map(|&(x, y)| Some((x, y - height(curve, x)?))).collect();
-    let largest = left.iter().map(|point| point.1.abs()).fold(0.0, f64::max);
+/// The panel of residuals between these ends.
+pub fn panel_of_residuals(outcome: &Outcome, ends: (f64, f64), residuals: Vec<Point>) -> (Plots, Layout) {
+    let largest = residuals.iter().map(|point| point.1.abs()).fold(0.0, f64::max);
     let zero = line(vec![(ends.0, 0.0), (ends.1, 0.0)], GREY, 1.0, Some(DOTS));
     let top = style::headroom(1.1 * largest);
-    let words = outcome.record.get("force").map(|force| style::axis(outcome, "Residual", force));
+    let words = outcome.record.get("compared_residual").map(|left| style::axis(outcome, "Residual", left));
     // As many ticks as above: those of the positions are the same.
     let layout = style::layout(ends, (-top, top)).with_y_label(words.unwrap_or_default());
-    (vec![zero, points(left)], layout)
-}
-
-/// The height of a curve of ascending points; `None` beyond its ends.
-fn height(curve: &[Point], x: f64) -> Option<f64> {
-    let next = curve.partition_point(|point| point.0 < x);
-    let after = curve.get(next)?;
-    if after.0 == x {
-        return Some(after.1);
-    }
-    let before = curve.get(next.checked_sub(1)?)?;
-    Some(before.1 + (after.1 - before.1) * ((x - before.0) / (after.0 - before.0)))
+    (vec![zero, points(residuals)], layout)
 }
 
 fn panel(layout: Layout, sides: (f64, f64), label: f64) -> Layout {
@@ -99,16 +105,4 @@ fn panel(layout: Layout, sides: (f64, f64), label: f64) -> Layout {
         .with_force_margins(sides.0, sides.1)
         .with_tick_size(11)
         .with_label_size(13)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_curve_has_heights_between_its_ends() {
-        let line = [(0.0, 0.0), (1.0, 2.0), (3.0, 0.0)];
-        let heights = [-0.1, 0.0, 0.5, 1.0, 2.0, 3.0, 3.1].map(|x| height(&line, x));
-        assert_eq!(heights, [None, Some(0.0), Some(1.0), Some(2.0), Some(1.0), Some(0.0), None]);
-    }
 }

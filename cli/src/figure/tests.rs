@@ -169,6 +169,7 @@ fn measured_forces_have_a_panel_of_their_residuals() {
     for (name, quantity, values) in [
         ("compared_position", Quantity::Length, position),
         ("compared_force", Quantity::Force, vec![0.6; 30]),
+        ("compared_residual", Quantity::Force, [vec![0.1; 29], vec![f64::NAN]].concat()),
     ] {
         outcome.record.push(name, name, quantity, &["compared"], values);
     }
@@ -176,8 +177,8 @@ fn measured_forces_have_a_panel_of_their_residuals() {
     let text = raw(&pictures, "force.svg");
     let [force, residuals] = frames(text)[..] else { panic!("two frames") };
     assert_eq!([force[0], force[2]], [residuals[0], residuals[2]]);
-    // In both panels, and in the legend.
-    assert_eq!(text.matches("fill=\"#009e73\"").count(), 30 + 30 + 1);
+    // In both panels, but for one where no force is computed, and in the legend.
+    assert_eq!(text.matches("fill=\"#009e73\"").count(), 30 + 29 + 1);
     assert!(svg(&pictures, "force.svg").contains(">Residual (MPa)<"));
 }
 
@@ -438,6 +439,7 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
     outcome.record.push("static_friction", "F_s", Quantity::Force, &["hold"], vec![0.6, 0.61, 0.62]);
     let pictures = draw(&outcome).unwrap();
     let text = svg(&pictures, "hold_curve.svg");
+    assert_eq!(frames(raw(&pictures, "hold_curve.svg")).len(), 1);
     for words in [
         "Hold time (s)",
         "Static friction Fs (MPa)",
@@ -446,6 +448,37 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
     ] {
         assert!(text.contains(words), "{words}");
     }
+}
+
+/// The residuals of measured hold times stand below, on the same logarithmic axis.
+#[test]
+fn measured_healing_has_a_panel_of_its_residuals() {
+    let hold_curve = HealingCurve {
+        velocity: 1.0,
+        kinetic_friction: 0.5,
+        healing_per_decade: None,
+        healing_relative: None,
+        healing_cutoff: None,
+        at_one: None,
+        residual_relative: None,
+    };
+    let mut outcome = timed(HoldCurveNumbers { hold_curve, compare: None });
+    for (name, quantity, along, values) in [
+        ("hold", Quantity::Time, "hold", [1.0, 10.0, 100.0]),
+        ("static_friction", Quantity::Force, "hold", [0.6, 0.61, 0.62]),
+        ("compared_hold", Quantity::Time, "compared", [2.0, 20.0, 50.0]),
+        ("compared_force", Quantity::Force, "compared", [0.61, 0.62, 0.6]),
+        ("compared_residual", Quantity::Force, "compared", [0.01, 0.008, -0.015]),
+    ] {
+        outcome.record.push(name, name, quantity, &[along], values.to_vec());
+    }
+    let pictures = draw(&outcome).unwrap();
+    let text = raw(&pictures, "hold_curve.svg");
+    let [force, residuals] = frames(text)[..] else { panic!("two frames") };
+    assert_eq!([force[0], force[2]], [residuals[0], residuals[2]]);
+    assert_eq!(ticks_below(text, force), ticks_below(text, residuals));
+    assert_eq!(text.matches("fill=\"#009e73\"").count(), 3 + 3 + 1);
+    assert!(svg(&pictures, "hold_curve.svg").contains(">Residual (MPa)<"));
 }
 
 /// What slides over single contacts do, in so many simulations, of which persistent stick-slip ends at 1.0.
@@ -725,6 +758,7 @@ fn add_measured(outcome: &mut Outcome) {
     let position = [2.0, 10.0, 17.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0];
     outcome.record.push("compared_position", "X", Quantity::Length, &["compared"], position.to_vec());
     outcome.record.push("compared_force", "F", Quantity::Force, &["compared"], vec![0.48; 11]);
+    outcome.record.push("compared_residual", "F", Quantity::Force, &["compared"], vec![-0.01; 11]);
 }
 
 /// A protocol with this velocity.

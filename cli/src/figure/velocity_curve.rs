@@ -8,7 +8,7 @@ use kuva::render::render::Scene;
 use super::curve::{Point, below, computed, errors, line};
 use super::smooth::along_logarithm;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
-use super::{legend, measured, ticks};
+use super::measured;
 
 /// Colours of the curves of several temperatures.
 const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
@@ -31,9 +31,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         let color = if outcome.summary.numbers.limits().len() > 1 { GREY } else { ORANGE };
         legend.push(style::marker(style::sized_ensemble(outcome), color, MarkerShape::Circle));
     }
-    if let Some((points, entry)) = measured::marked(outcome, "compared_velocity") {
-        plots.push(points);
-        legend.push(entry);
+    if let Some(points) = measured::measured(outcome, "compared_velocity") {
+        plots.push(measured::points(points));
+        legend.push(measured::entry());
     }
     plateaus(outcome, velocity, (low, high), &mut plots, &mut legend);
     for (name, dashes, words) in [
@@ -52,7 +52,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .titled(layout, &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
         .with_y_label(style::axis(outcome, "Kinetic friction F_k", record.get("kinetic_friction")?));
-    Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
+    Some(measured::placed(outcome, page, (plots, layout), "compared_velocity", legend))
 }
 
 /// The curve of one temperature, with its ensemble and closed forms; the names of those that are in the picture.

@@ -3,13 +3,13 @@
 
 use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState, SpringRateState};
 use asperity_runner::output::Outcome;
-use kuva::plot::{LegendEntry, MarkerShape};
+use kuva::plot::LegendEntry;
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line, thinned};
-use super::style::{self, BLACK, BLUE, GREEN, Page, Plots, RED};
+use super::style::{self, BLACK, BLUE, Page, Plots, RED};
 use super::{legend, measured, ticks};
 
 /// Largest number of steps.
@@ -58,7 +58,7 @@ fn entries(outcome: &Outcome) -> Vec<LegendEntry> {
         style::line("rate-and-state fit", RED, Some(DASHES)),
     ];
     if outcome.record.get("compared_force").is_some() {
-        entries.push(style::marker("measured", GREEN, MarkerShape::Circle));
+        entries.push(measured::entry());
     }
     if outcome.summary.numbers.steps().iter().any(ProtocolStep::is_measured) {
         entries.push(style::line("fit of measured", BLACK, Some(DASHES)));
@@ -73,12 +73,13 @@ fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Ve
     let since = |names: (&str, &str)| -> Option<Vec<Point>> {
         let (x, y) = (outcome.record.values(names.0)?, outcome.record.values(names.1)?);
         let points = x.iter().zip(y).map(|(x, &y)| (x - step.position, y));
-        Some(points.filter(|point| shown.contains(&point.0)).collect())
+        Some(points.filter(|point| shown.contains(&point.0) && point.1.is_finite()).collect())
     };
     let computed = since(("position", "force"))?;
     let compared = since(("compared_position", "compared_force")).unwrap_or_default();
     let ends = (*shown.start(), end);
-    let residuals = (!compared.is_empty()).then(|| residuals(outcome, ends, (&computed, &compared)));
+    let residuals = since(("compared_position", "compared_residual")).unwrap_or_default();
+    let residuals = (!residuals.is_empty()).then(|| panel_of_residuals(outcome, ends, residuals));
     let computed = thinned(computed);
     let compared = thinned(compared);
     let fitted: Vec<Point> =
@@ -108,8 +109,8 @@ fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Ve
     Some([(plots, placed(layout, MARGINS.0))].into_iter().chain(residuals).collect())
 }
 
-fn residuals(outcome: &Outcome, ends: (f64, f64), curves: (&[Point], &[Point])) -> (Plots, Layout) {
-    let (plots, layout) = measured::residuals(outcome, ends, curves);
+fn panel_of_residuals(outcome: &Outcome, ends: (f64, f64), residuals: Vec<Point>) -> (Plots, Layout) {
+    let (plots, layout) = measured::panel_of_residuals(outcome, ends, thinned(residuals));
     (plots, placed(layout.with_ticks(4), UNTITLED))
 }
 

@@ -2,7 +2,7 @@
 
 /// Variables along one dimension that are coordinates on it, beside those that are named like their dimension. Their values need
 /// not rise: the drive stays where it is during a slip.
-pub const COORDINATES: [&str; 18] = [
+pub const COORDINATES: [&str; 20] = [
     "drive",
     "time",
     "event_drive",
@@ -16,6 +16,8 @@ pub const COORDINATES: [&str; 18] = [
     "slip_rate_drive",
     "branch_position",
     "compared_position",
+    "compared_velocity",
+    "compared_hold",
     "breaking_atom_position",
     "stretch_atom_position",
     "stretch_atom_stretch",

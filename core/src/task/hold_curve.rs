@@ -4,7 +4,7 @@ use super::accuracy::{ForceAccuracy, as_required};
 use super::background::coefficient;
 use super::settling::Steady;
 use super::summary::{HealingCurve, HoldCurveNumbers, Peak};
-use super::{COMPARED_FORCE, Output, compare_points, ensemble};
+use super::{COMPARED_FORCE, Output, RESIDUAL, compare_points, ensemble};
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
@@ -49,8 +49,11 @@ const FRICTION_COEFFICIENT: Column = coefficient(&["hold"]);
 const COLUMNS: [Column; 7] =
     [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1], FRICTION_COEFFICIENT];
 
-const COMPARED: [Column; 2] =
-    [Column::new("compared_hold", "measured hold time", Quantity::Time, &["compared"]), COMPARED_FORCE];
+const COMPARED: [Column; 3] = [
+    Column::new("compared_hold", "measured hold time", Quantity::Time, &["compared"]),
+    COMPARED_FORCE,
+    RESIDUAL,
+];
 
 /// Forces of contacts, to which the background force is added.
 const FORCES: [Column; 3] = [STATIC_FRICTION, HELD_FORCE, ENSEMBLE[0]];

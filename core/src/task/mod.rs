@@ -285,8 +285,15 @@ fn friction(model: &Model, steady: &SteadyState, relaxation: &Relaxation, pull: 
 const COMPARED_FORCE: Column =
     Column::new("compared_force", "measured force", Quantity::Force, &["compared"]);
 
-const COMPARED: [Column; 2] =
-    [Column::new("compared_position", "measured position", Quantity::Length, &["compared"]), COMPARED_FORCE];
+/// NaN where no force is computed.
+const RESIDUAL: Column =
+    Column::new("compared_residual", "measured less computed force", Quantity::Force, &["compared"]);
+
+const COMPARED: [Column; 3] = [
+    Column::new("compared_position", "measured position", Quantity::Length, &["compared"]),
+    COMPARED_FORCE,
+    RESIDUAL,
+];
 
 /// Adds the measured curve to `record`, and compares it with the computed `force`, which is defined between the `ends`.
 fn compare(curve: &Compare, ends: (f64, f64), force: impl Fn(f64) -> f64, record: &mut Record) -> Comparison {
@@ -304,10 +311,12 @@ fn compare_points(
     record: &mut Record,
 ) -> Comparison {
     let (places, forces) = curve.points();
-    let residuals = forces.iter().zip(computed).filter_map(|(force, computed)| Some(force - (*computed)?));
-    let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
+    let residuals = forces.iter().zip(computed).map(|(force, computed)| computed.map(|computed| force - computed));
+    let residuals: Vec<Option<f64>> = residuals.collect();
+    let (points, squares) = residuals.iter().flatten().fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
     record.add(along, places.to_vec());
     record.add(COMPARED_FORCE, forces.to_vec());
+    record.add(RESIDUAL, residuals.into_iter().map(|residual| residual.unwrap_or(f64::NAN)).collect());
     Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) }
 }
 

@@ -5,7 +5,7 @@ use super::background::coefficient;
 use super::linear_stability::stability;
 use super::settling::Steady;
 use super::summary::{CurveLimits, Extended, SlidingStability, VelocityCurveNumbers};
-use super::{COMPARED_FORCE, Output, compare_points, ensemble};
+use super::{COMPARED_FORCE, Output, RESIDUAL, compare_points, ensemble};
 use crate::Result;
 use crate::contacts::{Contacts, Rules, Temperature};
 use crate::history::{History, Piece};
@@ -51,9 +51,10 @@ const COLUMNS: [Column; 12] = [
     FRICTION_COEFFICIENT,
 ];
 
-const COMPARED: [Column; 2] = [
+const COMPARED: [Column; 3] = [
     Column::new("compared_velocity", "measured velocity", Quantity::Velocity, &["compared"]),
     COMPARED_FORCE,
+    RESIDUAL,
 ];
 
 /// Forces of contacts, to which the background force is added.
