@@ -26,7 +26,8 @@ fn off([first, middle, last]: [f64; 3]) -> String {
 /// Measured less computed forces: what `off` added.
 fn residuals_are_those_of_off(outcome: &Outcome, tolerance: f64) -> bool {
     let residuals = outcome.record.values("compared_residual").unwrap();
-    residuals.len() == 3 && residuals.iter().zip([0.01, -0.01, 0.02]).all(|(r, off)| (r - off).abs() <= tolerance)
+    residuals.len() == 3
+        && residuals.iter().zip([0.01, -0.01, 0.02]).all(|(r, off)| (r - off).abs() <= tolerance)
 }
 
 #[test]

@@ -34,10 +34,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
         .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
     let mut plots = vec![line(curve(position, force), BLUE, 2.0, None), measured::points(measured.clone())];
-    let mut legend = vec![
-        style::line("master equation", BLUE, None),
-        measured::entry(),
-    ];
+    let mut legend = vec![style::line("master equation", BLUE, None), measured::entry()];
     let fits = [
         (fits(steps, &computed, |step| step.rate_state_spring.as_ref()), RED, "rate-and-state fit"),
         (fits(steps, &measured, |step| step.measured_spring.as_ref()), BLACK, "fit of measured"),

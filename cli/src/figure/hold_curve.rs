@@ -6,9 +6,9 @@ use kuva::plot::{LegendEntry, MarkerShape};
 use kuva::render::render::Scene;
 
 use super::curve::{computed, errors, line};
+use super::measured;
 use super::smooth::along_logarithm;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
-use super::measured;
 
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";

@@ -6,9 +6,9 @@ use kuva::plot::{LegendEntry, MarkerShape};
 use kuva::render::render::Scene;
 
 use super::curve::{Point, below, computed, errors, line};
+use super::measured;
 use super::smooth::along_logarithm;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
-use super::measured;
 
 /// Colours of the curves of several temperatures.
 const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];

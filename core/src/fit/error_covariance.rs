@@ -110,11 +110,11 @@ impl ErrorCovariance {
             Self::Dense(dense) => dense.changed(*part, positions, (derivatives, &solved)),
         };
         let mut changed: Vec<Mat<f64>> = parts.iter().map(changed).collect();
-        let first = changed.iter().map(|changed| solved.transpose() * changed).collect();
+        let changes = changed.iter().map(|changed| solved.transpose() * changed).collect();
         changed.iter_mut().for_each(|changed| self.whiten(changed));
-        let second =
+        let traces =
             Mat::from_fn(parts.len(), parts.len(), |a, b| trace_of_transposed(&changed[a], &changed[b]));
-        AlongCurve { first, second }
+        AlongCurve { changes, traces }
     }
 
     /// What the likelihood needs of the derivatives of Σ by `parts`, for the residuals r.
@@ -158,9 +158,9 @@ impl CovarianceDerivatives {
 #[derive(Debug)]
 pub(super) struct AlongCurve {
     /// ZᵀΣ_bZ.
-    pub first: Vec<Mat<f64>>,
+    pub changes: Vec<Mat<f64>>,
     /// tr(ZᵀΣ_aΣ⁻¹Σ_bZ).
-    pub second: Mat<f64>,
+    pub traces: Mat<f64>,
 }
 
 /// tr P_a and tr(P_a P_b).

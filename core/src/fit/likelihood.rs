@@ -439,7 +439,7 @@ impl Likelihood {
         let Some(restricted) = &self.restricted else { return };
         let Some(standardised) = restricted.standardised(trial.covariances()) else { return };
         let count = standardised[0].ncols();
-        let mut first = vec![Mat::zeros(count, count); self.free.len()];
+        let mut changes = vec![Mat::zeros(count, count); self.free.len()];
         for (c, (point, derivatives)) in trial.curves.iter().zip(&standardised).enumerate() {
             let shares = self.shares(c);
             let mut parts: Vec<ErrorPart> = shares.iter().map(|share| share.1).collect();
@@ -447,16 +447,16 @@ impl Likelihood {
             let along = point.covariance.along_curve(&self.fit.curves[c].positions, &parts, derivatives);
             let number = |part: ErrorPart| parts.iter().position(|other| *other == part).unwrap_or(0);
             for &(a, part, power) in &shares {
-                first[a] += &along.first[number(part)] * faer::Scale(power);
+                changes[a] += &along.changes[number(part)] * faer::Scale(power);
                 for &(b, other, other_power) in &shares {
-                    let second = along.second[(number(part), number(other))];
-                    score.information[(a, b)] -= power * other_power * second;
+                    let trace = along.traces[(number(part), number(other))];
+                    score.information[(a, b)] -= power * other_power * trace;
                 }
             }
         }
-        for (a, of) in first.iter().enumerate() {
+        for (a, of) in changes.iter().enumerate() {
             score.slope[(a, 0)] -= 0.5 * (0..count).map(|i| of[(i, i)]).sum::<f64>();
-            for (b, other) in first.iter().enumerate() {
+            for (b, other) in changes.iter().enumerate() {
                 score.information[(a, b)] += 0.5 * trace_of_product(of, other);
             }
         }

@@ -12,6 +12,7 @@ use super::estimates::Ended;
 use super::free::Role;
 use super::likelihood::Errors;
 use super::matrix;
+use super::restricted::Restricted;
 
 impl Ended {
     /// Adds to the covariance of the coordinates what follows from the kurtosis of the whitened residuals.
@@ -19,7 +20,9 @@ impl Ended {
         let along = self.common_size();
         let information = matrix::inner(&along, &(&self.optimum.score.information * &along));
         if information > 0.0 {
-            let excess = excess_kurtosis(self.optimum.trial.curves.iter().map(|curve| &curve.whitened));
+            let fitted = self.likelihood.restricted.as_ref().map_or(0, Restricted::count);
+            let residuals = self.optimum.trial.curves.iter().map(|curve| &curve.whitened);
+            let excess = excess_kurtosis(residuals, fitted as f64);
             *covariance += &along * along.transpose() * faer::Scale(0.5 * excess / information);
         }
     }
@@ -49,15 +52,15 @@ impl Ended {
     }
 }
 
-/// κ = Σz⁴/Σz² − 3 of whitened residuals, but not below 0: residuals of readings without any noise do not count. A sample of normal
-/// ones has as many below as above 0, up to √(24/n).
-fn excess_kurtosis<'a>(curves: impl Iterator<Item = &'a Mat<f64>>) -> f64 {
+/// κ = nΣz⁴/(Σz²)² − 3 of whitened residuals, but not below 0. Σz² = n − p where p numbers follow the errors, so that n is Σz² + p:
+/// residuals of readings without any noise do not count. A sample of normal ones has as many below as above 0, up to √(24/n).
+fn excess_kurtosis<'a>(curves: impl Iterator<Item = &'a Mat<f64>>, fitted: f64) -> f64 {
     let squares = |whitened: &Mat<f64>| {
         let squares = (0..whitened.nrows()).map(|i| whitened[(i, 0)] * whitened[(i, 0)]);
         squares.fold([0.0, 0.0], |[two, four], square| [two + square, four + square * square])
     };
     let [two, four] = curves.map(squares).fold([0.0, 0.0], |all, one| [all[0] + one[0], all[1] + one[1]]);
-    if two > 0.0 { (four / two - 3.0).max(0.0) } else { 0.0 }
+    if two > 0.0 { ((two + fitted) * four / (two * two) - 3.0).max(0.0) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -69,10 +72,21 @@ mod tests {
         let column = |values: &[f64]| Mat::from_fn(values.len(), 1, |i, _| values[i]);
         // Five residuals of variance 1 with one large one: (16 + 4 · 1/16)/5 − 3 would be 0.25, rounding aside.
         let noisy = column(&[2.0, 0.5, -0.5, 0.5, -0.5]);
-        let with = |exact: usize| excess_kurtosis([&noisy, &Mat::zeros(exact, 1)].into_iter());
+        let with = |exact: usize| excess_kurtosis([&noisy, &Mat::zeros(exact, 1)].into_iter(), 0.0);
         assert!((with(0) - 0.25).abs() < 1e-14, "{}", with(0));
         assert_eq!(with(20), with(0));
-        assert_eq!(excess_kurtosis([&column(&[1.0, -1.0, 1.0])].into_iter()), 0.0);
-        assert_eq!(excess_kurtosis([&Mat::zeros(3, 1)].into_iter()), 0.0);
+        assert_eq!(excess_kurtosis([&column(&[1.0, -1.0, 1.0])].into_iter(), 0.0), 0.0);
+        assert_eq!(excess_kurtosis([&Mat::zeros(3, 1)].into_iter(), 0.0), 0.0);
+    }
+
+    /// Of residuals that a fit has made smaller as a whole, n = 20 and p = 5, the kurtosis is that of their errors.
+    #[test]
+    fn the_kurtosis_is_that_of_residuals_of_any_size() {
+        let errors = [3.0, 0.5, -1.0, 0.5].map(|z| z * (4.0_f64 / 10.5).sqrt());
+        let times = |size: f64| Mat::from_fn(20, 1, |i, _| size * errors[i % 4]);
+        let [whole, smaller] = [(times(1.0), 0.0), (times(0.75_f64.sqrt()), 5.0)]
+            .map(|(z, p)| excess_kurtosis([&z].into_iter(), p));
+        // n Σz⁴/(Σz²)² of 3, ½, 1, ½: 4 · 82.125/10.5².
+        assert!((whole - smaller).abs() < 1e-14 && (whole + 3.0 - 4.0 * 82.125 / 110.25).abs() < 1e-14);
     }
 }

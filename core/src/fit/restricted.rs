@@ -55,6 +55,11 @@ impl Restricted {
         })
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.known.nrows()
+    }
+
     /// M = JᵀΣ⁻¹J + Π.
     fn information<'a>(&self, covariances: impl Iterator<Item = &'a ErrorCovariance>) -> Mat<f64> {
         let mut sum = self.known.clone();
@@ -69,7 +74,7 @@ impl Restricted {
     /// ln |M|; `None` if M is not positive definite.
     pub fn log_determinant<'a>(&self, covariances: impl Iterator<Item = &'a ErrorCovariance>) -> Option<f64> {
         let factor = self.information(covariances).llt(Side::Lower).ok()?;
-        Some(2.0 * (0..self.known.nrows()).map(|i| factor.L()[(i, i)].ln()).sum::<f64>())
+        Some(2.0 * (0..self.count()).map(|i| factor.L()[(i, i)].ln()).sum::<f64>())
     }
 
     /// The derivatives of each curve by combinations of which M is the unit matrix: JL⁻ᵀ, M = LLᵀ.

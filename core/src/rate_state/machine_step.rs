@@ -197,9 +197,8 @@ impl StepCurve<'_> {
         let Some((values, squares)) = best else {
             return Err(Error::invalid(
                 "force",
-                "a velocity step that rate-and-state friction describes, behind a spring that is soft enough for its motion to be \
-                 integrated",
-                "another curve, or too many steps",
+                "a velocity step that rate-and-state friction describes behind this spring",
+                "another curve: in every fit the slider runs away",
             ));
         };
         let mut states = states_of(&values);

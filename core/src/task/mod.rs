@@ -311,7 +311,8 @@ fn compare_points(
     record: &mut Record,
 ) -> Comparison {
     let (places, forces) = curve.points();
-    let residuals = forces.iter().zip(computed).map(|(force, computed)| computed.map(|computed| force - computed));
+    let residuals =
+        forces.iter().zip(computed).map(|(force, computed)| computed.map(|computed| force - computed));
     let residuals: Vec<Option<f64>> = residuals.collect();
     let (points, squares) = residuals.iter().flatten().fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
     record.add(along, places.to_vec());
