@@ -186,7 +186,7 @@ fn a_compliance_is_found_from_the_drive() {
     let compliance = 1e-4;
     let drive = slider.iter().zip(&forces).map(|(x, force)| x + compliance * force).collect();
     let machine = Machine { compliance: 2e-4, ..Machine::default() };
-    let measurement = Measurement { positions: drive, forces, machine };
+    let measurement = Measurement { machine, ..Measurement::new(drive, forces) };
     let guess = MasterEquation::new(contacts(1900.0, [1.05, 0.33], spread()), &Initial::default()).unwrap();
     let white = ErrorModel { contacts: false, ..ErrorModel::default() };
     let free = ["thresholds.mean", "thresholds.std", "count", "compliance"];

@@ -61,8 +61,9 @@ pub fn curves(
         return Err(error::invalid("force", &expected, format!("those of {}", forces.len())));
     }
     let measured = |(positions, forces)| {
-        let mut averaged =
-            Measurement { positions, forces, machine }.average(average).map_err(error::core)?;
+        let mut averaged = Measurement { machine, ..Measurement::new(positions, forces) }
+            .average(average)
+            .map_err(error::core)?;
         if matches!(compliance, Compliance::Free) {
             averaged.machine.compliance = averaged.first_compliance(stiffness);
         }

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
+use super::Measurement;
 use super::hierarchical::{Factor, Hierarchical};
 
 /// Errors of the elements of a covariance that count as none, in multiples of the variance of the independent error of a reading:
@@ -32,7 +33,8 @@ pub(super) enum ErrorPart {
     DriftLength,
 }
 
-/// The covariance of the errors of a curve, Σ = a C + σ² + A² exp(−|y − y'|/ℓ), with its Cholesky factor.
+/// The covariance of the errors of a curve, Σ = a C + σ² + A² exp(−|y − y'|/ℓ), with its Cholesky factor. For the variance of a mean of
+/// readings, |y − y'| is their mean distance, short beside ℓ.
 #[derive(Debug)]
 pub(super) enum ErrorCovariance {
     /// Independent errors of this standard deviation.
@@ -53,13 +55,13 @@ pub(super) struct DenseCovariance {
 
 impl ErrorCovariance {
     /// The covariance of errors of these sizes; `None` if it is not positive definite.
-    pub fn new(positions: &[f64], noise: Option<&Hierarchical>, sizes: ErrorSizes) -> Option<Self> {
+    pub fn new(measured: &Measurement, noise: Option<&Hierarchical>, sizes: ErrorSizes) -> Option<Self> {
         let [amplitude, length] = sizes.drift;
         let variance = sizes.reading * sizes.reading;
         let tolerance = NEGLIGIBLE * variance;
         let (covariance, drift) = if amplitude > 0.0 {
-            let n = positions.len();
-            let correlation = |i: usize, j: usize| (-(positions[i] - positions[j]).abs() / length).exp();
+            let n = measured.positions.len();
+            let correlation = |i: usize, j: usize| (-measured.distance(i, j) / length).exp();
             let drift = Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j));
             let mut both = drift.clone();
             if let Some(noise) = noise {
@@ -99,7 +101,12 @@ impl ErrorCovariance {
     }
 
     /// What the restricted likelihood needs of the derivatives of Σ by `parts`, for the derivatives J of a curve.
-    pub fn along_curve(&self, positions: &[f64], parts: &[ErrorPart], derivatives: &Mat<f64>) -> AlongCurve {
+    pub fn along_curve(
+        &self,
+        measured: &Measurement,
+        parts: &[ErrorPart],
+        derivatives: &Mat<f64>,
+    ) -> AlongCurve {
         let mut solved = derivatives.clone();
         self.solve(&mut solved);
         let changed = |part: &ErrorPart| match self {
@@ -107,7 +114,7 @@ impl ErrorCovariance {
                 &solved * faer::Scale(2.0 * reading * reading)
             }
             Self::White(_) => Mat::zeros(solved.nrows(), solved.ncols()),
-            Self::Dense(dense) => dense.changed(*part, positions, (derivatives, &solved)),
+            Self::Dense(dense) => dense.changed(*part, measured, (derivatives, &solved)),
         };
         let mut changed: Vec<Mat<f64>> = parts.iter().map(changed).collect();
         let changes = changed.iter().map(|changed| solved.transpose() * changed).collect();
@@ -120,13 +127,13 @@ impl ErrorCovariance {
     /// What the likelihood needs of the derivatives of Σ by `parts`, for the residuals r.
     pub fn derivatives(
         &self,
-        positions: &[f64],
+        measured: &Measurement,
         parts: &[ErrorPart],
         residuals: &Mat<f64>,
     ) -> CovarianceDerivatives {
         match self {
             Self::White(reading) => CovarianceDerivatives::white(*reading, parts, residuals),
-            Self::Dense(dense) => dense.derivatives(positions, parts, residuals),
+            Self::Dense(dense) => dense.derivatives(measured, parts, residuals),
         }
     }
 }
@@ -173,17 +180,17 @@ struct Traces {
 impl DenseCovariance {
     fn derivatives(
         &self,
-        positions: &[f64],
+        measured: &Measurement,
         parts: &[ErrorPart],
         residuals: &Mat<f64>,
     ) -> CovarianceDerivatives {
         let mut z = residuals.clone();
         self.factor.solve(z.as_mut());
         let misfit =
-            |part: &ErrorPart| trace_of_transposed(&z, &self.changed(*part, positions, (residuals, &z)));
+            |part: &ErrorPart| trace_of_transposed(&z, &self.changed(*part, measured, (residuals, &z)));
         let traces = || match self.drift {
-            None => self.traces_without_drift(parts, positions.len()),
-            Some(_) => self.traces(parts, &self.factor.inverse(), positions),
+            None => self.traces_without_drift(parts, measured.positions.len()),
+            Some(_) => self.traces(parts, &self.factor.inverse(), measured),
         };
         let (of, traces) = self.traces.get_or_init(|| (parts.to_vec(), traces()));
         assert_eq!(of, parts, "the covariance of another likelihood");
@@ -195,7 +202,7 @@ impl DenseCovariance {
     fn changed(
         &self,
         part: ErrorPart,
-        positions: &[f64],
+        measured: &Measurement,
         (matrix, solved): (&Mat<f64>, &Mat<f64>),
     ) -> Mat<f64> {
         let white = || solved * faer::Scale(self.sizes.reading * self.sizes.reading);
@@ -205,14 +212,14 @@ impl DenseCovariance {
             ErrorPart::Noise => matrix - white() - slow(),
             ErrorPart::Reading => white() * faer::Scale(2.0),
             ErrorPart::DriftAmplitude => slow() * faer::Scale(2.0),
-            ErrorPart::DriftLength => product(self.lengthened(positions).as_ref(), solved),
+            ErrorPart::DriftLength => product(self.lengthened(measured).as_ref(), solved),
         }
     }
 
-    fn traces(&self, parts: &[ErrorPart], inverse: &Mat<f64>, positions: &[f64]) -> Traces {
-        let (n, count) = (positions.len(), parts.len());
+    fn traces(&self, parts: &[ErrorPart], inverse: &Mat<f64>, measured: &Measurement) -> Traces {
+        let (n, count) = (measured.positions.len(), parts.len());
         let relative: Vec<Mat<f64>> =
-            parts.iter().map(|&part| self.relative(part, inverse, positions)).collect();
+            parts.iter().map(|&part| self.relative(part, inverse, measured)).collect();
         let trace = |relative: &Mat<f64>| (0..n).map(|i| relative[(i, i)]).sum();
         let mut double = Mat::zeros(count, count);
         for a in 0..count {
@@ -245,7 +252,7 @@ impl DenseCovariance {
     }
 
     /// Σ⁻¹ ∂Σ/∂b. The parts add up to Σ, so that the largest one follows from the others.
-    fn relative(&self, part: ErrorPart, inverse: &Mat<f64>, positions: &[f64]) -> Mat<f64> {
+    fn relative(&self, part: ErrorPart, inverse: &Mat<f64>, measured: &Measurement) -> Mat<f64> {
         let variance = self.sizes.reading * self.sizes.reading;
         match part {
             ErrorPart::Reading => inverse * faer::Scale(2.0 * variance),
@@ -253,9 +260,9 @@ impl DenseCovariance {
                 .drift
                 .as_ref()
                 .map_or_else(|| Mat::zeros(0, 0), |drift| inverse * drift * faer::Scale(2.0)),
-            ErrorPart::DriftLength => inverse * self.lengthened(positions),
+            ErrorPart::DriftLength => inverse * self.lengthened(measured),
             ErrorPart::Noise => {
-                let n = positions.len();
+                let n = measured.positions.len();
                 let mut rest = inverse * faer::Scale(-variance);
                 if let Some(drift) = &self.drift {
                     rest -= inverse * drift;
@@ -269,11 +276,11 @@ impl DenseCovariance {
     }
 
     /// The derivative of the covariance of the drift by ln ℓ.
-    fn lengthened(&self, positions: &[f64]) -> Mat<f64> {
-        let n = positions.len();
+    fn lengthened(&self, measured: &Measurement) -> Mat<f64> {
+        let n = measured.positions.len();
         let length = self.sizes.drift[1];
         let Some(drift) = &self.drift else { return Mat::zeros(n, n) };
-        Mat::from_fn(n, n, |i, j| drift[(i, j)] * (positions[i] - positions[j]).abs() / length)
+        Mat::from_fn(n, n, |i, j| drift[(i, j)] * measured.distance(i, j) / length)
     }
 }
 

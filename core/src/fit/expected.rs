@@ -236,19 +236,37 @@ impl ExpectedReadings {
         slopes.map(|(slope, contacts)| contacts - self.machine.background * slope).collect()
     }
 
-    /// The covariance of the forces that follows from the finite number of contacts.
+    /// The covariance of the forces that follows from the finite number of contacts. That of means of neighbouring readings is the one
+    /// of single readings but for the variances, as it has a kink where two positions meet: E\[(F(X + d) − F(X))²\] is κd for short d,
+    /// with the rate κ of squared losses at breaks, so that C(X, X') is C(X, X) − κ|X − X'|/2 there.
     ///
     /// # Errors
     /// Those of [`Pull::covariance`].
-    pub fn noise(&self, monitor: &mut dyn Monitor) -> Result<Mat<f64>> {
+    pub fn noise(&self, measured: &Measurement, monitor: &mut dyn Monitor) -> Result<Mat<f64>> {
         let inside: Vec<f64> = self.driven.positions.iter().map(|x| x.max(0.0)).collect();
         let FittedContacts { equation, pull, .. } = &*self.contacts;
         let covariance: Covariance = pull.covariance_with(&inside, equation.contacts().count, monitor)?;
         let n = inside.len();
         let followed = &self.driven.followed;
         // Columns of the matrix are rows of the covariance, which is symmetric and kept row by row.
-        Ok(Mat::from_fn(n, n, |i, j| covariance.at(j, i) * followed[i] * followed[j]))
+        let mut noise = Mat::from_fn(n, n, |i, j| covariance.at(j, i) * followed[i] * followed[j]);
+        for i in (0..n).filter(|&i| measured.distance(i, i) > 0.0) {
+            let spread = followed[i] * measured.distance(i, i);
+            noise[(i, i)] -= 0.5 * rate_of_squares(&covariance, &inside, i) * spread * followed[i].powi(2);
+        }
+        Ok(noise)
     }
+}
+
+/// κ at one of at least three rising positions, by the squared changes between it and its neighbours: those over two intervals show
+/// what is not linear in their length.
+fn rate_of_squares(covariance: &Covariance, positions: &[f64], i: usize) -> f64 {
+    let Some(last) = positions.len().checked_sub(2).filter(|&last| last > 0) else { return 0.0 };
+    let i = i.clamp(1, last);
+    let square = |a: usize, b: usize| covariance.at(a, a) + covariance.at(b, b) - 2.0 * covariance.at(a, b);
+    let (one, two) = (0.5 * (square(i - 1, i) + square(i, i + 1)), square(i - 1, i + 1));
+    let length = positions[i + 1] - positions[i - 1];
+    if length > 0.0 { (4.0 * one - two).max(0.0) / length } else { 0.0 }
 }
 
 /// Largest relative width of thresholds that a search tries, and the factor above that of the first values: no curve shows how much

@@ -256,14 +256,14 @@ impl Likelihood {
         residuals: Mat<f64>,
         sizes: ErrorSizes,
     ) -> Option<CurvePoint> {
-        let positions = &self.fit.curves[curve].positions;
+        let measured = &self.fit.curves[curve];
         let covariance = match &self.errors {
             Errors::Modelled(Some(noise)) => {
-                let made = || ErrorCovariance::new(positions, Some(&noise.covariances[curve]), sizes);
+                let made = || ErrorCovariance::new(measured, Some(&noise.covariances[curve]), sizes);
                 noise.last.of((curve, sizes), made)?
             }
             Errors::Modelled(None) | Errors::ProfiledWhite { .. } | Errors::RenewedWhite { .. } => {
-                Arc::new(ErrorCovariance::new(positions, None, sizes)?)
+                Arc::new(ErrorCovariance::new(measured, None, sizes)?)
             }
         };
         let mut whitened = residuals.clone();
@@ -421,8 +421,8 @@ impl Likelihood {
         }
         let mut parts: Vec<ErrorPart> = shares.iter().map(|share| share.1).collect();
         parts.dedup();
-        let positions = &self.fit.curves[curve].positions;
-        let of_errors = point.covariance.derivatives(positions, &parts, &point.residuals);
+        let measured = &self.fit.curves[curve];
+        let of_errors = point.covariance.derivatives(measured, &parts, &point.residuals);
         let number = |part: ErrorPart| parts.iter().position(|other| *other == part).unwrap_or(0);
         for &(a, part, power) in &shares {
             slope[(a, 0)] += power * of_errors.slope[number(part)];
@@ -444,7 +444,7 @@ impl Likelihood {
             let shares = self.shares(c);
             let mut parts: Vec<ErrorPart> = shares.iter().map(|share| share.1).collect();
             parts.dedup();
-            let along = point.covariance.along_curve(&self.fit.curves[c].positions, &parts, derivatives);
+            let along = point.covariance.along_curve(&self.fit.curves[c], &parts, derivatives);
             let number = |part: ErrorPart| parts.iter().position(|other| *other == part).unwrap_or(0);
             for &(a, part, power) in &shares {
                 changes[a] += &along.changes[number(part)] * faer::Scale(power);

@@ -1,5 +1,7 @@
 //! What was measured: a curve of force, the machine that measured it, and the errors of its readings.
 
+use std::ops::Range;
+
 use crate::error::{not_negative, positive};
 use crate::{Error, Result};
 
@@ -12,6 +14,9 @@ pub struct Measurement {
     pub forces: Vec<f64>,
     /// The machine.
     pub machine: Machine,
+    /// Of readings that are means of neighbouring ones, the mean distance of two of these, each reading from itself among them; empty
+    /// for single readings. A mean has less of the noise of contacts, which changes with every break.
+    pub spreads: Vec<f64>,
 }
 
 /// The machine that measures: how a reading follows from the force F on the contacts and the position X of the slider,
@@ -53,7 +58,7 @@ impl Default for ErrorModel {
 impl Measurement {
     /// A curve of force against the position of the slider.
     pub fn new(positions: Vec<f64>, forces: Vec<f64>) -> Self {
-        Self { positions, forces, machine: Machine::default() }
+        Self { positions, forces, ..Self::default() }
     }
 
     /// The readings at positions from `from` to `to`.
@@ -61,9 +66,18 @@ impl Measurement {
     pub fn within(&self, [from, to]: [f64; 2]) -> Self {
         let inside = |&i: &usize| (from..=to).contains(&self.positions[i]);
         let kept: Vec<usize> = (0..self.positions.len()).filter(inside).collect();
-        let positions = kept.iter().map(|&i| self.positions[i]).collect();
-        let forces = kept.iter().filter_map(|&i| self.forces.get(i).copied()).collect();
-        Self { positions, forces, machine: self.machine }
+        let of = |values: &[f64]| kept.iter().filter_map(|&i| values.get(i).copied()).collect();
+        self.of_readings(of)
+    }
+
+    /// The measurement of other readings, by what is left of a number of each.
+    fn of_readings(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self {
+            positions: of(&self.positions),
+            forces: of(&self.forces),
+            machine: self.machine,
+            spreads: of(&self.spreads),
+        }
     }
 
     /// The same with every `count` neighbouring readings replaced by their mean, of positions and of forces; the last readings,
@@ -81,13 +95,34 @@ impl Measurement {
         self.check()?;
         let mean = |group: &[f64]| group.iter().sum::<f64>() / group.len() as f64;
         let means = |values: &[f64]| values.chunks(count).map(mean).collect();
-        Ok(Self { positions: means(&self.positions), forces: means(&self.forces), machine: self.machine })
+        let groups = (0..self.positions.len()).step_by(count);
+        let spreads = groups.map(|first| self.spread_of(first..self.positions.len().min(first + count)));
+        let spreads = if count > 1 { spreads.collect() } else { self.spreads.clone() };
+        Ok(Self {
+            positions: means(&self.positions),
+            forces: means(&self.forces),
+            machine: self.machine,
+            spreads,
+        })
+    }
+
+    /// The mean distance of two of these readings.
+    fn spread_of(&self, group: Range<usize>) -> f64 {
+        let pairs = group.clone().flat_map(|i| group.clone().map(move |j| self.distance(i, j)));
+        pairs.sum::<f64>() / (group.len() * group.len()) as f64
+    }
+
+    /// The distance of two readings, or the mean distance of those that a reading is the mean of.
+    pub(super) fn distance(&self, i: usize, j: usize) -> f64 {
+        if i == j {
+            return self.spreads.get(i).copied().unwrap_or(0.0);
+        }
+        (self.positions[i] - self.positions[j]).abs()
     }
 
     /// Every `every`-th reading.
     pub(super) fn thinned(&self, every: usize) -> Self {
-        let of = |values: &[f64]| values.iter().skip(every - 1).step_by(every).copied().collect();
-        Self { positions: of(&self.positions), forces: of(&self.forces), machine: self.machine }
+        self.of_readings(|values| values.iter().skip(every - 1).step_by(every).copied().collect())
     }
 
     /// A first value of a compliance that is not known, for contacts of the stiffness N⟨k⟩ = K together: the steepest mean
@@ -182,7 +217,14 @@ mod tests {
         let measured = Measurement::new(vec![1.0, 2.0, 4.0, 5.0, 7.0], vec![2.0, 4.0, 1.0, 0.0, 3.0]);
         let averaged = measured.average(2).unwrap();
         // By hand; these sums are exact.
-        assert_eq!((averaged.positions, averaged.forces), (vec![1.5, 4.5, 7.0], vec![3.0, 0.5, 3.0]));
+        let Measurement { positions, forces, spreads, .. } = averaged.clone();
+        assert_eq!((positions, forces), (vec![1.5, 4.5, 7.0], vec![3.0, 0.5, 3.0]));
+        // Of four pairs, two are a reading with itself.
+        assert_eq!(spreads, [0.5, 0.5, 0.0]);
+        let once = measured.average(4).unwrap().spreads;
+        let twice = averaged.average(2).unwrap().spreads;
+        // 2 (1 + 3 + 4 + 2 + 3 + 1)/16 of all pairs; the means of pairs are 3 apart, and so are theirs on average.
+        assert_eq!((once[0], twice[0]), (1.75, (2.0 * 3.0 + 0.5 + 0.5) / 4.0));
         assert_eq!(measured.average(1).unwrap(), measured);
         let planned = Measurement::new(measured.positions.clone(), Vec::new());
         assert_eq!(planned.average(5).unwrap().positions, [3.8]);

@@ -92,7 +92,8 @@ impl Fit {
         let share = 1.0 / readings.len() as f64;
         let tolerance = NEGLIGIBLE * self.smallest_reading().powi(2);
         let of_curve = |(c, readings): (usize, &ExpectedReadings)| {
-            let covariance = readings.noise(&mut Part::new(monitor, c as f64 * share, share))?;
+            let covariance =
+                readings.noise(&self.curves[c], &mut Part::new(monitor, c as f64 * share, share))?;
             Ok(Hierarchical::new(covariance.as_ref(), tolerance))
         };
         let covariances = readings.iter().enumerate().map(of_curve).collect::<Result<_>>()?;

@@ -48,7 +48,7 @@ impl Estimates {
         let numbers = (likelihood.free.as_slice(), values.as_slice());
         let rising = order.iter().map(|&i| positions[i]).collect();
         let machine = self.curves()[curve].machine;
-        let asked = Measurement { positions: rising, forces: Vec::new(), machine };
+        let asked = Measurement { positions: rising, machine, ..Measurement::default() };
         let part = &mut Part::new(monitor, 0.0, 0.5);
         let found = ExpectedReadings::of_curve((curve, &asked), &likelihood.fit.equation, numbers, part)?;
         let found = found.ok_or_else(|| {

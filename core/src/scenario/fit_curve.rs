@@ -188,7 +188,8 @@ impl FitCurve {
         if let Some(FitCompliance::Value(compliance)) = self.compliance {
             machine.compliance = compliance;
         }
-        let all = Measurement { positions, forces: self.force.clone().unwrap_or_default(), machine };
+        let forces = self.force.clone().unwrap_or_default();
+        let all = Measurement { positions, forces, machine, ..Measurement::default() };
         all.check()?;
         let inside = self.range.map_or_else(|| all.clone(), |range| all.within(range));
         if inside.positions.is_empty() {
