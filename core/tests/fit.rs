@@ -303,6 +303,28 @@ fn of_a_machine_that_is_stiff_only_a_limit_of_the_compliance_is_known() {
     }
 }
 
+/// What is no curve of contacts near the first values is refused before any search.
+#[test]
+fn forces_of_the_wrong_sign_constant_ones_and_other_units_are_refused() {
+    let positions = positions(60, 3.0);
+    let forces = simulated(&positions, 1);
+    let scaled = |values: &[f64], factor: f64| values.iter().map(|value| factor * value).collect::<Vec<_>>();
+    let names = TRUE.map(|number| number.0);
+    for (positions, forces, words) in [
+        (positions.clone(), scaled(&forces, -1.0), "force: expected forces above 0 on average"),
+        (positions.clone(), vec![7.0; 60], "force: expected forces that change, got 7 alone"),
+        (scaled(&positions, 1e-6), forces.clone(), "position: expected positions beyond 0.0009"),
+    ] {
+        let error = fit(&positions, forces).free(names).run().unwrap_err().to_string();
+        assert!(error.starts_with(words), "{error}");
+    }
+    // A sensor may have any zero.
+    let shifted = forces.iter().map(|force| force - 3000.0).collect();
+    let found = fit(&positions, shifted).free(names.into_iter().chain(["offset"])).run().unwrap();
+    let offset = found.estimate("offset").unwrap();
+    assert!((offset.value + 3000.0).abs() < 5.0 * offset.error, "{offset:?}");
+}
+
 #[test]
 fn what_a_curve_does_not_determine_is_refused_with_the_direction() {
     let positions = positions(100, 4.0);
@@ -852,4 +874,26 @@ fn a_free_form_in_independent_errors_has_two_modes() {
     assert!((form.estimates.reading / 4.0 - 1.0).abs() < 0.32, "{}", form.estimates.reading);
     let error = form.mean.error;
     assert!((form.mean.value - 0.99).abs() < 4.0 * error && error < 0.02, "{:?}", form.mean);
+}
+
+/// Beyond all thresholds a curve shows hardly more than that there are none.
+#[test]
+fn a_free_form_does_not_rise_far_from_what_the_curve_shows() {
+    let mode = |mean: f64, std: f64| -> SharedLaw { Arc::new(Gaussian::new(mean, std).unwrap()) };
+    let modes = Mixture::new(vec![(0.5, mode(0.6, 0.08)), (0.5, mode(1.4, 0.12))]).unwrap();
+    let reforming = Arc::new(Point::new(0.0).unwrap());
+    let truth = Contacts { count: 5000.0, ..Contacts::new(Arc::new(modes), reforming.clone()) };
+    let positions = positions(200, 4.0);
+    let ensemble = Ensemble::new(truth, Initial::default(), 5000, 2, Disorder::Annealed).unwrap();
+    let forces = drifting((&positions, &ensemble.pull(&positions).unwrap().force), (5.0, [0.0, 1.0]), 2);
+    let guess = contacts(4000.0, [1.2, 0.4], reforming);
+    let guess = MasterEquation::new(guess, &Initial::default()).unwrap();
+    let names = TRUE.map(|number| number.0);
+    let found = Fit::new(guess, Measurement::new(positions, forces)).free(names).run().unwrap();
+    let band = found.free_form(36, &mut ()).unwrap().table().unwrap();
+    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    // The upper ends of the modes are within a fifth of the density; the tail, known within a factor of 400, is below some times it.
+    assert!(most(&band.high) < 20.0 * most(&band.density), "{}", most(&band.high));
+    let last = band.density.len() - 1;
+    assert!(band.density[last] < 1e-2 && band.thresholds[last] < 4.0, "{:?}", band.thresholds[last]);
 }

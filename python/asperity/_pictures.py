@@ -442,7 +442,8 @@ def free_form(record: "Record", ax: "Axes", **style: Any) -> None:
     (line,) = ax.plot(x, record["free_form_density"], **style)
     band = (record["free_form_density_low"], record["free_form_density_high"])
     ax.fill_between(x, *band, color=line.get_color(), alpha=0.2, linewidth=0)
-    ax.set_ylim(bottom=0.0)
+    # Where nothing is known the interval may go far beyond.
+    ax.set_ylim(0.0, 2.0 * record["free_form_density"].max())
     named(record, ax, ("free_form_threshold", "x"), ("free_form_density", "P_c"))
 
 

@@ -16,6 +16,10 @@ MOST = 1000
 """Items of a list that are printed, as many as NumPy prints."""
 
 
+UNLIKELY = 1e-3
+"""The probability below which residuals are not those of the assumed noise."""
+
+
 def text(name: str, arguments: Mapping[str, object]) -> str:
     """The Python code that creates a description, except for lists too long to print."""
     return f"{name}({', '.join(f'{key}={item(value)}' for key, value in arguments.items())})"
@@ -138,6 +142,11 @@ def velocity_step(step: "VelocityStep") -> str:
     shown = {name: estimate(value) for name, value in rows.items() if value is not None}
     rest = {"peak": f"{step.peak:.6g}", "residual": f"{step.residual:.3g}"}
     noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}"}
+    if step.whiteness is not None:
+        doubt = (
+            "" if step.whiteness >= UNLIKELY else "; errors are not reliable: the noise is not of this kind"
+        )
+        noises["whiteness"] = f"p = {step.whiteness:.2g}{doubt}"
     return listed("<asperity.VelocityStep>", {**shown, **rest, **noises})
 
 

@@ -746,6 +746,21 @@ class FreeForm(NamedTuple):
     cumulative_error: "NDArray[np.float64]"
     """Its standard error."""
 
+    def __repr__(self) -> str:
+        from asperity import _show
+
+        shown = {
+            name: f"{one.value:.5g} ± {one.error:.2g}"
+            for name, one in (("mean", self.mean), ("std", self.std))
+        }
+        shown["effective"] = f"{self.effective:.1f} parameters beyond a Gaussian"
+        if not self.converged:
+            shown["converged"] = "False"
+        shown["density"] = (
+            f"at {len(self.threshold)} thresholds from {self.threshold[0]:.4g} to {self.threshold[-1]:.4g}"
+        )
+        return _show.listed("<asperity.FreeForm>", shown)
+
     def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
         """Plots the density with its interval of 95 %; it needs matplotlib.
 
@@ -771,7 +786,8 @@ class FreeForm(NamedTuple):
         ax = _plot.lines([(self.threshold, self.density, None)], ("x", "P_c"), ax, **style)
         color = ax.lines[-1].get_color()
         ax.fill_between(self.threshold, self.low, self.high, color=color, alpha=0.2, linewidth=0)
-        ax.set_ylim(bottom=0.0)
+        # Where nothing is known the interval may go far beyond.
+        ax.set_ylim(0.0, 2.0 * self.density.max())
         return ax
 
 

@@ -47,7 +47,7 @@ use crate::{typed, values};
 /// ValueError
 ///     For fewer than 4 holds, holds, a velocity, a stiffness or a that are not above 0, another number of forces than of
 ///     holds, numbers that are not finite, another word as law, neither a nor held, and forces that do not differ from F_0
-///     or that rate-and-state friction does not describe.
+///     or for which the slider runs away in every fit. The misfit tells whether other forces are described.
 ///
 /// Examples
 /// --------

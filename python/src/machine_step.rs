@@ -59,7 +59,8 @@ pub fn law_of(law: Argument<String>) -> PyResult<StateLaw> {
 /// ValueError
 ///     For a ratio or a stiffness that is not above 0, a ratio of 1, another word as law, states other than 1 or 2,
 ///     lists of different lengths or with numbers that are not finite, displacements that do not rise, fewer than 8
-///     points after the step, and a force that is constant or that rate-and-state friction does not describe.
+///     points after the step, and a force that is constant, or for which the slider runs away in every fit. The misfit
+///     tells whether another force is described.
 ///
 /// Examples
 /// --------

@@ -619,6 +619,7 @@ def test_thresholds_of_free_form_agree_with_those_that_made_the_curve() -> None:
         free=("thresholds.mean", "thresholds.std", "count"),
     )
     form = found.free_form()
+    assert "parameters beyond a Gaussian" in repr(form)
     assert form.converged
     exact = TRUE.thresholds
     assert exact is not None

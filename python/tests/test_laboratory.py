@@ -251,7 +251,11 @@ def test_steps_of_a_laboratory(
     found = made.velocity_step(before=100.0, after=300.0, average=average)
     # The numbers of docs/time.md, to the digits that it shows.
     if weakens:
-        assert [round(one.value, 4) for one in (found.a, found.b, found.a_minus_b)] == [0.0074, 0.0075, -0.0001]
+        assert [round(one.value, 4) for one in (found.a, found.b, found.a_minus_b)] == [
+            0.0074,
+            0.0075,
+            -0.0001,
+        ]
         assert [round(found.distance.value, 1), round(found.distance.error, 1)] == [6.6, 0.5]
         assert round(found.peak, 1) == 7.6
     else:

@@ -123,7 +123,7 @@ fn posterior(reported: &PosteriorSummary) -> Vec<(String, String)> {
 }
 
 /// A probability with two digits.
-fn probability(p: f64) -> String {
+pub fn probability(p: f64) -> String {
     if p < 0.01 { format!("{p:.1e}") } else { format!("{p:.2}") }
 }
 

@@ -59,7 +59,11 @@ pub fn readable(summary: &Summary) -> String {
     }
     if let Some(compared) = summary.numbers.compare() {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {
-            format!("rms residual {} over {} points", value(rms, Quantity::Force), compared.points)
+            let points = match compared.measured {
+                all if all == compared.points => all.to_string(),
+                all => format!("{} of {all}", compared.points),
+            };
+            format!("rms residual {} over {points} points", value(rms, Quantity::Force))
         });
         lines.push(("compared curve", rms));
     }

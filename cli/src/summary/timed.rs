@@ -7,10 +7,13 @@ use asperity::task::summary::{
     SpringRateState, Summary,
 };
 
+use super::fit::probability;
 use super::{digits, fitted, with_unit};
 
 /// Largest number of steps that are listed.
 const LISTED: usize = 12;
+/// The probability below which residuals are not those of the assumed noise.
+const UNLIKELY: f64 = 1e-3;
 
 /// Adds lines in the form of the rest of the summary.
 pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
@@ -135,7 +138,7 @@ fn percent(fraction: f64) -> String {
 }
 
 /// The parameters of the compared curve, with their errors and what is left.
-fn measured(summary: &Summary, read: &MeasuredRateState) -> [(&'static str, String); 2] {
+fn measured(summary: &Summary, read: &MeasuredRateState) -> Vec<(&'static str, String)> {
     let with_error = |found: MeasuredValue, quantity| {
         fitted(summary, Fitted { value: found.value, error: found.error }, quantity)
     };
@@ -144,7 +147,7 @@ fn measured(summary: &Summary, read: &MeasuredRateState) -> [(&'static str, Stri
     let end = |end: Option<f64>| end.map_or("no limit".into(), |end| short(summary, end, Quantity::Length));
     let [low, high] = [read.distance.low, read.distance.high].map(end);
     let residual = short(summary, read.residual, Quantity::Force);
-    [
+    let mut lines = vec![
         ("  compared curve", format!("a = {}, b = {}, D_c = {distance}", force(read.a), force(read.b))),
         (
             "",
@@ -153,7 +156,16 @@ fn measured(summary: &Summary, read: &MeasuredRateState) -> [(&'static str, Stri
                 force(read.a_minus_b)
             ),
         ),
-    ]
+    ];
+    lines.extend(read.whiteness.map(|whiteness| ("", whitened(whiteness))));
+    lines
+}
+
+/// Whether the residuals are those of the noise from which errors follow.
+fn whitened(whiteness: f64) -> String {
+    let doubt =
+        if whiteness < UNLIKELY { ": errors are not reliable, the noise is not of this kind" } else { "" };
+    format!("whitened residuals white with p = {} (Ljung–Box){doubt}", probability(whiteness))
 }
 
 fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)> {

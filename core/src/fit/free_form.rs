@@ -54,6 +54,8 @@ pub struct ThresholdBand {
 
 /// Standard deviations of the thresholds to both sides of their mean that the density covers.
 const REACH: f64 = 8.0;
+/// Those beyond which it is expected to continue like the distribution of the fit before.
+const FAR: f64 = 4.0;
 /// First strength of the penalty, and the range to which it is confined.
 const STRENGTH: f64 = 10.0;
 const STRENGTHS: [f64; 2] = [0.01, 1e8];
@@ -68,8 +70,10 @@ impl Fit {
     /// deviations of the thresholds `found` by a fit with a distribution to both sides of their mean.
     ///
     /// Third differences of the coefficients are normal of variance 1/λ, so that what the curve does not determine is continued like a
-    /// Gaussian. λ is the most probable one (D. J. C. MacKay, Neural Comput. 4, 415 (1992)): λ Σ(Δ³θ)² = γ, the effective number
-    /// of parameters γ = K − 3 − λ tr V DᵀD, with V the covariance of the estimates. Errors hold at this λ.
+    /// Gaussian; those of kernels more than four standard deviations above the mean of `found` are normal about the values of
+    /// `found` besides, with a standard deviation of 3. λ is the most probable one (D. J. C. MacKay, Neural Comput. 4, 415
+    /// (1992)): λ Σ(Δ³θ)² = γ, the effective number of parameters γ = λ tr (Π⁻¹ − V) DᵀD, with Π the precision of what is known
+    /// beforehand and V the covariance of the estimates. Errors hold at this λ.
     ///
     /// # Errors
     /// Fewer than 12 coefficients; thresholds that are not free; those of [`Fit::run`].
@@ -81,14 +85,17 @@ impl Fit {
             let expected = "numbers of the thresholds, for thresholds of free form";
             return Err(Error::invalid("free", expected, self.free.join(", ")));
         }
-        let law = LogKernels::near(found.equation().contacts().thresholds.as_ref(), REACH, count)?;
+        let near = &found.equation().contacts().thresholds;
+        let law = LogKernels::near(near.as_ref(), REACH, count)?;
         let coefficients = law.coefficients().to_vec();
+        let is_far = |i: &usize| law.place(*i) > near.mean() + FAR * near.std();
+        let far = (0..count).filter(is_far).map(|i| (i, coefficients[i])).collect();
         let own = super::names_of(&law);
         let part = &mut Part::new(monitor, 0.0, 0.02);
         let mut fit = self.with_law((std::sync::Arc::new(law), own), part)?;
         fit.start_from(found, &mut Part::new(monitor, 0.02, 0.02))?;
         let level = coefficients.iter().sum::<f64>() / count as f64;
-        let smoothness = Smoothness { places: 0..count, strength: STRENGTH, level };
+        let smoothness = Smoothness { places: 0..count, strength: STRENGTH, level, far };
         let mut free = fit.free_parameters()?;
         if !fit.is_profiled() {
             free.extend(fit.free_errors_of(found));
@@ -279,7 +286,9 @@ impl FreeForm {
         let Some(smoothness) = ended.likelihood.smoothness.clone() else {
             unreachable!("the likelihood of a free form has a penalty")
         };
-        let effective = smoothness.effective(&ended.optimum.score.information, &ended.optimum.at_bound);
+        let known = smoothness.known(&ended.optimum.score.information, &ended.optimum.at_bound);
+        // A Gaussian has a mean and a width.
+        let effective = (smoothness.places.len() as f64 - known - 2.0).max(0.0);
         let first = &ended.likelihood.fit.equation.contacts().thresholds;
         let coordinates = ended.optimum.coordinates[smoothness.places.clone()].to_vec();
         let ends = [first.quantile(0.0), first.quantile(1.0)];

@@ -144,9 +144,8 @@ impl Likelihood {
     /// Number of free numbers; of thresholds of free form, as many as the curve determines at this information. The common level of
     /// their coefficients changes nothing.
     pub fn determined(&self, information: &Mat<f64>, at_bound: &[bool]) -> f64 {
-        let penalised = self.smoothness.as_ref().map_or(0.0, |smoothness| {
-            smoothness.count() as f64 + 1.0 - smoothness.effective(information, at_bound)
-        });
+        let penalised =
+            self.smoothness.as_ref().map_or(0.0, |smoothness| smoothness.known(information, at_bound));
         self.free.len() as f64 - penalised
     }
 

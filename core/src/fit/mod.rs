@@ -302,9 +302,47 @@ impl Fit {
             let expected = format!("{} readings or more for {} free numbers", free.len() + 2, free.len());
             return Err(Error::invalid("position", expected, n));
         }
+        self.refuse_other_units(&free)?;
         Ok(free)
     }
+
+    /// Refuses curves that no contacts near the first values make, before a long search ends nowhere.
+    fn refuse_other_units(&self, free: &[FreeParameter]) -> Result<()> {
+        let is_free = |names: &[&str]| free.iter().any(|one| names.contains(&one.quantity.as_str()));
+        let curves = || self.curves.iter().filter(|curve| !curve.forces.is_empty());
+        if let Some(curve) = curves().next()
+            && curves().all(|curve| curve.forces.iter().all(|force| *force == curve.forces[0]))
+        {
+            return Err(Error::invalid("force", "forces that change", format!("{} alone", curve.forces[0])));
+        }
+        for curve in curves().filter(|_| !is_free(&["offset", "background", "trend"])) {
+            let Machine { background, offset, trend, .. } = curve.machine;
+            let readings = curve.positions.iter().zip(&curve.forces);
+            let mean = readings.map(|(y, force)| force - background - offset - trend * y).sum::<f64>()
+                / curve.forces.len() as f64;
+            if mean < 0.0 {
+                let expected =
+                    "forces above 0 on average, as pulled contacts have, or offset among the free numbers";
+                return Err(Error::invalid("force", expected, format!("a mean of {mean}")));
+            }
+        }
+        let reach = |curve: &Measurement| curve.positions[curve.positions.len() - 1] - curve.machine.origin;
+        let farthest = self.curves.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
+        let mean = self.equation.contacts().thresholds.mean();
+        let moves = free.iter().any(|one| is_of_thresholds(&one.quantity)) && !is_free(&["origin"]);
+        if moves && farthest < SHORTEST * mean {
+            let expected = format!(
+                "positions beyond {}, a thousandth of the mean threshold {mean} of the first values: their units may differ",
+                SHORTEST * mean
+            );
+            return Err(Error::invalid("position", expected, format!("positions up to {farthest}")));
+        }
+        Ok(())
+    }
 }
+
+/// Shortest pull, in mean thresholds of the first values, that shows anything of thresholds.
+const SHORTEST: f64 = 1e-3;
 
 /// Whether a number belongs to the thresholds, of all curves.
 fn is_of_thresholds(name: &str) -> bool {

@@ -84,6 +84,12 @@ impl LogKernels {
         &self.coefficients
     }
 
+    /// The middle x_i of a kernel.
+    pub fn place(&self, number: usize) -> f64 {
+        let [low, high] = self.ends;
+        low + (number as f64 - BEYOND as f64) * (high - low) / cells(self.coefficients.len()) as f64
+    }
+
     /// The same distribution as a series of Legendre polynomials on each cell.
     pub fn series(&self) -> &Series {
         &self.series

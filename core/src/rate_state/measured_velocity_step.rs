@@ -238,6 +238,9 @@ fn check(position: &[f64], force: &[f64], ratio: f64, reading: &StepReading) -> 
     }
     finite("position", position)?;
     finite("force", force)?;
+    if let Some(first) = force.first().filter(|first| force.iter().all(|force| force == *first)) {
+        return Err(Error::invalid("force", "forces that change", format!("{first} alone")));
+    }
     if !(ratio > 0.0 && ratio.is_finite() && ratio != 1.0) {
         return Err(Error::invalid("ratio", "a finite number above 0 other than 1", ratio));
     }
@@ -263,8 +266,10 @@ pub(super) fn finite(key: &str, values: &[f64]) -> Result<()> {
 fn rising(key: &str, values: &[f64]) -> Result<()> {
     match values.windows(2).position(|pair| pair[1] <= pair[0]) {
         Some(i) => {
-            let expected =
-                format!("rising values (`average` takes the mean of points), one above {}", values[i]);
+            let expected = format!(
+                "rising values (those of means of neighbouring points may rise), one above {}",
+                values[i]
+            );
             Err(Error::invalid(format!("{key}.{}", i + 1), expected, values[i + 1]))
         }
         None => Ok(()),

@@ -318,7 +318,8 @@ fn compare_points(
     record.add(along, places.to_vec());
     record.add(COMPARED_FORCE, forces.to_vec());
     record.add(RESIDUAL, residuals.into_iter().map(|residual| residual.unwrap_or(f64::NAN)).collect());
-    Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) }
+    let residual_rms = (points > 0).then(|| (squares / points as f64).sqrt());
+    Comparison { points, measured: places.len(), residual_rms }
 }
 
 /// Adds point masses: a column for each of their coordinates, and one for their weights. Adds nothing if there are none.

@@ -566,6 +566,9 @@ pub struct FrictionCoefficients {
 pub struct Comparison {
     /// Number of measured points within the computed curve.
     pub points: usize,
+    /// Number of all measured points.
+    #[serde(default)]
+    pub measured: usize,
     /// Root mean square of measured minus computed force at these points; absent if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
