@@ -95,6 +95,15 @@ fn gaussian_instability_and_slip() {
     }
 }
 
+/// Thresholds that begin at 0 break no contact before the slider moves.
+#[test]
+fn rectangular_thresholds_from_zero_carry_nothing_at_the_start() {
+    let form = Rectangular { min: 0.0, max: 2.0 };
+    assert_eq!(form.force(0.0), 0.0);
+    // F = X − X²/4 + … for the first breaks.
+    close(form.force(1e-6), 1e-6, 1e-12);
+}
+
 #[test]
 fn static_over_kinetic_friction_tends_to_two_for_narrow_laws() {
     for (std, ratio) in [(0.001, 1.992540), (0.05, 1.755530), (0.1, 1.577101)] {

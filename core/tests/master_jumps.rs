@@ -458,3 +458,31 @@ fn an_initial_distribution_that_ends_just_below_the_highest_threshold() {
         }
     }
 }
+
+/// Where contacts break together at the end of a pull they have broken there, as in a longer pull.
+#[test]
+fn contacts_that_break_at_the_end_of_a_pull_have_broken() {
+    let [first, second, spread] = [point(0.5), point(1.25), rectangular(0.2, 0.4)];
+    let several = mixture(&[(0.25, first), (0.75, second)]);
+    let beside = mixture(&[(0.5, point(0.6)), (0.5, spread)]);
+    for (thresholds, distances) in [
+        (point(1.0), [1.0, 3.0, 5.0, 20.0]),
+        (point(0.7), [0.7, 3.5, 7.0, 14.7]),
+        (several, [3.25, 4.5, 5.75, 8.0]),
+        (beside, [0.6, 3.0, 6.0, 6.6]),
+    ] {
+        let longer = pulled(&thresholds, &rest(), &rest(), 25.0);
+        for distance in distances {
+            let pull = pulled(&thresholds, &rest(), &rest(), distance);
+            let apart = (pull.force(distance) - longer.force(distance)).abs();
+            // Both are accurate to the required 1e-10 of a mean life.
+            assert!(apart < 2e-10, "{}, {distance}: {apart:e}", thresholds.name());
+            let [std, expected] = [&pull, &longer].map(|pull| pull.force_std(100.0).unwrap()(distance));
+            let [variance, known] =
+                [&pull, &longer].map(|pull| pull.covariance(&[distance], 100.0).unwrap().at(0, 0));
+            // A standard deviation is the root of a difference of such numbers.
+            assert!((std - expected).abs() < 2e-6, "{distance}: {std} {expected}");
+            assert!((variance - known).abs() < 1e-9, "{distance}: {variance} {known}");
+        }
+    }
+}

@@ -49,11 +49,13 @@ impl Rectangular {
         Some(unstable + force / stiffness)
     }
 
-    /// n and (X − na)/w of the breaks n = 1, 2, … that can have happened at X.
+    /// n and (X − na)/w of the breaks n = 1, 2, … that can have happened at X; none before the slider moves, for a = 0 too.
     fn breaks(&self, position: f64) -> impl Iterator<Item = (usize, f64)> {
         let Self { min, .. } = *self;
         let width = self.width();
-        (1..).map(move |n| (n, (position - n as f64 * min) / width)).take_while(|&(_, t)| t >= 0.0)
+        (1..)
+            .map(move |n| (n, (position - n as f64 * min) / width))
+            .take_while(move |&(_, t)| t >= 0.0 && position > 0.0)
     }
 
     /// Ends of supports of the first convolutions, where F' jumps or bends, with points between them.

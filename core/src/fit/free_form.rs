@@ -54,7 +54,7 @@ pub struct ThresholdBand {
 
 /// Standard deviations of the thresholds to both sides of their mean that the density covers.
 const REACH: f64 = 8.0;
-/// Those beyond which it is expected to continue like the distribution of the fit before.
+/// Those above the mean beyond which it is expected to continue like the distribution of the fit before.
 const FAR: f64 = 4.0;
 /// First strength of the penalty, and the range to which it is confined.
 const STRENGTH: f64 = 10.0;

@@ -311,12 +311,19 @@ impl MasterEquation {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
+        // Where contacts break together at the end of the pull, the force there is that after the breaks.
+        let breaks_together =
+            [&self.first, &self.reformed].iter().any(|life| life.breaking().atoms().next().is_some());
+        let beyond = if breaks_together { AFTER_BREAKS * distance } else { distance };
         // F falls most steeply in its first oscillations, which three mean lives contain.
-        let end = distance.max(3.0 * self.reformed.mean());
+        let end = beyond.max(3.0 * self.reformed.mean());
         let renewal = RenewalSolution::solve(&self.first, &self.reformed, end, tolerance, monitor)?;
         Ok(Pull::new(self.clone(), renewal, distance, tolerance))
     }
 }
+
+/// Length over that of a pull up to which it is solved, so that breaks at its end are inside.
+const AFTER_BREAKS: f64 = 1.0 + 1e-6;
 
 /// Refuses time-dependent contacts, which need a velocity.
 fn check_time_independent(contacts: &Contacts) -> Result<()> {
