@@ -202,7 +202,7 @@ impl Pull {
         Ok(detached(py, || pull.critical_stiffness()))
     }
 
-    /// The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
+    /// The relaxation length X*, over which the initial state is forgotten; inf if it does not settle exponentially, nan if
     /// no root is found.
     #[getter]
     fn relaxation_length(&self, py: Python<'_>) -> PyResult<f64> {

@@ -118,7 +118,7 @@ impl Result {
         )
     }
 
-    /// The relaxation length X*; inf if the force never settles, nan if no root is found, and for tasks without it.
+    /// The relaxation length X*; inf if the force does not settle exponentially, nan if no root is found, and for tasks without it.
     #[getter]
     fn relaxation_length<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::NumberOrArray<'py>> {
         slf.get().known(

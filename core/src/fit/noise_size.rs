@@ -82,11 +82,11 @@ mod tests {
     /// Of residuals that a fit has made smaller as a whole, n = 20 and p = 5, the kurtosis is that of their errors.
     #[test]
     fn the_kurtosis_is_that_of_residuals_of_any_size() {
-        let errors = [3.0, 0.5, -1.0, 0.5].map(|z| z * (4.0_f64 / 10.5).sqrt());
+        let errors = [4.0, 0.5, -1.0, 0.5].map(|z| z * (4.0_f64 / 17.5).sqrt());
         let times = |size: f64| Mat::from_fn(20, 1, |i, _| size * errors[i % 4]);
         let [whole, smaller] = [(times(1.0), 0.0), (times(0.75_f64.sqrt()), 5.0)]
             .map(|(z, p)| excess_kurtosis([&z].into_iter(), p));
-        // n Σz⁴/(Σz²)² of 3, ½, 1, ½: 4 · 82.125/10.5².
-        assert!((whole - smaller).abs() < 1e-14 && (whole + 3.0 - 4.0 * 82.125 / 110.25).abs() < 1e-14);
+        // n Σz⁴/(Σz²)² of 4, ½, 1, ½: 4 · 257.125/17.5².
+        assert!((whole - smaller).abs() < 1e-14 && (whole + 3.0 - 4.0 * 257.125 / 306.25).abs() < 1e-14);
     }
 }
