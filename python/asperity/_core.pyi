@@ -3451,7 +3451,7 @@ class Pull(Record):
 
     @property
     def relaxation_length(self, /) -> float:
-        """The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
+        """The relaxation length X*, over which the initial state is forgotten; inf if it does not settle exponentially, nan if
         no root is found.
         """
 
@@ -3879,7 +3879,7 @@ class Result(Record):
 
     @property
     def relaxation_length(self, /) -> float | _Array:
-        """The relaxation length X*; inf if the force never settles, nan if no root is found, and for tasks without it."""
+        """The relaxation length X*; inf if the force does not settle exponentially, nan if no root is found, and for tasks without it."""
 
     def save(self, /, folder: str | PathLike[str]) -> None:
         """Writes the folder that `asperity run` would write, without figures; open_result reads it.
@@ -5352,7 +5352,7 @@ def fit_healing(
     ValueError
         For fewer than 4 holds, holds, a velocity, a stiffness or a that are not above 0, another number of forces than of
         holds, numbers that are not finite, another word as law, neither a nor held, and forces that do not differ from F_0
-        or that rate-and-state friction does not describe.
+        or for which the slider runs away in every fit. The misfit tells whether other forces are described.
 
     Examples
     --------
@@ -5477,7 +5477,8 @@ def fit_velocity_step(
     ValueError
         For a ratio or a stiffness that is not above 0, a ratio of 1, another word as law, states other than 1 or 2,
         lists of different lengths or with numbers that are not finite, displacements that do not rise, fewer than 8
-        points after the step, and a force that is constant or that rate-and-state friction does not describe.
+        points after the step, and a force that is constant, or for which the slider runs away in every fit. The misfit
+        tells whether another force is described.
 
     Examples
     --------
