@@ -493,9 +493,19 @@ def test_a_curve_of_another_kind_is_reported() -> None:
     assert "do not trust the errors" in fit._repr_html_()
 
 
+def test_curves_that_no_contacts_near_the_first_values_make_are_refused() -> None:
+    for position, force, words in [
+        (POSITION, np.ones(len(POSITION)), "force: expected forces that change, got 1 alone"),
+        (POSITION, -SIMULATED, "force: expected forces above 0 on average"),
+        (1e-6 * POSITION, SIMULATED, "position: expected positions beyond"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            asp.fit(GUESS, position, force, free=NAMES[:3], noise="white")
+
+
 def test_a_search_that_did_not_converge_is_reported() -> None:
-    """A constant force, which no contacts show."""
-    fit = asp.fit(GUESS, POSITION, np.ones(len(POSITION)), free=NAMES[:3], noise="white")
+    """A force that begins high and hardly changes, which no contacts show."""
+    fit = asp.fit(GUESS, POSITION, np.linspace(1.0, 1.001, len(POSITION)), free=NAMES[:3], noise="white")
     reported = "The search did not converge: these are its last values." in fit.summary()
     assert reported != fit.converged
     assert fit.misfit is not None
