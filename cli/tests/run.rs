@@ -311,8 +311,9 @@ fn more_than_the_memory_there_is_ends_with_1_before_anything_is_written() {
 #[test]
 fn a_fit_that_does_not_converge_ends_with_an_error_and_its_last_values() {
     let folder = Folder::new();
-    // A constant force, which no contacts show.
-    let rows: String = (1..=100).map(|i| format!("{},1.0\n", 0.03 * f64::from(i))).collect();
+    // A force that hardly changes, which no contacts show.
+    let row = |i: u32| format!("{},{}\n", 0.03 * f64::from(i), 1.0 + 1e-9 * f64::from(i));
+    let rows: String = (1..=100).map(row).collect();
     folder.write("flat.csv", &format!("position,force\n{rows}"));
     let scenario = "contacts.thresholds.gaussian = { mean = 0.9, std = 0.2 }
         contacts.count = 1500.0

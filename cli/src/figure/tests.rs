@@ -337,7 +337,9 @@ fn a_normal_load_adds_an_axis_of_friction_coefficients() {
     assert!(svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
     // Measured forces have a panel of their residuals below, as wide as the other.
     outcome.record.push("compared_position", "X", Quantity::Length, &["compared"], vec![0.5, 1.0, 2.0]);
-    outcome.record.push("compared_force", "F", Quantity::Force, &["compared"], vec![0.6; 3]);
+    for name in ["compared_force", "compared_residual"] {
+        outcome.record.push(name, "F", Quantity::Force, &["compared"], vec![0.6; 3]);
+    }
     let pictures = draw(&outcome).unwrap();
     let text = svg(&pictures, "force.svg");
     assert!(text.contains("Friction coefficient") && text.contains(">Residual (MPa)<"));

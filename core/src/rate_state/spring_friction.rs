@@ -142,19 +142,19 @@ impl SpringFriction {
     }
 
     /// The method for a step from here.
-    fn method(&self, y: &StateVector, by: f64) -> Method {
+    fn method(&self, y: &StateVector, by: f64) -> StepMethod {
         if by * self.derivatives(y).fastest_decay() > EXPLICIT {
-            Method::Rosenbrock
+            StepMethod::Rosenbrock
         } else {
-            Method::DormandPrince
+            StepMethod::DormandPrince
         }
     }
 
     /// A step, and its error in units of the tolerance.
-    fn attempt(&self, method: Method, y: &StateVector, by: f64, ratio: f64) -> (StateVector, f64) {
+    fn attempt(&self, method: StepMethod, y: &StateVector, by: f64, ratio: f64) -> (StateVector, f64) {
         let (next, error) = match method {
-            Method::DormandPrince => self.dormand_prince(y, by, ratio),
-            Method::Rosenbrock => self.rosenbrock(y, by, ratio),
+            StepMethod::DormandPrince => self.dormand_prince(y, by, ratio),
+            StepMethod::Rosenbrock => self.rosenbrock(y, by, ratio),
         };
         // The second state variable has no effect where there is one alone; its error does not count.
         let counted = if self.states[1].evolution == 0.0 { 2 } else { 3 };
@@ -283,12 +283,12 @@ fn weighted(weights: &[f64], vectors: &[StateVector], j: usize) -> f64 {
 
 /// The method of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Method {
+enum StepMethod {
     DormandPrince,
     Rosenbrock,
 }
 
-impl Method {
+impl StepMethod {
     /// The power of the step in its estimated error.
     fn order(self) -> f64 {
         match self {
