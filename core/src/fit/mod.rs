@@ -200,7 +200,8 @@ impl Fit {
     /// # Errors
     /// A name that is no parameter, is given twice, or none; a planned measurement without the size of errors, or with a drift,
     /// whose size is not known; fewer readings than parameters + 2; more than 4000 with the noise of contacts or a drift;
-    /// positions that do not rise; count and stiffness both free without the noise of contacts; numbers that the data do not
+    /// positions that do not rise; forces that are all equal, or below 0 on average with a known zero; positions up to less than a
+    /// thousandth of the first mean threshold; count and stiffness both free without the noise of contacts; numbers that the data do not
     /// determine, with the direction; those of [`crate::master::Pull::covariance`] and [`crate::master::Pull::gradients`].
     pub fn run(&self) -> Result<Estimates> {
         self.run_with(&mut ())
@@ -302,12 +303,12 @@ impl Fit {
             let expected = format!("{} readings or more for {} free numbers", free.len() + 2, free.len());
             return Err(Error::invalid("position", expected, n));
         }
-        self.refuse_other_units(&free)?;
+        self.check_against_first_values(&free)?;
         Ok(free)
     }
 
     /// Refuses curves that no contacts near the first values make, before a long search ends nowhere.
-    fn refuse_other_units(&self, free: &[FreeParameter]) -> Result<()> {
+    fn check_against_first_values(&self, free: &[FreeParameter]) -> Result<()> {
         let is_free = |names: &[&str]| free.iter().any(|one| names.contains(&one.quantity.as_str()));
         let curves = || self.curves.iter().filter(|curve| !curve.forces.is_empty());
         if let Some(curve) = curves().next()
