@@ -672,7 +672,9 @@ test("a link holds the scenario, and a broken one is reported", async () => {
 
 /** How long a preview, and full accuracy with the motion of the block, take from a change to their picture, beside a loop in the same page. */
 async function quick(tab) {
-  const [preview, full, loop] = await tab.evaluate(async () => {
+  // 16 ms and 50 ms where two million sines take 40 ms on one core, and twice that for what else is at work.
+  const limits = [0.8, 2.5];
+  const [preview, full, loop] = await tab.evaluate(async (limits) => {
     const ask = (preview, parts) => new Promise((resolve) => {
       const usual = engine.received;
       engine.received = (answer, request, milliseconds) => {
@@ -685,24 +687,23 @@ async function quick(tab) {
       update(preview, parts);
     });
     const key = "contacts.thresholds.gaussian.std";
-    const times = { preview: [], full: [], loop: [] };
+    let [preview, full, loop] = [Infinity, Infinity, Infinity];
     let sum = 0;
-    for (let i = 0; i < 20; i++) {
-      state.changes.set(key, { key, value: toml(0.1 + i / 500) });
-      times.preview.push(await ask(true, ["force", "stretches"]));
-      state.changes.set(key, { key, value: toml(0.101 + i / 500) });
-      times.full.push(await ask(false, ["force", "stretches", "block"]));
+    // The shortest of many is what it takes where nothing else is at work. Beside other work more are needed.
+    for (let i = 0; i < 20 || (i < 200 && !(preview < limits[0] * loop && full < limits[1] * loop)); i++) {
+      state.changes.set(key, { key, value: toml(0.1 + i / 2000) });
+      preview = Math.min(preview, await ask(true, ["force", "stretches"]));
+      state.changes.set(key, { key, value: toml(0.1001 + i / 2000) });
+      full = Math.min(full, await ask(false, ["force", "stretches", "block"]));
       const begun = performance.now();
       for (let j = 0; j < 2e6; j++) sum += Math.sin(j);
-      times.loop.push(performance.now() - begun + 0 * sum);
+      loop = Math.min(loop, performance.now() - begun + 0 * sum);
     }
-    // The shortest of many is what it takes where nothing else is at work.
-    return [times.preview, times.full, times.loop].map((all) => Math.min(...all));
-  });
+    return [preview, full, loop];
+  }, limits);
   const ratios = [preview / loop, full / loop];
   console.log(`a preview takes ${preview.toFixed(1)} ms, full accuracy with the block ${full.toFixed(1)} ms, two million sines ${loop.toFixed(1)} ms: ratios ${ratios.map((ratio) => ratio.toFixed(2)).join(" and ")}`);
-  // 16 ms and 50 ms where two million sines take 40 ms on one core, and twice that for what else is at work.
-  assert.ok(ratios[0] < 0.8 && ratios[1] < 2.5, String(ratios));
+  assert.ok(ratios[0] < limits[0] && ratios[1] < limits[1], String(ratios));
 }
 
 test("answers of the page are quick", () => inBrowser(quick));

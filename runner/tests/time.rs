@@ -337,6 +337,27 @@ fn a_hold_where_nothing_knows_time_is_an_outcome_that_is_said() {
 }
 
 #[test]
+fn a_slip_too_short_to_be_known_is_warned_about() {
+    let creep = |duration: f64, tolerance: &str| {
+        run(&format!(
+            "
+            contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
+            contacts.temperature = {{ energy = 0.03, attempt_rate = 1.0 }}
+            creep = {{ forces = [0.4], duration = {duration}, points = 3 }}
+            {tolerance}
+        "
+        ))
+    };
+    // A slip of 2e-8, which is uncertain by 1e-8 at the default tolerance.
+    let warnings = creep(1e-3, "").summary.warnings;
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].starts_with("the slip under F = 0.4 is 1"), "{warnings:?}");
+    assert!(warnings[0].contains("a smaller master_equation.tolerance"), "{warnings:?}");
+    assert!(creep(1e-3, "master_equation.tolerance = 1e-7").summary.warnings.is_empty());
+    assert!(creep(1.0, "").summary.warnings.is_empty());
+}
+
+#[test]
 fn a_mature_law_weaker_than_the_newborn_is_warned_about() {
     let outcome = run("
         contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }

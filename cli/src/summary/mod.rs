@@ -167,7 +167,9 @@ fn digits(number: f64) -> String {
     }
     let magnitude = number.abs().log10().floor();
     if number != 0.0 && !(-4.0..7.0).contains(&magnitude) {
-        return format!("{number:.5e}");
+        let text = format!("{number:.5e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'));
     }
     let decimals = (5.0 - magnitude).clamp(0.0, 9.0) as usize;
     let text = format!("{number:.decimals$}");
@@ -199,7 +201,7 @@ mod tests {
             (20.2704854183, "20.2705"),
             (100000.0, "100000"),
             (0.0, "0"),
-            (1.5e-7, "1.50000e-7"),
+            (1.5e-7, "1.5e-7"),
             (f64::INFINITY, "infinite"),
             (f64::NAN, "not known"),
         ] {

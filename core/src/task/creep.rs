@@ -17,6 +17,8 @@ use crate::{Error, Result};
 const AT_ONCE: f64 = 1e-9;
 /// Fraction of the work of the solution with a larger tolerance.
 const ASIDE: f64 = 0.2;
+/// Largest error of the slip, relative to it, of which nothing is said.
+const SLIP_ERROR: f64 = 0.05;
 
 const FORCES: &[&str] = &["imposed_force"];
 const CURVE: &[&str] = &["imposed_force", "creep_fraction"];
@@ -119,7 +121,10 @@ pub(super) fn run(
     add_failures(&creep, &mut record);
     add_curves(&found, task.points, &mut record);
     model.add_coefficient(FORCE.name, &mut record);
-    accuracy.of(model, "the creep curve", Output::new(model, CreepNumbers { creep }, record))
+    let mut output =
+        accuracy.of(model, "the creep curve", Output::new(model, CreepNumbers { creep }, record))?;
+    output.warnings.extend(found.iter().zip(&task.forces).filter_map(|(found, &force)| found.warning(force)));
+    Ok(output)
 }
 
 /// The way of the slider under each force.
@@ -191,6 +196,7 @@ impl CreepFound {
         };
         let path = load.follow(contacts, accuracy, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
         let error = rough.as_ref().map_or(0.0, |rough| path.difference(rough, unit));
+        let error = error.max(accuracy.of_short_slips());
         let failures = path.failure_time().zip(rough.and_then(|rough| rough.failure_time()));
         let failure_error = failures.map(|(fine, rough)| (fine - rough).abs());
         Ok(Self { path, fails_at_once: false, error, failure_error })
@@ -200,6 +206,19 @@ impl CreepFound {
     fn raised(mut self, at_once: bool) -> Self {
         self.fails_at_once = at_once && self.path.fails_in_loading();
         self
+    }
+
+    /// A warning if the slip is not known well, which a smaller tolerance would mend.
+    fn warning(&self, force: f64) -> Option<String> {
+        let path = &self.path;
+        let slip = path.last().position - path.states[path.loaded].position;
+        (!path.fails && self.error > SLIP_ERROR * slip).then(|| {
+            format!(
+                "the slip under F = {force} is {slip:.1e}, and its estimated error {:.0e}: a smaller \
+                 master_equation.tolerance makes slip and velocity more accurate",
+                self.error
+            )
+        })
     }
 
     fn numbers(&self, force: f64) -> CreepAtForce {

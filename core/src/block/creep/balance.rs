@@ -12,6 +12,8 @@ const LOST: f64 = 1e-6;
 const LONGER: f64 = 8.0;
 /// Accuracy of the force in balance, in tolerances.
 const ACCURACY: f64 = 0.01;
+/// Accuracy of the position at the end of a ramp, relative to the slip: well below the first step of the next ramp.
+const AT_END: f64 = 1e-12;
 
 /// A force that changes at a constant rate.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +46,8 @@ pub(super) enum Balance {
 pub(super) struct CreepBalance<'a> {
     pub ramp: ForceRamp,
     pub accuracy: CreepAccuracy,
+    /// The length to which errors are relative.
+    pub scale: f64,
     pub monitor: &'a mut dyn Monitor,
 }
 
@@ -74,7 +78,7 @@ impl CreepBalance<'_> {
                 }
             }
         }
-        let near = ACCURACY * self.accuracy.tolerance * self.accuracy.unit / by;
+        let near = ACCURACY * self.accuracy.tolerance * self.scale / by;
         let duration = self
             .root((low, high), near.min(0.1) * high, |own, during| own.excess(contacts, time, by, during))?;
         let contacts = self.moved(contacts, by, duration)?;
@@ -102,8 +106,7 @@ impl CreepBalance<'_> {
         if rest.force() >= force {
             return Ok((0.0, rest));
         }
-        let near = ACCURACY * self.accuracy.tolerance * self.accuracy.unit;
-        let by = self.root((0.0, most), near, |own, by| {
+        let by = self.root((0.0, most), AT_END * self.scale, |own, by| {
             own.moved(contacts, by, left).map(|moved| moved.force() - force)
         })?;
         let moved = self.moved(contacts, by, left)?;

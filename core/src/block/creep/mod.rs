@@ -7,6 +7,8 @@
 //!
 //! Steps are steps in X, and the balance yields their time: t(X) has a smooth maximum at failure, which steps in X reach. Within
 //! a step the velocity is constant. The error of its time is of third order in its length; two steps of half the length show it.
+//! Errors are relative to the slip since the force began to rise or was held, so that slow creep over short distances is as
+//! accurate as fast creep.
 //! A slider that has come to slide steadily keeps its velocity to the end.
 
 mod balance;
@@ -19,12 +21,20 @@ use crate::{Error, Result};
 use balance::{Balance, CreepBalance, ForceRamp};
 pub use path::{CreepPath, CreepState};
 
-/// Allowed error of steps per unit of length, in tolerances, so that their sum is proportional to the tolerance.
-const STEPS: f64 = 30.0;
-/// Allowed error of any step, in tolerances: what forces of contacts differ by.
+/// Allowed error of steps that add up to the slip, in tolerances, so that their sum is proportional to the tolerance.
+const STEPS: f64 = 10.0;
+/// Allowed error of any step, in tolerances.
 const STEP: f64 = 0.1;
-/// First step, in tolerances.
-const FIRST: f64 = 10.0;
+/// Allowed error of any step in tolerances and units of length: ten times what changes of forces in short times are uncertain by.
+const UNCERTAIN: f64 = 1e-3;
+/// Largest difference between the times of the halves of a step, relative to t at its end and in square roots of the tolerance, to
+/// which slow velocities are accurate then.
+const UNEVEN: f64 = 3.0;
+/// First and shortest step, in tolerances and units of length.
+const FIRST: f64 = 0.1;
+const SHORTEST: f64 = 1e-2;
+/// Shortest step that errors ask for, relative to the slip. Shorter ones do not follow contacts that break together better.
+const FINEST: f64 = 1e-3;
 /// Longest step, in units of length.
 const LONGEST: f64 = 0.02;
 /// Smallest and largest ratio of a step to the one before.
@@ -50,7 +60,8 @@ pub struct CreepLoad {
 pub struct CreepAccuracy {
     /// The unit of lengths, as the mean threshold.
     pub unit: f64,
-    /// Error of a step: of X in units of length, or of t relative to t.
+    /// Error of a step: of X relative to the slip since the force began to rise or was held, at most the unit; or of t relative
+    /// to t.
     pub tolerance: f64,
 }
 
@@ -58,6 +69,11 @@ impl CreepAccuracy {
     /// The largest error of a step with which errors are estimated from longer steps. Times to failure are then off by about 1e-4
     /// of themselves.
     pub const LARGEST_TOLERANCE: f64 = 1e-5;
+
+    /// The error of a slip, however short: what changes of forces in short times are uncertain by.
+    pub fn of_short_slips(&self) -> f64 {
+        UNCERTAIN * self.tolerance * self.unit
+    }
 }
 
 impl CreepLoad {
@@ -109,6 +125,8 @@ struct CreepingSlider {
     contacts: Box<dyn RateDependentContacts>,
     accuracy: CreepAccuracy,
     time: f64,
+    /// Position at the beginning of the ramp.
+    begun: f64,
     /// Length of the next step.
     advance: f64,
     /// Time per displacement in the last step.
@@ -124,6 +142,8 @@ struct CreepStep {
     second: (f64, f64),
     contacts: Box<dyn RateDependentContacts>,
     error: f64,
+    /// Difference between the two times, relative to t at the end.
+    uneven: f64,
 }
 
 impl CreepingSlider {
@@ -131,12 +151,14 @@ impl CreepingSlider {
         let slowness = contacts.tangent() / rate;
         let start = CreepState::of(contacts, 0.0, contacts.position(), slowness);
         let path = CreepPath::from(start);
-        Self { contacts: contacts.copy(), accuracy, time: 0.0, advance: 0.0, slowness, begins: true, path }
+        let (time, begun, advance) = (0.0, contacts.position(), 0.0);
+        Self { contacts: contacts.copy(), accuracy, time, begun, advance, slowness, begins: true, path }
     }
 
     /// Moves to the end of a ramp. Returns whether the slider fails before.
     fn moves_through(&mut self, ramp: ForceRamp, duration: f64, monitor: &mut dyn Monitor) -> Result<bool> {
         self.begins = true;
+        self.begun = self.contacts.position();
         self.advance = FIRST * self.accuracy.tolerance * self.accuracy.unit;
         while self.time < ramp.end {
             let fraction = self.time / duration;
@@ -156,7 +178,9 @@ impl CreepingSlider {
     /// Makes one step. Returns whether there is a balance to step to.
     fn steps(&mut self, ramp: ForceRamp, monitor: &mut dyn Monitor) -> Result<bool> {
         let CreepAccuracy { unit, tolerance } = self.accuracy;
-        let shortest = tolerance * unit;
+        let slip = self.contacts.position() - self.begun;
+        let [shortest, finest] =
+            [tolerance, FINEST].map(|share| (share * slip).max(SHORTEST * tolerance * unit));
         let mut grow = RATIO.1;
         loop {
             let Some(step) = self.attempt(ramp, monitor)? else {
@@ -166,10 +190,12 @@ impl CreepingSlider {
                 (self.advance, grow) = (0.5 * self.advance, 1.0);
                 continue;
             };
-            let allowed = tolerance * (STEPS * self.advance + STEP * unit);
-            let ratio = (MARGIN * (allowed / step.error).sqrt()).clamp(RATIO.0, grow);
-            let accepted = step.error <= allowed || self.advance <= shortest;
-            self.advance = (ratio * self.advance).clamp(shortest, LONGEST * unit);
+            let excess = self.excess(&step);
+            let ratio = (MARGIN / excess.sqrt()).clamp(RATIO.0, grow);
+            let accepted = excess <= 1.0 || self.advance <= finest;
+            // A step that meets the failure may be shorter than the finest.
+            let least = finest.min(self.advance);
+            self.advance = (ratio * self.advance).clamp(least, LONGEST * unit);
             if accepted {
                 self.accept(step, ramp);
                 return Ok(true);
@@ -180,7 +206,7 @@ impl CreepingSlider {
     /// One step and two of half the length; `None` where there is no balance at the end of each.
     fn attempt(&self, ramp: ForceRamp, monitor: &mut dyn Monitor) -> Result<Option<CreepStep>> {
         let by = self.advance;
-        let mut balance = CreepBalance { ramp, accuracy: self.accuracy, monitor };
+        let mut balance = CreepBalance { ramp, accuracy: self.accuracy, scale: self.scale(), monitor };
         let whole = match balance.after(self.contacts.as_ref(), self.time, by, self.slowness)? {
             Balance::Found { duration, .. } => duration,
             Balance::Later => return self.last(&mut balance),
@@ -194,17 +220,41 @@ impl CreepingSlider {
         };
         match balance.after(contacts.as_ref(), self.time + first, half, whole / by)? {
             Balance::Found { duration, contacts } => {
-                let error = self.length((first + duration - whole).abs(), first + duration, duration / half);
-                Ok(Some(CreepStep { first: (half, first), second: (half, duration), contacts, error }))
+                let error =
+                    self.relative((first + duration - whole).abs(), first + duration, duration / half);
+                let (first, second) = ((half, first), (half, duration));
+                Ok(Some(CreepStep { first, second, contacts, error, uneven: self.uneven(first, second) }))
             }
             Balance::Later => self.last(&mut balance),
             Balance::Lost => Ok(None),
         }
     }
 
-    /// An error of a time as one of a length: that of X where the slider is slow, in units of length relative to t where it is fast.
-    fn length(&self, error: f64, duration: f64, slowness: f64) -> f64 {
-        error / (slowness + (self.time + duration) / self.accuracy.unit)
+    /// Ratio of the error of a step, or of what the velocity changes by in it, to what is allowed.
+    fn excess(&self, step: &CreepStep) -> f64 {
+        let (tolerance, uncertain) = (self.accuracy.tolerance, self.accuracy.of_short_slips());
+        let error = tolerance * (STEP + STEPS * self.advance / self.scale()) + uncertain / self.scale();
+        let uneven = UNEVEN * tolerance.sqrt() + uncertain / (0.5 * self.advance);
+        (step.error / error).max(step.uneven / uneven)
+    }
+
+    /// The length to which errors are relative: the slip since the beginning of the ramp, after the next step.
+    fn scale(&self) -> f64 {
+        (self.contacts.position() - self.begun + self.advance).min(self.accuracy.unit)
+    }
+
+    /// An error of a time as a relative one: of X where the slider is slow, of t where it is fast.
+    fn relative(&self, error: f64, duration: f64, slowness: f64) -> f64 {
+        error / (slowness * self.scale() + self.time + duration)
+    }
+
+    /// What the time of a step changes by from one of its parts to the other, relative to t at the end.
+    fn uneven(&self, first: (f64, f64), second: (f64, f64)) -> f64 {
+        if first.0 == 0.0 || second.0 == 0.0 {
+            return 0.0;
+        }
+        let change = 0.5 * (first.0 + second.0) * (second.1 / second.0 - first.1 / first.0);
+        change.abs() / (self.time + first.1 + second.1)
     }
 
     /// The step to the end of the ramp, at most as long as the next step.
@@ -223,11 +273,13 @@ impl CreepingSlider {
                 second: (whole, left),
                 contacts: at_end,
                 error: 0.0,
+                uneven: 0.0,
             }));
         };
         let (rest, contacts) = balance.at_end(contacts.as_ref(), self.advance, left - duration)?;
-        let error = (half + rest - whole).abs();
-        Ok(Some(CreepStep { first: (half, duration), second: (rest, left - duration), contacts, error }))
+        let error = (half + rest - whole).abs() / self.scale();
+        let (first, second) = ((half, duration), (rest, left - duration));
+        Ok(Some(CreepStep { first, second, contacts, error, uneven: self.uneven(first, second) }))
     }
 
     fn accept(&mut self, step: CreepStep, ramp: ForceRamp) {
