@@ -230,7 +230,7 @@ def density(law: "Law") -> LawDensity:
     # A density may jump at its ends.
     jumps = [end for end in law.support() if low <= end <= high and math.isfinite(law.pdf(end))]
     edges = [x for end in jumps for x in (math.nextafter(end, 0.0), end, math.nextafter(end, math.inf))]
-    within = law.ppf(np.linspace(0.02, 0.98, 97))
+    within = law.ppf(np.linspace(0.005, 0.995, 397))
     x = np.unique(np.concatenate([np.linspace(low, high, 1001), within, edges]))
     values = law.pdf(x)
     return LawDensity(x, np.where(np.isfinite(values), values, np.nan), law.atoms)
@@ -482,14 +482,16 @@ def are_axes(ax: Any) -> bool:
 
 
 def new_axes() -> "Axes":
-    axes: Axes = pyplot().subplots()[1]
+    # A legend above the axes and a colour bar beside them need room.
+    axes: Axes = pyplot().subplots(layout="constrained")[1]
     return axes
 
 
 def new_panels(count: int) -> "tuple[Axes, ...]":
     """Axes below each other, the first three times as high as the others."""
     heights = [3, *(1 for _ in range(count - 1))]
-    panels = pyplot().subplots(count, sharex=True, squeeze=False, height_ratios=heights)[1]
+    shared: dict[str, Any] = {"sharex": True, "squeeze": False, "layout": "constrained"}
+    panels = pyplot().subplots(count, height_ratios=heights, **shared)[1]
     return tuple(panels[:, 0])
 
 

@@ -429,7 +429,7 @@ class Sizes(NamedTuple):
     """
 
     contacts: "NDArray[np.float64]"
-    """The number of contacts broken, in the middle of the bin, shape (n,)."""
+    """The mean number of contacts broken in an event of the bin, shape (n,)."""
     events: "NDArray[np.float64]"
     """The number of events, shape (n,)."""
     slip: "NDArray[np.float64]"

@@ -19,7 +19,8 @@ const SWEPT: f64 = -2.5;
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let (sizes, events) = (record.values("size")?, record.values("size_events")?);
-    let bin = |(&size, &count): (&f64, &f64)| (size, count / whole_numbers(size), count);
+    let contacts = outcome.summary.sample?;
+    let bin = |(&size, &count): (&f64, &f64)| (size, count / whole_numbers(size, contacts), count);
     let points: Vec<Counted> = sizes.iter().zip(events).map(bin).collect();
     // Of two sizes nothing can be seen.
     if points.len() < FEWEST {
@@ -46,10 +47,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
-/// Number of integers in the bin around `size`.
-fn whole_numbers(size: f64) -> f64 {
+/// Number of integers in the bin that holds `size`, in whose middle a power of ten to the tenth of the contacts breaks.
+fn whole_numbers(size: f64, contacts: f64) -> f64 {
+    let middle = contacts * 10f64.powf((PER_DECADE * (size / contacts).log10()).round() / PER_DECADE);
     let half = 10f64.powf(0.5 / PER_DECADE);
-    ((size * half).floor() - (size / half).ceil() + 1.0).max(1.0)
+    ((middle * half).floor() - (middle / half).ceil() + 1.0).max(1.0)
 }
 
 /// A line on logarithmic axes, down to the value `low`.

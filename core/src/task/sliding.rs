@@ -1,6 +1,6 @@
 //! Results of the drive of a slider as variables: trace, slips, the time course of one slip, and sizes of events.
 
-use crate::block::{Size, Sizes, Slide, StickSlip};
+use crate::block::{Size, Slide, StickSlip};
 use crate::record::{Column, Quantity, Record, Variable};
 
 const SLIP_TIME: Column = course_column("slip_time", "time since the first slip began", Quantity::Time);
@@ -14,7 +14,7 @@ const SLIP_SPRING_FORCE: Column =
 const SIZE_EVENTS: Column = size_column("size_events", "number of events", Quantity::Count);
 const SIZE_SLIP: Column = size_column("size_slip", "mean slip of an event", Quantity::Length);
 const SIZE_DROP: Column = size_column("size_drop", "mean force drop of an event", Quantity::Force);
-const SIZE: Column = size_column("size", "number of contacts broken in an event", Quantity::Number);
+const SIZE: Column = size_column("size", "mean number of contacts broken in an event", Quantity::Number);
 
 /// The variables of the first inertial slip, and of the sizes of events of the ensemble.
 pub(super) const COLUMNS: [Column; 9] = [
@@ -80,12 +80,14 @@ pub fn course(run: &StickSlip) -> Record {
 /// Numbers of events by size over an ensemble of `size` contacts, including those too small to count as slips.
 pub fn sizes(run: &StickSlip, size: usize) -> Record {
     let mut record = Record::default();
-    let bins = run.sizes.bins.iter().enumerate().filter(|(_, bin)| bin.events > 0);
-    let (middles, bins): (Vec<f64>, Vec<Size>) = bins.map(|(i, bin)| (Sizes::middle(i), *bin)).unzip();
-    let mut add = |column, value: &dyn Fn(&Size) -> f64| record.add(column, bins.iter().map(value).collect());
+    let bins: Vec<&Size> = run.sizes.bins.iter().filter(|bin| bin.events > 0).collect();
+    let mut add = |column, value: &dyn Fn(&Size) -> f64| {
+        record.add(column, bins.iter().map(|bin| value(bin)).collect());
+    };
     add(SIZE_EVENTS, &|bin| bin.events as f64);
     add(SIZE_SLIP, &|bin| bin.slip / bin.events as f64);
     add(SIZE_DROP, &|bin| bin.drop / bin.events as f64);
-    record.add(SIZE, middles.iter().map(|fraction| fraction * size as f64).collect());
+    // Breaks are whole numbers, which a sum of fractions is but for rounding.
+    add(SIZE, &|bin| (bin.broken * size as f64).round() / bin.events as f64);
     record
 }
