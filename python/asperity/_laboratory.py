@@ -1,18 +1,16 @@
 """Records of friction experiments: columns of a text file, and the motion of the load point in them."""
 
-import csv
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from io import StringIO
 from itertools import count, pairwise
 from os import PathLike, fspath
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from asperity._arguments import number as _number, whole as _whole, wrong
+from asperity._arguments import number as _number, whole as _whole, word as _word, wrong
+from asperity._columns import read as _read
 from asperity._core import VelocityStep, _measured_pieces, read_velocity_step
 
 if TYPE_CHECKING:
@@ -47,9 +45,6 @@ OTHER = re.compile(r"rate(?![a-z])|veloc|speed|accel|strain", re.IGNORECASE)
 
 # The unit of a rate, such as µm/s.
 RATE = re.compile(r"/\s*(ms|s|sec|min|h|hr)\b|\bs(\^|\*\*)?[-−]1|s⁻¹", re.IGNORECASE)
-
-# A name with its unit in brackets.
-UNIT = re.compile(r"^(?P<name>.*?)[\s_]*[(\[](?P<unit>[^)\]]*)[)\]]$")
 
 
 class Motion(NamedTuple):
@@ -379,6 +374,9 @@ def read_laboratory(
     displacement: str | None = None,
     force: str | None = None,
     normal: str | None = None,
+    skip: int = 0,
+    decimal: str = ".",
+    encoding: str = "utf-8",
 ) -> LaboratoryRecord:
     """Reads a record of a friction experiment from a text file with a heading.
 
@@ -386,12 +384,19 @@ def read_laboratory(
     ----------
     path : str or path-like
         A file whose columns are separated by commas, semicolons, tabs or blanks. The first line that is no
-        comment (#, %) names the columns, with units in brackets: "Displ (µm)", "shear stress [MPa]".
+        comment (#, %) names the columns, with units in brackets, "Displ (µm)", "shear stress [MPa]", or in a
+        line of their own below.
     time, displacement, force, normal : str, optional
         Names of the columns, with or without unit; of several with the same one, the first. By default the
         first columns whose names say so: "time"; "displ", "slip", "position" or "load point", but not
         "normal"; "friction", "shear", "force" or "mu", but none of the others; "normal", but no displacement.
         No rates and strains are taken by default, and no column twice. A record need not have a normal load.
+    skip : int
+        Number of lines before the heading that are no part of the table, 0 or more.
+    decimal : {".", ","}
+        The decimal separator.
+    encoding : str
+        The encoding of the text, such as "latin-1" or "utf-16".
 
     Returns
     -------
@@ -400,7 +405,8 @@ def read_laboratory(
     Raises
     ------
     ValueError
-        A file without heading or readings, a column that is not there, a value that is no finite number.
+        A file without heading or readings, or in another encoding, a column that is not there, a value that
+        is no finite number, skip below 0, and another word as decimal or encoding.
     OSError
         A file that cannot be read.
 
@@ -416,31 +422,8 @@ def read_laboratory(
     """
     if not isinstance(path, str | PathLike):
         raise TypeError(f"path: expected a path, got {type(path).__name__}")
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = f"a byte that is none at {error.start}"
-        raise ValueError(f"{fspath(path)}: expected text in UTF-8, got {found}") from None
-    numbered = enumerate(StringIO(text), 1)
-    lines = [(number, line) for number, line in numbered if line.strip() and line[0] not in "#%"]
-    if len(lines) < 2:
-        raise ValueError(f"{fspath(path)}: expected a heading and readings, got {len(lines)} lines")
-    rows = split([line for _, line in lines])
-    heading = [cell.strip() for cell in rows[0]]
-    if all(is_number(cell) for cell in heading):
-        raise ValueError(f"{fspath(path)}: expected a heading that names the columns, got numbers")
-    names, units = zip(*(parted(cell) for cell in heading), strict=True)
-    values = np.empty((len(heading), len(rows) - 1))
-    for i, row in enumerate(rows[1:]):
-        line = lines[i + 1][0]
-        if len(row) != len(heading):
-            raise ValueError(f"{fspath(path)}: line {line}: expected {len(heading)} values, got {len(row)}")
-        for k, cell in enumerate(row):
-            if not is_number(cell):
-                raise ValueError(
-                    f"{fspath(path)}: line {line}: expected a finite number, got {cell.strip()!r}"
-                )
-            values[k, i] = float(cell)
+    skipped, point, coded = _whole("skip", skip), _word("decimal", decimal), _word("encoding", encoding)
+    names, units, heading, values = _read(fspath(path), skip=skipped, decimal=point, encoding=coded)
     asked = {"time": time, "displacement": displacement, "normal": normal, "force": force}
     roles = {role: given(role, name, names, heading) for role, name in asked.items() if name is not None}
     for role in asked:
@@ -466,20 +449,6 @@ def _one_hold(first: Motion, second: Motion) -> Motion:
     velocity = float(shares @ [first.velocity, second.velocity])
     error = float(np.hypot(*(shares * [first.error, second.error])))
     return Motion("hold", velocity, error, first.begin, first.start, second.stop)
-
-
-def split(lines: list[str]) -> list[list[str]]:
-    """The cells of all lines, by the separator that the heading has."""
-    for separator in ("\t", ";", ","):
-        if separator in lines[0]:
-            return list(csv.reader(lines, delimiter=separator))
-    return [line.split() for line in lines]
-
-
-def parted(heading: str) -> tuple[str, str]:
-    """The name of a column and its unit, "" without one."""
-    found = UNIT.match(heading)
-    return (found["name"].strip(), found["unit"].strip()) if found else (heading, "")
 
 
 def given(role: str, asked: str, names: tuple[str, ...], heading: list[str]) -> int:
@@ -512,11 +481,3 @@ def distinct(names: tuple[str, ...]) -> list[str]:
         free = (other for other in numbered if other not in names and other not in found)
         found.append(next(free) if name in found else name)
     return found
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell is a finite number."""
-    try:
-        return bool(np.isfinite(float(cell)))
-    except ValueError:
-        return False

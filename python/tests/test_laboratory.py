@@ -113,6 +113,28 @@ def test_a_normal_displacement_is_no_displacement_of_the_load_point(tmp_path: Pa
         asp.read_laboratory(path)
 
 
+def test_files_of_other_programs(tmp_path: Path) -> None:
+    text = "Machine 3\nrun;7\nZeit (s);Displ (µm);Shear stress (MPa)\n0,5;1;-2,5e-1\n1,5;3;0,75\n"
+    path = tmp_path / "record.txt"
+    path.write_text(text, encoding="latin-1")
+    options: dict[str, Any] = {"skip": 2, "decimal": ",", "time": "Zeit"}
+    with pytest.raises(ValueError, match=r"expected text in UTF-8, got a byte that is none at .*; encoding"):
+        asp.read_laboratory(path, **options)
+    record = asp.read_laboratory(path, **options, encoding="latin-1")
+    np.testing.assert_array_equal(record.time, [0.5, 1.5])
+    np.testing.assert_array_equal(record.displacement, [1.0, 3.0])
+    np.testing.assert_array_equal(record.force, [-0.25, 0.75])
+    assert record.units["Displ"] == "µm"
+
+
+def test_units_in_a_line_of_their_own(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text("Time,Displ,Force\ns,[mm],(kN)\n0,1,2\n1,2,3\n", encoding="utf-8")
+    record = asp.read_laboratory(path)
+    np.testing.assert_array_equal(record.force, [2.0, 3.0])
+    assert record.units == {"Time": "s", "Displ": "mm", "Force": "kN"}
+
+
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
@@ -122,6 +144,13 @@ def test_a_normal_displacement_is_no_displacement_of_the_load_point(tmp_path: Pa
         ("time,slip,force\n0,1\n", {}, "line 2: expected 3 values, got 2"),
         ("time,slip,force\n0,1,x\n", {}, "line 2: expected a finite number, got 'x'"),
         ("time,slip,force\n\n0,1,nan\n", {}, "line 3: expected a finite number, got 'nan'"),
+        ("time;slip;force\n0;1;0,5\n", {}, "line 2: expected a finite .* '0,5'; decimal=\",\" reads decimal"),
+        ("time;slip;force\n0;1;1.000,5\n", {"decimal": ","}, "line 2: expected a finite .* got '1.000,5'"),
+        ("time,slip,force\ns,mm,N\n", {}, "expected a heading and readings, got no readings"),
+        ("a\ntime,slip,force\n0,1,2\n", {}, "line 1: expected a heading of several columns, got 'a'; skip"),
+        (TEXT, {"decimal": "x"}, r"decimal: expected '.' or ',', got 'x'"),
+        (TEXT, {"skip": -1}, "skip: expected a number of lines, 0 or above, got -1"),
+        (TEXT, {"encoding": "none"}, "encoding: expected one such as 'latin-1', got 'none'"),
         (TEXT, {"force": "torque"}, "force: expected one of the columns Time .*, got 'torque'"),
     ],
 )
