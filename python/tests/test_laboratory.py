@@ -55,7 +55,7 @@ def test_columns_by_name(tmp_path: Path) -> None:
         ({"force": "Force (lbf)"}, 0.2248, "Force 2"),
     ],
 )
-def test_columns_of_one_name(tmp_path: Path, options: dict[str, str], newtons: float, name: str) -> None:
+def test_columns_of_one_name(tmp_path: Path, options: dict[str, Any], newtons: float, name: str) -> None:
     path = tmp_path / "record.csv"
     path.write_text("Time (s),Displ (mm),Force (N),Force (lbf)\n0,0,1,0.2248\n1,1,1,0.2248\n")
     record = asp.read_laboratory(path, **options)
@@ -96,7 +96,7 @@ def test_equal_headings_and_numbered_ones(tmp_path: Path) -> None:
     ],
 )
 def test_roles_exclude_each_other(
-    tmp_path: Path, heading: str, options: dict[str, str], expected: dict[str, int]
+    tmp_path: Path, heading: str, options: dict[str, Any], expected: dict[str, int]
 ) -> None:
     path = tmp_path / "record.csv"
     number = ",".join(str(place) for place in range(heading.count(",") + 1))
@@ -154,7 +154,7 @@ def test_units_in_a_line_of_their_own(tmp_path: Path) -> None:
         (TEXT, {"force": "torque"}, "force: expected one of the columns Time .*, got 'torque'"),
     ],
 )
-def test_bad_files_are_refused(tmp_path: Path, text: str, options: dict[str, str], message: str) -> None:
+def test_bad_files_are_refused(tmp_path: Path, text: str, options: dict[str, Any], message: str) -> None:
     path = tmp_path / "record.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=message):
