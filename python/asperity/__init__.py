@@ -78,7 +78,7 @@ from asperity._explorer import Explorer
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
 from asperity._spots import Dropped, Spots, spots
 from asperity._sweep import sweep
-from asperity._tasks import (
+from asperity._task_results import (
     Comparison,
     CreepCurves,
     DistributionDistance,
@@ -89,6 +89,8 @@ from asperity._tasks import (
     TaskResult,
     VelocityCurve,
     VelocityLimits,
+)
+from asperity._tasks import (
     compare,
     creep,
     healing,

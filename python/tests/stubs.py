@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from asperity import _core, _events, _tasks, _values, exact
+from asperity import _core, _events, _task_results, _tasks, _values, exact
 
 PACKAGE = Path(__file__).parents[1] / "asperity"
 STUBS, EXPORTS = PACKAGE / "_core.pyi", PACKAGE / "__init__.py"
@@ -193,6 +193,7 @@ def exporting(text: str) -> str:
     names = [name for name in _core.__all__ if name == "__version__" or not name.startswith("_")]
     for module, exported in (
         ("_core", [name for name in names if name not in elsewhere]),
+        ("_task_results", public(_task_results)),
         ("_tasks", public(_tasks)),
     ):
         line = f"from asperity.{module} import ({', '.join(exported)})"
@@ -215,7 +216,7 @@ def listing(page: str) -> str:
 def results(kind: str) -> Iterator[str]:
     """The classes of tasks in a type, each before those of its fields."""
     for name in re.findall(r"\w+", kind):
-        if inspect.isclass(thing := getattr(_tasks, name, None)) and thing.__module__ == _tasks.__name__:
+        if inspect.isclass(thing := vars(_task_results).get(name)) and name in public(_task_results):
             yield name
             for field in inspect.get_annotations(thing).values():
                 yield from results(str(field))

@@ -6,7 +6,7 @@ from typing import Any
 import asperity
 import numpy as np
 import pytest
-from asperity import _events, _tasks
+from asperity import _events, _task_results, _tasks
 
 # What type checkers would refuse is tried.
 asp: Any = asperity
@@ -16,7 +16,7 @@ WARM = asp.Contacts(asp.Gaussian(1.0, 0.05), temperature=asp.Temperature(0.02, 1
 COLD = asp.Contacts(asp.Gaussian(1.0, 0.05))
 
 
-@pytest.mark.parametrize("module", [_tasks, _events], ids=lambda module: module.__name__)
+@pytest.mark.parametrize("module", [_tasks, _task_results, _events], ids=lambda module: module.__name__)
 def test_examples_print_what_is_shown(module: Any) -> None:
     results = doctest.testmod(module)
     assert results.attempted > 0
