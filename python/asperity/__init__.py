@@ -90,15 +90,7 @@ from asperity._task_results import (
     VelocityCurve,
     VelocityLimits,
 )
-from asperity._tasks import (
-    compare,
-    creep,
-    healing,
-    hold_curve,
-    renormalisation,
-    stability,
-    velocity_curve,
-)
+from asperity._tasks import compare, creep, healing, hold_curve, renormalisation, stability, velocity_curve
 from asperity._values import (
     Atoms,
     Correlation,
