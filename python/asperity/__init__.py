@@ -75,7 +75,34 @@ from asperity._core import (
 )
 from asperity._events import Event, Events
 from asperity._explorer import Explorer
+from asperity._fit_values import (
+    Correlation,
+    Drift,
+    Estimate,
+    FreeForm,
+    FrictionEstimates,
+    MachineHealing,
+    MachineStep,
+    MeasuredNoise,
+    Misfit,
+    PosteriorNumber,
+    Prediction,
+    Profile,
+    WithError,
+)
 from asperity._laboratory import LaboratoryRecord, Motion, read_laboratory
+from asperity._slider_values import (
+    Course,
+    Energy,
+    Equilibria,
+    InterfaceEnergy,
+    Potential,
+    SimulatedStickSlip,
+    Sizes,
+    Stability,
+    State,
+    StickSlipStability,
+)
 from asperity._spots import Dropped, Spots, spots
 from asperity._sweep import sweep
 from asperity._task_results import (
@@ -91,35 +118,7 @@ from asperity._task_results import (
     VelocityLimits,
 )
 from asperity._tasks import compare, creep, healing, hold_curve, renormalisation, stability, velocity_curve
-from asperity._values import (
-    Atoms,
-    Correlation,
-    Course,
-    Drift,
-    Energy,
-    Equilibria,
-    Estimate,
-    FreeForm,
-    FrictionEstimates,
-    InterfaceEnergy,
-    Label,
-    MachineHealing,
-    MachineStep,
-    MeasuredNoise,
-    Misfit,
-    PosteriorNumber,
-    Potential,
-    Prediction,
-    Profile,
-    SimulatedStickSlip,
-    Sizes,
-    Stability,
-    State,
-    StaticFriction,
-    StickSlipStability,
-    StretchDensity,
-    WithError,
-)
+from asperity._values import Atoms, Label, StaticFriction, StretchDensity
 
 # The names that scipy.stats, NumPy and others use.
 Normal = Gaussian

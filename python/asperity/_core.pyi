@@ -26,32 +26,31 @@ from typing_extensions import disjoint_base
 from xarray import Dataset
 
 from asperity._events import Event, Events
-from asperity._values import (
-    Atoms,
+from asperity._fit_values import (
     Correlation,
-    Course,
-    Energy,
-    Equilibria,
     Estimate,
     FreeForm,
     FrictionEstimates,
-    InterfaceEnergy,
-    Label,
     MachineHealing,
     MachineStep,
     MeasuredNoise,
     Misfit,
     PosteriorNumber,
-    Potential,
     Prediction,
     Profile,
+)
+from asperity._slider_values import (
+    Course,
+    Energy,
+    Equilibria,
+    InterfaceEnergy,
+    Potential,
     Sizes,
     Stability,
     State,
-    StaticFriction,
     StickSlipStability,
-    StretchDensity,
 )
+from asperity._values import Atoms, Label, StaticFriction, StretchDensity
 
 _T = TypeVar("_T")
 _Array: TypeAlias = NDArray[np.float64]

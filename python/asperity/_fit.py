@@ -7,7 +7,7 @@ from asperity import _show
 
 if TYPE_CHECKING:
     from asperity._core import Estimates, SteadyEstimates
-    from asperity._values import Estimate
+    from asperity._fit_values import Estimate
 
 
 def text(fit: "Estimates") -> str:

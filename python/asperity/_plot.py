@@ -34,8 +34,9 @@ if TYPE_CHECKING:
         VelocityStep,
     )
     from asperity._events import Events
+    from asperity._fit_values import Prediction
     from asperity._spots import Spots
-    from asperity._values import Atoms, Prediction, StretchDensity
+    from asperity._values import Atoms, StretchDensity
 
 
 def friction(record: "Record", ax: "Axes", **style: Any) -> None:

@@ -8,7 +8,7 @@ from asperity._fit import rounded
 
 if TYPE_CHECKING:
     from asperity._core import Posterior
-    from asperity._values import PosteriorNumber
+    from asperity._fit_values import PosteriorNumber
 
 
 def text(posterior: "Posterior") -> str:

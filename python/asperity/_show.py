@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from asperity._core import Healing, Record, VelocityStep
-    from asperity._values import Estimate
+    from asperity._fit_values import Estimate
 
 MOST = 1000
 """Items of a list that are printed, as many as NumPy prints."""

@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from asperity import _core, _events, _task_results, _tasks, _values, exact
+from asperity import _core, _events, _fit_values, _slider_values, _task_results, _tasks, _values, exact
 
 PACKAGE = Path(__file__).parents[1] / "asperity"
 STUBS, EXPORTS = PACKAGE / "_core.pyi", PACKAGE / "__init__.py"
@@ -42,6 +42,8 @@ from scipy.stats.distributions import rv_frozen
 from xarray import Dataset
 
 from asperity._events import {events}
+from asperity._fit_values import {fits}
+from asperity._slider_values import {sliders}
 from asperity._values import {values}
 
 _T = TypeVar("_T")
@@ -68,7 +70,8 @@ def completed(generated: str) -> str:
     for node in classes(tree):
         if not node.bases and issubclass(getattr(_core, node.name), Mapping):
             node.bases = [expression("Mapping[str, _Array]")]
-    header = HEADER.format(values=", ".join(public(_values)), events=", ".join(public(_events)))
+    modules = {"values": _values, "sliders": _slider_values, "fits": _fit_values, "events": _events}
+    header = HEADER.format(**{name: ", ".join(public(module)) for name, module in modules.items()})
     header_and_all = [*ast.parse(header).body, *tree.body[1:]]
     tree.body[1:] = sorted(header_and_all, key=lambda node: not isinstance(node, ast.Import | ast.ImportFrom))
     return documented(tree)
