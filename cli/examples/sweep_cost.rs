@@ -167,7 +167,7 @@ fn many(folder: &Path) {
     for what in ["gathered for the first time", "a restart without work"] {
         let begun = Instant::now();
         let mut store = Store::new(&directory, many.identity());
-        let there = store.there().expect("the store can be read");
+        let there = store.there(true).expect("the store can be read");
         assert!(!there.contains(&false));
         store.finish().expect("the store can be written");
         let gathered = store.gathered(&many.places(), u64::MAX).expect("the store can be read");

@@ -142,7 +142,10 @@ pub struct Sweep {
     /// Continue a stopped sweep with the cases that are not stored
     #[arg(long)]
     pub resume: bool,
-    /// Print the cases, what is kept and what is stored, and compute nothing
+    /// Compute cases again that failed, for example for want of memory, beside those that are not stored
+    #[arg(long, conflicts_with = "gather")]
+    pub retry: bool,
+    /// Print the axes, the number of cases, what is kept and what is stored, and compute nothing
     #[arg(long)]
     pub explain: bool,
     /// Number of threads; results do not depend on it [default: one per core]

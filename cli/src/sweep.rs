@@ -64,12 +64,12 @@ fn compute(
     (arguments, memory): (&Sweep, Option<u64>),
     interrupts: &Interrupts,
 ) -> Result<(), Failure> {
-    let there = store.there()?;
+    let there = store.there(!arguments.retry)?;
     tell_of_store(store, arguments);
     let all = (0..plan.count()).filter(|&case| part.has(case)).count();
     let missing: Vec<usize> = (0..plan.count()).filter(|&case| part.has(case) && !there[case]).collect();
     let stored = there.iter().filter(|there| **there).count();
-    if stored > 0 && !arguments.resume && arguments.part.is_none() {
+    if stored > 0 && !arguments.resume && !arguments.retry && arguments.part.is_none() {
         let path = store.folder().to_owned();
         return Err(Error::Unfinished { path, stored, all }.into());
     }
@@ -107,7 +107,7 @@ fn computed(part: Part, store: &mut Store, arguments: &Sweep) -> Result<(), Fail
     if arguments.quiet {
         return Ok(());
     }
-    let there = store.there()?;
+    let there = store.there(true)?;
     let stored = there.iter().filter(|there| **there).count();
     let text = format!(
         "{:<22} {stored} of {} cases, in {}\n",
@@ -126,7 +126,7 @@ fn gathered(
     (arguments, memory): (&Sweep, Option<u64>),
 ) -> Result<Dataset, Failure> {
     if arguments.gather {
-        let there = store.there()?;
+        let there = store.there(true)?;
         tell_of_store(store, arguments);
         if there.contains(&false) {
             return Err(store.missing(&there)?.into());
@@ -143,7 +143,7 @@ fn gathered(
 
 /// What would be computed.
 fn explained(plan: &Plan, store: &mut Store) -> Result<String, Failure> {
-    let there = store.there()?;
+    let there = store.there(true)?;
     let stored = there.iter().filter(|there| **there).count();
     // What there will be, without values.
     let dataset = Dataset::of_plan(plan, Gathered::new(0, &plan.places()));
@@ -196,10 +196,11 @@ fn summarise(
     let report = Report::new(dataset).map_err(Failure::run)?;
     if arguments.json {
         let json = serde_json::to_string_pretty(&report).expect("a report is plain data");
-        return print(&format!("{json}\n"));
+        print(&format!("{json}\n"))?;
+        return some_is_found(&report);
     }
     if arguments.quiet {
-        return Ok(());
+        return some_is_found(&report);
     }
     let mut text = heading(&report.title, (report.cases, report.failed), &report.axes);
     // Estimated errors are in the files.
@@ -215,7 +216,17 @@ fn summarise(
     }
     text += &run::files(directory, written);
     let _ = writeln!(text, "  {:<20} {}.sweep-* (may be removed)", "stored cases", directory.display());
-    print(&text)
+    print(&text)?;
+    some_is_found(&report)
+}
+
+/// The exit status tells of a sweep in which every case failed.
+fn some_is_found(report: &Report) -> Result<(), Failure> {
+    if report.failed < report.cases {
+        Ok(())
+    } else {
+        Err(Failure::run(format!("all {} cases failed", report.cases)))
+    }
 }
 
 /// The range of the numbers, or how often there is each word.

@@ -330,6 +330,48 @@ keep = ["kinetic_friction"]
 }
 
 #[test]
+fn cases_that_failed_are_computed_again_where_that_is_asked_for() {
+    let folder = Folder::new();
+    let scenario = |sizes: &str| {
+        format!(
+            r#"
+contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
+pull = {{ distance = 3.0, points = 31 }}
+ensemble.seed = 3
+sweep = {{ keep = ["ensemble_static_friction"], over."ensemble.size" = {sizes} }}
+"#
+        )
+    };
+    folder.write("large.toml", &scenario("[100, 1000000, 200, 1000001]"));
+    folder.write("larger.toml", &scenario("[1000000, 1000001]"));
+    let run = |more: &[&str]| {
+        let output = folder.run(&[&["sweep", "large.toml", "--no-figures"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{more:?}: {}", errors(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    run(&["--quiet", "-o", "whole"]);
+    // Contacts of 16 bytes.
+    let little = ["--memory", "10MB"];
+    assert!(run(&little).contains("cases                  4, 2 of them failed"));
+    assert!(run(&[&little[..], &["--resume"]].concat()).contains("2 of them failed"));
+    assert!(run(&["--resume"]).contains("2 of them failed"), "what failed is stored");
+    assert!(!run(&["--retry"]).contains("failed"));
+    assert_eq!(bytes(&folder, "out/large"), bytes(&folder, "whole"));
+    assert!(!run(&["--resume"]).contains("failed"), "what was kept last counts");
+    // Parts do the same.
+    run(&[&little[..], &["--part", "1/2", "-o", "parts"]].concat());
+    run(&[&little[..], &["--part", "2/2", "-o", "parts"]].concat());
+    run(&["--part", "2/2", "-o", "parts", "--retry"]);
+    run(&["--gather", "-o", "parts"]);
+    assert_eq!(bytes(&folder, "parts"), bytes(&folder, "whole"));
+    // Nothing at all is no success.
+    let output = folder.run(&["sweep", "larger.toml", "--no-figures", "--memory", "10MB"]);
+    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
+    assert!(errors(&output).contains("all 2 cases failed"), "{}", errors(&output));
+    assert!(folder.path().join("out/larger/sweep.nc").is_file());
+}
+
+#[test]
 fn a_sweep_is_explained_without_work() {
     let folder = small();
     let text = folder.succeed(&["sweep", "small.toml", "--explain"]);

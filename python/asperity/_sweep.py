@@ -3,7 +3,9 @@
 import hashlib
 import itertools
 import math
+import re
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from types import TracebackType
@@ -11,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity._arguments import table, whole, wrong
+from asperity._arguments import flag, table, whole, wrong
 from asperity._core import Description, _Sweep, _sweep_cases, scenario as scenario_of
 from asperity._identity import identity
 
@@ -36,6 +38,8 @@ AHEAD = 2
 WORKERS = 8
 # The largest number of cases, as in a scenario.
 MOST = 10_000_000
+# Names that the data set has for itself.
+TAKEN = {"failure", "scenario"}
 
 
 def sweep(
@@ -47,6 +51,7 @@ def sweep(
     executor: Executor | None = None,
     folder: "str | PathLike[str] | None" = None,
     threads: int | None = None,
+    retry: bool = False,
     progress: "_Progress" = None,
 ) -> "Dataset":
     """Computes a scenario, a model or a function for all combinations of values.
@@ -78,6 +83,8 @@ def sweep(
     threads : int, optional
         Threads of this process, by default one per core for a scenario and one for a function; with an
         executor, those of each worker, by default one.
+    retry : bool
+        Whether cases in the folder that failed are computed again.
     progress : Callable or bool, optional
         As for `MasterEquation.pull`.
 
@@ -85,12 +92,13 @@ def sweep(
     -------
     xarray.Dataset
         What was kept along the axes, which are coordinates. The axis of a key is named with _ for its dots. A
-        case that failed is nan, with the reason in `failure`.
+        case that failed is nan, with the reason in `failure`, and a warning.
 
     Raises
     ------
     ValueError
-        For a scenario that is not valid at a corner of the axes, before anything is computed.
+        For a scenario that is not valid at a corner of the axes, before anything is computed; for threads
+        below 1, and for arguments of a function without values, with equal ones or of a name that is taken.
     TypeError
         For a function with a folder and values that cannot be pickled, by which it would be identified.
     FileExistsError
@@ -114,22 +122,25 @@ def sweep(
         scenario = scenario_of(scenario, **(task or {}))  # type: ignore[arg-type]
     elif task is not None:
         raise TypeError(f"task: expected a model beside it, got {type(scenario).__name__}")
-    threads = None if threads is None else whole("threads", threads)
+    threads, retry = None if threads is None else whole("threads", threads), flag("retry", retry)
+    if threads is not None and threads < 1:
+        raise ValueError(f"threads: expected 1 or more, got {threads}")
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise wrong("executor", "an executor with the method submit", executor)
     if callable(scenario):
         if keep is not None:
             raise TypeError("keep: expected None beside a function, which returns what is kept")
-        return _of_function(scenario, over or {}, executor, folder, threads, progress)
+        arguments = table("over", over or {}, "values by argument")
+        return _told(_of_function(scenario, arguments, executor, folder, (threads, retry), progress))
     over = _in_order(scenario) if over is None else table("over", over, "values by dotted key")
     if keep is not None and (isinstance(keep, str) or not isinstance(keep, Iterable)):
         raise wrong("keep", "a list of what is kept", keep)
-    with _Held(_Sweep.of_scenario(scenario, _table(over, keep), folder)) as held:
+    with _Held(_Sweep.of_scenario(scenario, _table(over, keep), folder, retry)) as held:
         if executor is None:
             held.plan.compute(threads, progress=progress)
         else:
             _send(held, executor, threads or 1, progress)
-        return _dataset(held)
+        return _told(_dataset(held))
 
 
 class _Held:
@@ -219,13 +230,13 @@ def _collect(
     shown: _Shown,
 ) -> None:
     """Sends batches of cases to the executor, and adds what comes back, in any order."""
-    workers = getattr(executor, "_max_workers", None) or WORKERS
     left, sent = len(missing), 0
     running: dict[Future[tuple[Any, float]], int] = {}
     # One case after the other at first, until it is known how long one takes.
     size = 1
     try:
         while running or sent < len(missing):
+            workers = _workers(executor)
             while sent < len(missing) and len(running) < AHEAD * workers:
                 cases = missing[sent : sent + size]
                 running[submit(cases)] = len(cases)
@@ -247,6 +258,14 @@ def _collect(
         raise
 
 
+def _workers(executor: Executor) -> int:
+    """The number of workers. Those of a Dask cluster come and go."""
+    client = getattr(executor, "_client", None)
+    if client is not None and callable(getattr(client, "nthreads", None)):
+        return max(int(sum(client.nthreads().values())), 1)
+    return int(getattr(executor, "_max_workers", None) or WORKERS)
+
+
 def _dataset(held: _Held) -> "Dataset":
     try:
         from xarray import Dataset
@@ -265,14 +284,25 @@ def _dataset(held: _Held) -> "Dataset":
     return Dataset(dict(shaped(variables)), dict(shaped(coordinates)), attributes)
 
 
+def _told(found: "Dataset") -> "Dataset":
+    """Warns of cases that failed."""
+    if "failure" in found:
+        reasons = found["failure"].values.ravel()
+        failed = [reason for reason in reasons if reason]
+        said = f"{len(failed)} of {len(reasons)} cases failed, the first with: {failed[0]}"
+        warnings.warn(said, RuntimeWarning, stacklevel=3)
+    return found
+
+
 def _of_function(
     function: Callable[..., Any],
     over: Mapping[str, Any],
     executor: Executor | None,
     folder: "str | PathLike[str] | None",
-    threads: int | None,
+    how: tuple[int | None, bool],
     progress: "_Progress",
 ) -> "Dataset":
+    threads, retry = how
     axes = {name: _values(name, values) for name, values in over.items()}
     if not axes:
         raise ValueError("over: expected one argument of the function or more, got none")
@@ -282,7 +312,7 @@ def _of_function(
     text = identity(function, axes) if folder is not None else ""
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     labels = [(name, _labels(values)) for name, values in axes.items()]
-    with _Held(_Sweep.of_function(digest, text, labels, folder)) as held:
+    with _Held(_Sweep.of_function(digest, text, labels, folder, retry)) as held:
         if executor is not None:
             _call(held, function, axes, executor, progress)
         else:
@@ -322,30 +352,45 @@ def _called(
     found: list[_Found] = []
     for case, arguments in cases:
         try:
-            found.append((case, _named(function(**arguments)), None))
+            found.append((case, _named(function(**arguments), arguments), None))
         except Exception as error:
             found.append((case, None, f"{type(error).__name__}: {error}"))
     return found, time.perf_counter() - begun
 
 
-def _named(value: Any) -> dict[str, float | str]:
+def _named(value: Any, arguments: Mapping[str, Any]) -> dict[str, float | str]:
     """What a function has found, by name."""
     if not isinstance(value, Mapping):
-        value = {"value": value}
+        value = {"result" if "value" in arguments else "value": value}
+    for name in value:
+        if not _may_be_named(name) or name in arguments:
+            raise ValueError(f"expected results with names of their own, got {name!r}")
     return {name: found if isinstance(found, str) else float(found) for name, found in value.items()}
 
 
+def _may_be_named(name: object) -> bool:
+    """Whether a variable of the data set, and of its file, may have a name."""
+    return isinstance(name, str) and bool(re.fullmatch(r"[^\W\d][^/\x00]*", name)) and name not in TAKEN
+
+
 def _values(name: str, values: Any) -> list[Any]:
+    if not _may_be_named(name):
+        raise ValueError(f"over: expected names that are not taken, as arguments have, got {name!r}")
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise wrong(f"over.{name}", "a list or an array of values", values)
     found = list(values)
     if not found:
         raise ValueError(f"over.{name}: expected one value or more, got an empty list")
-    if any(isinstance(value, float) and not math.isfinite(value) for value in found):
+    if any(isinstance(value, float | np.floating) and not math.isfinite(value) for value in found):
         raise ValueError(f"over.{name}: expected finite numbers, got nan or inf")
+    labels = _labels(found)
+    if len(set(labels)) < len(labels):
+        raise ValueError(f"over.{name}: expected values that differ, got the same twice")
     return found
 
 
 def _labels(values: list[Any]) -> list[float] | list[str]:
-    """Numbers as they are, other objects as text."""
-    if all(isinstance(value, int | float | np.number) for value in values):
+    """Numbers as they are, other objects as text, and whole numbers that a float is not."""
+    if all(isinstance(value, int | float | np.number) and float(value) == value for value in values):
         return [float(value) for value in values]
     return [str(value) for value in values]

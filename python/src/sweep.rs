@@ -65,7 +65,7 @@ struct State {
 }
 
 impl Sweep {
-    fn new(kind: Kind, folder: Option<PathBuf>) -> PyResult<Self> {
+    fn new(kind: Kind, folder: Option<PathBuf>, retry: bool) -> PyResult<Self> {
         let identity = match &kind {
             Kind::Scenario(plan, _) => plan.identity(),
             Kind::Function(identity, _) => identity.clone(),
@@ -87,7 +87,10 @@ impl Sweep {
         output::check(directory).map_err(error::files)?;
         let mut store = Store::new(directory, identity);
         let lock = store.lock(None).map_err(failed)?;
-        let gathered = store.gathered(&places, u64::MAX).map_err(failed)?;
+        let mut gathered = store.gathered(&places, u64::MAX).map_err(failed)?;
+        if retry {
+            gathered.forget_failures();
+        }
         let state = State { gathered, store: Some(store), waiting: Vec::new(), _lock: Some(lock) };
         Ok(Self { kind, folder, state: Mutex::new(state) })
     }
@@ -102,12 +105,13 @@ impl Sweep {
     /// The sweep of a scenario with a table sweep. Its corners are checked.
     #[staticmethod]
     #[pyo3(signature = (
-        scenario: "str | PathLike[str] | Mapping[str, Any]", overrides: "Mapping[str, Any] | None", folder
+        scenario: "str | PathLike[str] | Mapping[str, Any]", overrides: "Mapping[str, Any] | None", folder, retry
     ))]
     fn of_scenario(
         scenario: &Bound<'_, PyAny>,
         overrides: Option<&Bound<'_, PyAny>>,
         folder: Option<Argument<PathBuf>>,
+        retry: bool,
     ) -> PyResult<Self> {
         let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
         let Text { text, name, folder: relative } = Text::of(scenario)?;
@@ -116,22 +120,25 @@ impl Sweep {
         let relative =
             std::path::absolute(if relative.as_os_str().is_empty() { ".".into() } else { relative })?;
         let specification = (text, name, relative, overrides);
-        Self::new(Kind::Scenario(Box::new(plan), specification), folder.get("folder")?)
+        Self::new(Kind::Scenario(Box::new(plan), specification), folder.get("folder")?, retry)
     }
 
     /// The sweep of a function over arguments with these values; `hash` and `text` identify it in a folder.
     #[staticmethod]
-    #[pyo3(signature = (hash, text, axes: "Sequence[tuple[str, Sequence[float] | Sequence[str]]]", folder))]
+    #[pyo3(signature = (
+        hash, text, axes: "Sequence[tuple[str, Sequence[float] | Sequence[str]]]", folder, retry
+    ))]
     fn of_function(
         hash: String,
         text: String,
         axes: Vec<(String, Bound<'_, PyAny>)>,
         folder: Option<Argument<PathBuf>>,
+        retry: bool,
     ) -> PyResult<Self> {
         let axes: Vec<Axis> =
             axes.into_iter().map(|(name, values)| argument(name, &values)).collect::<PyResult<_>>()?;
         let cases = axes.iter().map(|axis| axis.length).product();
-        Self::new(Kind::Function(Identity { hash, text, cases }, axes), folder.get("folder")?)
+        Self::new(Kind::Function(Identity { hash, text, cases }, axes), folder.get("folder")?, retry)
     }
 
     /// The number of cases.

@@ -15,6 +15,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import _sweep
 from test_results import COMMAND, ROOT
 
 TEXT = """
@@ -179,17 +180,106 @@ def test_functions_are_swept(tmp_path: Path) -> None:
 
     contacts = [asp.Contacts(asp.Gaussian(1.0, std)) for std in (0.1, 0.2)]
     over = {"contacts": contacts, "distance": [0.5, 3.0, -1.0]}
-    data = asp.sweep(found, over, folder=tmp_path / "mine")
+    with pytest.warns(RuntimeWarning, match="2 of 6 cases failed, the first with: ValueError: backwards"):
+        data = asp.sweep(found, over, folder=tmp_path / "mine")
     assert data.force.dims == ("contacts", "distance")
     assert float(data.force[1, 1]) == asp.MasterEquation(contacts[1]).pull(3.0).force[-1]
     assert data.kind.values.tolist() == [["near", "far", ""]] * 2
     assert np.isnan(data.force.values[:, 2]).all()
     assert data.failure.values[0].tolist() == ["", "", "ValueError: backwards"]
     assert len(CALLS) == 6
-    again = asp.sweep(found, over, folder=tmp_path / "mine")
+    with pytest.warns(RuntimeWarning, match="2 of 6 cases failed"):
+        again = asp.sweep(found, over, folder=tmp_path / "mine")
     assert len(CALLS) == 6
     assert again.identical(data)
     assert asp.sweep(lambda x: 2.0 * x, {"x": np.array([1.0, 2.0])})["value"].values.tolist() == [2.0, 4.0]
+
+
+# What a case reads that may not be there yet.
+THERE: list[float] = []
+
+
+@pytest.mark.parametrize("within_one_call", [False, True])
+def test_failed_cases_are_computed_again(tmp_path: Path, within_one_call: bool) -> None:
+    pytest.importorskip("xarray")
+    folder = None if within_one_call else tmp_path / "results"
+    THERE.clear()
+
+    def root(x: float) -> dict[str, float]:
+        if x not in THERE:
+            raise OSError("not there yet")
+        return {"root": math.sqrt(x)}
+
+    over = {"x": [1.0, 4.0, 9.0]}
+    THERE[:] = [1.0]
+    with pytest.warns(RuntimeWarning, match="2 of 3 cases failed, the first with: OSError: not there yet"):
+        asp.sweep(root, over, folder=folder)
+    THERE[:] = [4.0]
+    with pytest.warns(RuntimeWarning, match=f"{2 if within_one_call else 1} of 3 cases failed"):
+        found = asp.sweep(root, over, folder=folder, retry=True)
+    expected = [np.nan, 2.0, np.nan] if within_one_call else [1.0, 2.0, np.nan]
+    np.testing.assert_array_equal(found["root"].values, expected)
+    THERE[:] = [1.0, 4.0, 9.0]
+    found = asp.sweep(root, over, folder=folder, retry=True)
+    assert found["root"].values.tolist() == [1.0, 2.0, 3.0]
+    assert "failure" not in found
+
+
+@pytest.mark.parametrize(
+    ("over", "kind", "message"),
+    [
+        ({"x": {"from": 0.1, "to": 1.0, "points": 4}}, TypeError, r"over\.x: expected a list .* got dict"),
+        ({"x": "abc"}, TypeError, r"over\.x: expected a list or an array of values, got str"),
+        ({"x": 1.0}, TypeError, r"over\.x: expected a list or an array of values, got float"),
+        ({"x": np.array([np.nan], dtype=np.float32)}, ValueError, r"over\.x: expected finite numbers"),
+        ({"x": [1, 2.0, 1.0]}, ValueError, r"over\.x: expected values that differ, got the same twice"),
+        ({"failure": [1.0]}, ValueError, "over: expected names that are not taken, .* got 'failure'"),
+        ({"a/b": [1.0]}, ValueError, "over: expected names that are not taken, .* got 'a/b'"),
+        ([1.0], TypeError, "over: expected a mapping of values by argument, got list"),
+    ],
+)
+def test_wrong_arguments_of_functions_are_refused(over: Any, kind: type[Exception], message: str) -> None:
+    pytest.importorskip("xarray")
+    with pytest.raises(kind, match=message):
+        asp.sweep(lambda **_: 1.0, over)
+    with pytest.raises(ValueError, match="threads: expected 1 or more, got 0"):
+        asp.sweep(lambda x: x, {"x": [1.0]}, threads=0)
+
+
+@pytest.mark.parametrize("name", ["x", "failure", "a/b", "", 1])
+def test_a_result_with_a_name_that_is_taken_is_a_failure(tmp_path: Path, name: Any) -> None:
+    pytest.importorskip("xarray")
+    with pytest.warns(RuntimeWarning, match=f"1 of 2 cases failed, .* names of their own, got {name!r}"):
+        found = asp.sweep(lambda x: {name if x > 1.0 else "y": x}, {"x": [1.0, 2.0]}, folder=tmp_path / "out")
+    np.testing.assert_array_equal(found["y"].values, [1.0, np.nan])
+
+
+def test_an_argument_may_be_called_value_and_a_large_whole_number_is_a_word() -> None:
+    pytest.importorskip("xarray")
+    found = asp.sweep(lambda value: value**2, {"value": [1.0, 3.0]})
+    assert found["result"].values.tolist() == [1.0, 9.0]
+    large = asp.sweep(lambda seed: seed % 10, {"seed": [2**53, 2**53 + 1]})
+    assert large["seed"].values.tolist() == [str(2**53), str(2**53 + 1)]
+
+
+class Client:
+    """A cluster that tells how many threads each worker has, as that of Dask does."""
+
+    def __init__(self) -> None:
+        self.workers = 20
+
+    def nthreads(self) -> dict[str, int]:
+        return {f"worker {number}": 2 for number in range(self.workers)}
+
+
+def test_all_workers_of_a_cluster_have_work() -> None:
+    executor: Any = Executor()
+    executor._client = Client()
+    assert _sweep._workers(executor) == 40
+    executor._client.workers = 0
+    assert _sweep._workers(executor) == 1
+    assert _sweep._workers(ThreadPoolExecutor(3)) == 3
+    assert _sweep._workers(Executor()) == _sweep.WORKERS
 
 
 def test_replicas_have_seeds_of_their_own() -> None:

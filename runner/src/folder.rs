@@ -21,6 +21,20 @@ impl Made {
         let made = Self(missing.map(Path::to_owned).collect());
         fs::create_dir_all(parent).map(|()| made)
     }
+
+    /// Creates the parent folder of `path`, and what `create` makes in it. Other processes that have made the folder, too, may
+    /// remove it in between.
+    pub fn before<T>(path: &Path, create: impl Fn() -> io::Result<T>) -> io::Result<(T, Self)> {
+        const TIMES: usize = 100;
+        let mut last = io::Error::from(io::ErrorKind::NotFound);
+        for _ in 0..TIMES {
+            match Self::above(path).and_then(|made| Ok((create()?, made))) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => last = error,
+                other => return other,
+            }
+        }
+        Err(last)
+    }
 }
 
 impl Drop for Made {
@@ -29,5 +43,29 @@ impl Drop for Made {
             // A folder that is not empty is kept.
             let _ = fs::remove_dir(folder);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_others_remove_in_between_is_made_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let parent = folder.path().join("parent");
+        std::thread::scope(|scope| {
+            for number in 0..4 {
+                let path = parent.join(number.to_string());
+                scope.spawn(move || {
+                    for _ in 0..2000 {
+                        let (file, _made) = Made::before(&path, || fs::File::create(&path)).unwrap();
+                        drop(file);
+                        fs::remove_file(&path).unwrap();
+                    }
+                });
+            }
+        });
+        assert!(!parent.exists());
     }
 }

@@ -23,8 +23,9 @@ const LIGHT: &str = "#C8C8C8";
 const COLOURS: [&str; 6] = [GREEN, RED, GREY, BLUE, ORANGE, LIGHT];
 /// Colour of what has no value.
 const NONE: &str = "#FFFFFF";
-/// Width of the panel of the colour scale, and the margins of the map.
-const BAR: f64 = 105.0;
+/// Width of the panel of the colour scale beside its numbers, the least room for them, and the margins of the map.
+const BAR: f64 = 49.0;
+const ROOM: f64 = 56.0;
 const MARGINS: (f64, f64) = (12.0, 56.0);
 
 /// The pictures that can be drawn, each with its name.
@@ -143,7 +144,8 @@ impl Side {
         }
         if axis.is_logarithmic() {
             let range = edges(first.log10(), last.log10());
-            let ticks = TickFormat::Custom(Arc::new(|place: f64| short(10f64.powf(place))));
+            let numbers = if first < 1e-3 || last >= 1e5 { powers } else { short };
+            let ticks = TickFormat::Custom(Arc::new(move |place: f64| numbers(10f64.powf(place))));
             return Some(Self { order, range, exponents: true, ticks, label });
         }
         let step = (last - first) / (sorted.len() - 1) as f64;
@@ -172,6 +174,23 @@ impl Side {
 /// A number with three digits.
 fn short(value: f64) -> String {
     style::digits(format!("{value:.2e}").parse().unwrap_or(value))
+}
+
+/// The same with a power of ten.
+fn powers(value: f64) -> String {
+    let digits = short(value);
+    let scientific = digits.parse().map_or(digits, |rounded: f64| format!("{rounded:e}"));
+    style::typeset_number(&scientific).unwrap_or(scientific)
+}
+
+/// Room for the numbers beside a colour scale and for its label.
+fn room((low, high): (f64, f64)) -> f64 {
+    // The largest power of ten below the distance of two ticks, which have five digits at most.
+    let step = 10f64.powf((0.2 * (high - low)).log10().floor());
+    let first = (low / step).round();
+    let numbers = (0..100).map(|i| (first + f64::from(i)) * step).take_while(|number| *number < high);
+    let longest = numbers.map(|number| style::digits(number).chars().count()).max().unwrap_or(0);
+    (24.0 + 7.0 * longest as f64).max(ROOM)
 }
 
 /// The values row by row, in rising order along both sides.
@@ -219,14 +238,15 @@ fn map(
     let layout = layout.with_force_margins_y(MARGINS.0, MARGINS.1);
     let (scale_plots, scale_axes) = bar(ends, &ColorMap::Viridis, &label(variable));
     let (title, size) = page.heading(&dataset.title);
+    let room = room(ends);
     let figure = Figure::new(1, 2)
         .with_structure(vec![vec![0], vec![1]])
         .with_title(title)
         .with_title_size(size)
-        .with_cell_size(page.width - BAR, page.height(style::HEIGHT) - 40.0)
-        .with_col_width(1, BAR)
+        .with_cell_size(page.width - BAR - room, page.height(style::HEIGHT) - 40.0)
+        .with_col_width(1, BAR + room)
         .with_spacing(6.0);
-    let axes = scale_axes.with_force_margins(56.0, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1);
+    let axes = scale_axes.with_force_margins(room, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1);
     let plots: Plots = vec![field.plot(ends, &colours, 1)];
     let exponents = [[x.exponents, y.exponents], [false; 2]];
     Some(ticks::panels_of_exponents(figure, vec![plots, scale_plots], vec![layout, axes], &exponents))

@@ -1,5 +1,7 @@
 //! `[sweep]`: the values of keys for which a scenario is computed, and what is kept of each case.
 
+use std::collections::HashSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,8 +60,10 @@ impl Sweep {
         for (i, (key, axis)) in self.over.0.iter().enumerate() {
             let found =
                 |expected: &str, found: &str| Err(Error::invalid(format!("over.{key}"), expected, found));
-            if LABELS.contains(&key.split('.').next().unwrap_or_default()) {
-                return found("a key that the results depend on", "a label");
+            let first = key.split('.').next().unwrap_or_default();
+            if LABELS.contains(&first) {
+                let what = if first == "sweep" { "one of the sweep itself" } else { "a label" };
+                return found("a key that the results depend on", what);
             }
             if let Some((other, _)) = self.over.0[..i].iter().find(|(other, _)| excludes(key, other)) {
                 return found("keys that do not exclude one another", &format!("{key} beside {other}"));
@@ -75,6 +79,7 @@ impl Sweep {
             return Err(Error::invalid("over", format!("{} axes or fewer", Self::AXES), self.over.0.len()));
         }
         self.check_zip()?;
+        self.check_differences()?;
         if self.repeat == Some(0) {
             return Err(Error::invalid("repeat", "1 or more", 0));
         }
@@ -110,6 +115,39 @@ impl Sweep {
                     let found = format!("{length} of {other} and {} of {key}", axis.len());
                     return Err(Error::invalid(name, "axes with the same number of values", found));
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// No value of an axis comes twice, unless it is zipped with others, and each variable is kept once.
+    fn check_differences(&self) -> Result<()> {
+        for (key, axis) in
+            self.over.0.iter().filter(|(key, _)| !self.zip.iter().any(|keys| keys.contains(key)))
+        {
+            let SweepAxis::List(values) = axis else { continue };
+            let mut seen = HashSet::new();
+            for (i, value) in values.iter().enumerate() {
+                let text =
+                    value.number().map_or_else(|| format!("{value:?}"), |number| format!("{number:?}"));
+                if !seen.insert(text) {
+                    return Err(Error::invalid(
+                        format!("over.{key}.{i}"),
+                        "values that differ",
+                        "the same twice",
+                    ));
+                }
+            }
+        }
+        let curves = self.keep.iter().enumerate().filter_map(|(i, kept)| match kept {
+            SweepKept::Curve(curve) => Some((i, &curve.variable)),
+            SweepKept::Entry(_) => None,
+        });
+        let mut seen = HashSet::new();
+        for (i, variable) in curves {
+            if !seen.insert(variable) {
+                let found = format!("\"{variable}\" twice");
+                return Err(Error::invalid(format!("keep.{i}"), "each variable once, on one grid", found));
             }
         }
         Ok(())

@@ -24,16 +24,11 @@ impl Lock {
     /// # Errors
     /// Another run holds the lock; the system refuses.
     pub fn take(path: &Path, directory: &Path) -> Result<Self> {
-        let folders = Made::above(path).map_err(Error::system(path, "make the folder of"))?;
         loop {
             let mut options = OpenOptions::new();
-            let mut file = options
-                .read(true)
-                .write(true)
-                .create(true)
-                .truncate(false)
-                .open(path)
-                .map_err(Error::system(path, "create"))?;
+            options.read(true).write(true).create(true).truncate(false);
+            let (mut file, folders) =
+                Made::before(path, || options.open(path)).map_err(Error::system(path, "create"))?;
             let held = match file.try_lock() {
                 Ok(()) => true,
                 Err(TryLockError::WouldBlock) => {

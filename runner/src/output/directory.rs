@@ -155,12 +155,11 @@ impl Staging {
     /// A killed run with the same process number may have left a folder; the next number is then taken.
     fn beside(dir: &Path) -> Result<Self> {
         let parent = dir.parent().unwrap_or(Path::new("/"));
-        let folders = Made::above(dir).map_err(Error::system(parent, "make the folder"))?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy();
         for number in 0_u64.. {
             let path = parent.join(format!(".{name}.{}-{number}.partial", std::process::id()));
-            match fs::create_dir(&path) {
-                Ok(()) => return Ok(Self { path, _folders: folders }),
+            match Made::before(&path, || fs::create_dir(&path)) {
+                Ok(((), folders)) => return Ok(Self { path, _folders: folders }),
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(Error::system(&path, "make the folder")(error)),
             }

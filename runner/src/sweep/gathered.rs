@@ -62,15 +62,29 @@ impl Gathered {
         Ok(Self { there: vec![false; count], curves, ..Self::default() })
     }
 
-    /// Adds cases. One that is there already is the same.
+    /// Forgets the cases that failed, as if they were not there.
+    pub fn forget_failures(&mut self) {
+        for (case, _) in std::mem::take(&mut self.failures) {
+            self.there[case] = false;
+        }
+    }
+
+    /// Adds cases. One that is there already is the same, unless it failed before and was computed again.
     ///
     /// # Errors
     /// Curves in files cannot be written.
     pub fn add(&mut self, batch: &Batch) -> io::Result<()> {
         let count = self.there.len();
         let place = |number: u64| usize::try_from(number).ok().filter(|&number| number < count);
-        let cases: Vec<Option<usize>> = batch.cases.iter().map(|&number| place(number)).collect();
-        cases.iter().flatten().for_each(|&case| self.there[case] = true);
+        let mut cases: Vec<Option<usize>> = batch.cases.iter().map(|&number| place(number)).collect();
+        for (place, _) in &batch.failures {
+            let case = &mut cases[*place as usize];
+            *case = case.filter(|case| !self.there[*case] || self.failures.contains_key(case));
+        }
+        for &case in cases.iter().flatten() {
+            self.there[case] = true;
+            self.failures.remove(&case);
+        }
         for (path, numbers) in batch.columns.iter().zip(&batch.numbers) {
             let column = self.numbers.entry(path.clone()).or_insert_with(|| vec![f64::NAN; count]);
             for (case, number) in cases.iter().zip(&numbers.0) {

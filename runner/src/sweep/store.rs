@@ -114,15 +114,22 @@ impl Store {
         })
     }
 
-    /// Which cases are stored.
+    /// Which cases are stored; those that failed count or not.
     ///
     /// # Errors
     /// The system refuses.
-    pub fn there(&mut self) -> Result<Vec<bool>> {
+    pub fn there(&mut self, with_failures: bool) -> Result<Vec<bool>> {
         let mut there = vec![false; self.identity.cases];
         self.each(|batch| {
-            let cases = batch.cases.iter().filter_map(|&case| usize::try_from(case).ok());
-            cases.for_each(|case| there.get_mut(case).into_iter().for_each(|there| *there = true));
+            let mut counts = vec![true; batch.cases.len()];
+            if !with_failures {
+                batch.failures.iter().for_each(|(place, _)| counts[*place as usize] = false);
+            }
+            for (case, _) in batch.cases.iter().zip(counts).filter(|(_, counts)| *counts) {
+                if let Some(there) = usize::try_from(*case).ok().and_then(|case| there.get_mut(case)) {
+                    *there = true;
+                }
+            }
             Ok(())
         })?;
         Ok(there)
@@ -320,7 +327,8 @@ impl Store {
                 cases.extend(batch.unpacked());
             }
         }
-        cases.sort_by_key(|case| case.number);
+        // Of a case that failed and was computed again, what it kept comes first.
+        cases.sort_by_key(|case| (case.number, case.kept.is_err()));
         cases.dedup_by_key(|case| case.number);
         let merged = self.put(&Batch::new(&cases))?;
         for path in files.iter().filter(|path| **path != merged) {
