@@ -119,7 +119,9 @@ def sweep(
     array([0.505, 0.52 ])
     """
     if isinstance(scenario, Description):
-        scenario = scenario_of(scenario, **(task or {}))  # type: ignore[arg-type]
+        if not task:
+            raise ValueError('task: expected what is computed of a model, such as {"pull": {}}, got nothing')
+        scenario = scenario_of(scenario, **task)  # type: ignore[arg-type]
     elif task is not None:
         raise TypeError(f"task: expected a model beside it, got {type(scenario).__name__}")
     threads, retry = None if threads is None else whole("threads", threads), flag("retry", retry)

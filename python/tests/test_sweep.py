@@ -254,6 +254,12 @@ def test_a_result_with_a_name_that_is_taken_is_a_failure(tmp_path: Path, name: A
     np.testing.assert_array_equal(found["y"].values, [1.0, np.nan])
 
 
+def test_a_model_needs_a_task() -> None:
+    model = asp.MasterEquation(asp.Contacts(asp.Gaussian(1.0, 0.1)))
+    with pytest.raises(ValueError, match=r"task: expected what is computed of a model, .* got nothing"):
+        asp.sweep(model, {"contacts.count": [1.0, 2.0]}, ["kinetic_friction"])
+
+
 def test_an_argument_may_be_called_value_and_a_large_whole_number_is_a_word() -> None:
     pytest.importorskip("xarray")
     found = asp.sweep(lambda value: value**2, {"value": [1.0, 3.0]})
