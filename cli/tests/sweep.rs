@@ -338,7 +338,7 @@ fn cases_that_failed_are_computed_again_where_that_is_asked_for() {
 contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
 pull = {{ distance = 3.0, points = 31 }}
 ensemble.seed = 3
-sweep = {{ keep = ["ensemble_static_friction"], over."ensemble.size" = {sizes} }}
+sweep = {{ keep = [{{ variable = "ensemble_force", at = [1.0] }}], over."ensemble.size" = {sizes} }}
 "#
         )
     };

@@ -95,8 +95,9 @@ pub fn keep(scenario: &Scenario, kept: &[SweepKept], summaries: &Summaries) -> a
                     let names: Vec<_> = curves(&declared).map(|variable| variable.name.as_str()).collect();
                     return refused(format!("one of {}", names.join(", ")), &curve.variable);
                 };
-                let Some(along) = coordinate(&declared, variable) else {
-                    return refused("a variable along one coordinate".to_owned(), &curve.variable);
+                let along = coordinate(&declared, variable).filter(|along| rises(scenario, &along.0));
+                let Some(along) = along else {
+                    return refused("a variable along one rising coordinate".to_owned(), &curve.variable);
                 };
                 found.push(Keep::Curve {
                     variable: variable.name.clone(),
@@ -112,6 +113,13 @@ pub fn keep(scenario: &Scenario, kept: &[SweepKept], summaries: &Summaries) -> a
         found.push(Keep::Entry(ACCURACY.to_owned()));
     }
     Ok(found)
+}
+
+/// Whether curves along a coordinate are kept: neither along a drive that turns nor of several temperatures.
+fn rises(scenario: &Scenario, along: &str) -> bool {
+    let turns = scenario.drive.as_ref().is_some_and(|drive| drive.turning_points.is_some());
+    let several = scenario.velocity_curve.as_ref().is_some_and(|curve| !curve.temperatures.is_empty());
+    !(turns && along == "drive" || several && along == "velocity")
 }
 
 /// The variables of the task.
