@@ -332,25 +332,25 @@ keep = ["kinetic_friction"]
 #[test]
 fn cases_that_failed_are_computed_again_where_that_is_asked_for() {
     let folder = Folder::new();
-    let scenario = |sizes: &str| {
+    let scenario = |cells: &str| {
         format!(
             r#"
 contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
-pull = {{ distance = 3.0, points = 31 }}
-ensemble.seed = 3
-sweep = {{ keep = [{{ variable = "ensemble_force", at = [1.0] }}], over."ensemble.size" = {sizes} }}
+interface = {{ cells = [10, 10], contacts = "one", coupling.neighbours = {{ stiffness = 0.2 }}, connection = 0.2 }}
+drive = {{ distance = 0.1, points = 2 }}
+sweep = {{ keep = ["catalogue.events"], over."interface.cells" = {cells} }}
 "#
         )
     };
-    folder.write("large.toml", &scenario("[100, 1000000, 200, 1000001]"));
-    folder.write("larger.toml", &scenario("[1000000, 1000001]"));
+    folder.write("large.toml", &scenario("[[10, 10], [400, 1000], [20, 10], [1000, 400]]"));
+    folder.write("larger.toml", &scenario("[[400, 1000], [1000, 400]]"));
     let run = |more: &[&str]| {
         let output = folder.run(&[&["sweep", "large.toml", "--no-figures"], more].concat());
         assert_eq!(output.status.code(), Some(0), "{more:?}: {}", errors(&output));
         String::from_utf8(output.stdout).unwrap()
     };
     run(&["--quiet", "-o", "whole"]);
-    // Contacts of 16 bytes.
+    // The large lattices take 28.8 MB.
     let little = ["--memory", "10MB"];
     assert!(run(&little).contains("cases                  4, 2 of them failed"));
     assert!(run(&[&little[..], &["--resume"]].concat()).contains("2 of them failed"));

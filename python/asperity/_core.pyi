@@ -5139,12 +5139,14 @@ class _Sweep:
         text: str,
         axes: Sequence[tuple[str, Sequence[float] | Sequence[str]]],
         folder: str | PathLike[str] | None,
+        retry: bool,
     ) -> _Sweep: ...
     @staticmethod
     def of_scenario(
         scenario: str | PathLike[str] | Mapping[str, Any],
         overrides: Mapping[str, Any] | None,
         folder: str | PathLike[str] | None,
+        retry: bool,
     ) -> _Sweep: ...
     @property
     def specification(self, /) -> tuple[str, str, Path, list[str]] | None: ...
@@ -5283,9 +5285,10 @@ def fit(
         For an unknown or repeated name in free, none in it, a prior of a number that is not free or whose error is not
         above 0, an unknown name in laws, a first value that is not above 0 where it has to be, lists of different
         lengths or with numbers that are not finite, positions that do not rise, fewer readings than free numbers and
-        two, an average of 0, a reading or a drift that is not above 0, a drift of a quarter of the range of positions
-        or more, another word as noise, and numbers that the curve does not determine. A search that does not converge
-        is no error: see Estimates.converged.
+        two, a constant force, forces of the other sign, positions in another unit than lengths of the contacts, an
+        average of 0, a reading or a drift that is not above 0, a drift of a quarter of the range of positions or more,
+        another word as noise, and numbers that the curve does not determine. A search that does not converge is no
+        error: see Estimates.converged.
 
     Examples
     --------
