@@ -87,7 +87,8 @@ pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
         .with_x_axis_max(x.1)
         .with_y_axis_min(y.0)
         .with_y_axis_max(y.1)
-        .with_tick_format(TickFormat::Custom(Arc::new(number)))
+        .with_x_tick_format(numbers(x))
+        .with_y_tick_format(numbers(y))
         .with_y2_tick_format(TickFormat::Custom(Arc::new(number)))
         .with_theme(theme)
         .with_label_size(LABELS as u32)
@@ -159,8 +160,25 @@ pub fn sized_ensemble(outcome: &Outcome) -> String {
 
 /// `value` with five digits.
 pub fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    rounded(value, 4)
+}
+
+/// `value` with so many digits after the first one.
+fn rounded(value: f64, decimals: usize) -> String {
+    let rounded: f64 = format!("{value:.decimals$e}").parse().unwrap_or(value);
     asperity_runner::output::shortest(rounded)
+}
+
+/// Ticks of a linear axis: five digits, or as many as tell them apart.
+pub fn numbers((low, high): (f64, f64)) -> TickFormat {
+    /// Digits beyond the first one that differs, and the most that there are.
+    const BEYOND: f64 = 2.0;
+    const MOST: f64 = 14.0;
+    let equal = (low.abs().max(high.abs()) / (high - low)).log10().ceil();
+    let decimals = if equal > BEYOND { (equal + BEYOND).min(MOST) as usize } else { 4 };
+    TickFormat::Custom(Arc::new(
+        move |value| if decimals == 4 { number(value) } else { rounded(value, decimals) },
+    ))
 }
 
 /// `value` with five digits as it is printed, a power of ten among them where it is very small or large.

@@ -78,11 +78,17 @@ fn replicas(axes: &[&Axis], numbers: &[f64]) -> Vec<(f64, f64)> {
     found
 }
 
-/// The places along an axis, if they are numbers, and their label.
+/// The places along an axis, if they are numbers, and their label, with those of the keys that change with them.
 fn places(axis: &Axis) -> Option<(&[f64], String)> {
-    let coordinate = &axis.coordinates[0];
-    let Values::Numbers(numbers) = &coordinate.values else { return None };
-    Some((numbers, label(coordinate)))
+    let Values::Numbers(numbers) = &axis.coordinates[0].values else { return None };
+    let labels: Vec<String> = axis.coordinates.iter().map(label).collect();
+    Some((numbers, labels.join("; ")))
+}
+
+/// Whether rising values are drawn on a logarithmic axis: over a narrow one there would be no ticks.
+fn is_logarithmic(axis: &Axis, values: &[f64]) -> bool {
+    const NARROW: f64 = 3.0;
+    axis.is_logarithmic() && values[values.len() - 1] >= NARROW * values[0]
 }
 
 fn lines(
@@ -106,10 +112,11 @@ fn lines(
     // Replicas that are equal differ by rounding at most.
     let scattered = error.iter().any(|&error| error > 1e-9 * high.abs().max(low.abs()));
     plots.extend(errors(&x, &y, if scattered { &error } else { &[] }, BLUE));
-    let ends = if axis.is_logarithmic() { style::decades(&x) } else { (x[0], x[x.len() - 1]) };
+    let logarithmic = is_logarithmic(axis, &x);
+    let ends = if logarithmic { style::decades(&x) } else { (x[0], x[x.len() - 1]) };
     let (low, high) = if high > low { style::heights(low, high) } else { scale(&y) };
     let mut layout = style::layout(ends, (low, high));
-    if axis.is_logarithmic() {
+    if logarithmic {
         layout = layout.with_log_x().with_x_tick_format(style::powers(ends));
     }
     let layout = page.titled(layout, &dataset.title).with_x_label(words).with_y_label(label(variable));
@@ -142,7 +149,7 @@ impl Side {
         if sorted.len() < 2 {
             return None;
         }
-        if axis.is_logarithmic() {
+        if is_logarithmic(axis, &sorted) {
             let range = edges(first.log10(), last.log10());
             let numbers = if first < 1e-3 || last >= 1e5 { powers } else { short };
             let ticks = TickFormat::Custom(Arc::new(move |place: f64| numbers(10f64.powf(place))));
@@ -152,14 +159,14 @@ impl Side {
         // Rounding of values that are evenly spaced.
         let even = sorted.windows(2).all(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() < 1e-6);
         if even {
-            let ticks = TickFormat::Custom(Arc::new(style::digits));
-            return Some(Self { order, range: edges(first, last), exponents: false, ticks, label });
+            let range = edges(first, last);
+            return Some(Self { order, range, exponents: false, ticks: style::numbers(range), label });
         }
         let count = sorted.len();
         let named = move |place: f64| {
             let index = place.round();
             let whole = (place - index).abs() < 1e-6 && index >= 0.0 && index < sorted.len() as f64;
-            if whole { short(sorted[index as usize]) } else { String::new() }
+            if whole { style::digits(sorted[index as usize]) } else { String::new() }
         };
         let range = (-0.5, count as f64 - 0.5);
         Some(Self { order, range, exponents: false, ticks: TickFormat::Custom(Arc::new(named)), label })
@@ -183,14 +190,18 @@ fn powers(value: f64) -> String {
     style::typeset_number(&scientific).unwrap_or(scientific)
 }
 
-/// Room for the numbers beside a colour scale and for its label.
-fn room((low, high): (f64, f64)) -> f64 {
-    // The largest power of ten below the distance of two ticks, which have five digits at most.
+/// Room for the numbers along a vertical axis and for its label, in numbers of this size.
+fn room((low, high): (f64, f64), ticks: &TickFormat, size: f64) -> f64 {
+    /// Width of a digit, and of what stands beside the numbers.
+    const DIGIT: f64 = 0.64;
+    const BESIDE: f64 = 2.6;
+    // The largest power of ten below the distance of two ticks.
     let step = 10f64.powf((0.2 * (high - low)).log10().floor());
     let first = (low / step).round();
-    let numbers = (0..100).map(|i| (first + f64::from(i)) * step).take_while(|number| *number < high);
-    let longest = numbers.map(|number| style::digits(number).chars().count()).max().unwrap_or(0);
-    (24.0 + 7.0 * longest as f64).max(ROOM)
+    let places = (0..100).map(|i| (first + f64::from(i)) * step).take_while(|place| *place < high);
+    let TickFormat::Custom(text) = ticks else { return 0.0 };
+    let longest = places.map(|place| text(place).chars().count()).max().unwrap_or(0);
+    size * (BESIDE + DIGIT * longest as f64)
 }
 
 /// The values row by row, in rising order along both sides.
@@ -234,11 +245,12 @@ fn map(
         false => NONE.to_owned(),
     }));
     let field = Field { values: &values, sides: [y.order.len(), x.order.len()], x: x.range, y: y.range };
-    let layout = layout([&x, &y]).with_force_margins(style::SIDES.0, style::SIDES.1);
+    let left = room(y.range, &y.ticks, 13.0).max(style::SIDES.0);
+    let layout = layout([&x, &y]).with_force_margins(left, style::SIDES.1);
     let layout = layout.with_force_margins_y(MARGINS.0, MARGINS.1);
     let (scale_plots, scale_axes) = bar(ends, &ColorMap::Viridis, &label(variable));
     let (title, size) = page.heading(&dataset.title);
-    let room = room(ends);
+    let room = room(ends, &style::numbers(ends), 11.0).max(ROOM);
     let figure = Figure::new(1, 2)
         .with_structure(vec![vec![0], vec![1]])
         .with_title(title)

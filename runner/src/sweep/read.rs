@@ -28,7 +28,7 @@ fn drawn(file: &NcFile, scenario: String) -> netcdf_reader::Result<Dataset> {
     let kept: Vec<&NcVariable> = all.into_iter().filter(|v| !is_coordinate(v)).collect();
     let mut dimensions = Vec::new();
     for dimension in file.dimensions()? {
-        dimensions.push(axis(file, &dimension.name, dimension.size as usize)?);
+        dimensions.push(axis(file, &dimension.name, dimension.size as usize, &further)?);
     }
     let count = replicas(dimensions.iter());
     let along = |v: &NcVariable| -> Vec<(usize, usize)> {
@@ -48,11 +48,18 @@ fn drawn(file: &NcFile, scenario: String) -> netcdf_reader::Result<Dataset> {
     Ok(Dataset { title: words("title"), hash: words("sweep"), scenario, axes, grids, variables, failed })
 }
 
-/// A dimension, with the coordinate of its name.
-fn axis(file: &NcFile, name: &str, length: usize) -> netcdf_reader::Result<Axis> {
-    let variable = file.variable(name)?;
-    let coordinate = labelled(variable, thinned(file, variable, &[(length, 1)])?);
-    Ok(Axis { name: name.to_owned(), length, coordinates: vec![coordinate] })
+/// A dimension, with the coordinate of its name, and those among `further` that lie along it.
+fn axis(file: &NcFile, name: &str, length: usize, further: &[String]) -> netcdf_reader::Result<Axis> {
+    let mut variables = vec![file.variable(name)?];
+    for other in further.iter().flat_map(|names| names.split(' ')) {
+        let variable = file.variable(other)?;
+        if names(variable) == [name] && variables.iter().all(|known| known.name() != other) {
+            variables.push(variable);
+        }
+    }
+    let coordinate = |v: &&NcVariable| Ok(labelled(v, thinned(file, v, &[(length, 1)])?));
+    let coordinates = variables.iter().map(coordinate).collect::<netcdf_reader::Result<_>>()?;
+    Ok(Axis { name: name.to_owned(), length, coordinates })
 }
 
 /// The values at every so many places along dimensions with these lengths and steps, read row by row.
