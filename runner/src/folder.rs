@@ -1,7 +1,7 @@
 //! The folders above a file that will be written: created if missing, and removed again if they stay empty.
 
 use std::fs;
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Created folders. Those that are empty when this is dropped are removed.
@@ -26,11 +26,20 @@ impl Made {
     /// remove it in between.
     pub fn before<T>(path: &Path, create: impl Fn() -> io::Result<T>) -> io::Result<(T, Self)> {
         const TIMES: usize = 100;
-        let mut last = io::Error::from(io::ErrorKind::NotFound);
+        let mut last = io::Error::from(ErrorKind::NotFound);
         for _ in 0..TIMES {
-            match Self::above(path).and_then(|made| Ok((create()?, made))) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => last = error,
-                other => return other,
+            let made = match Self::above(path) {
+                Ok(made) => made,
+                // What was there when it was made is gone when it is looked at.
+                Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::AlreadyExists) => {
+                    last = error;
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            match create() {
+                Err(error) if error.kind() == ErrorKind::NotFound => last = error,
+                created => return created.map(|created| (created, made)),
             }
         }
         Err(last)
