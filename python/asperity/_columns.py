@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 # A name with its unit in brackets.
 UNIT = re.compile(r"^(?P<name>.*?)[\s_]*[(\[](?P<unit>[^)\]]*)[)\]]$")
 
+# The beginning of a number, or one that is not finite.
+NUMBER = re.compile(r"^\s*[-+]?([.,]?\d|(nan|inf(inity)?)\s*$)", re.IGNORECASE)
+
 # A number with a decimal comma.
 COMMA = re.compile(r"^\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
 
@@ -88,8 +91,8 @@ def parted(heading: str) -> tuple[str, str]:
 
 
 def are_units(row: list[str], columns: int) -> bool:
-    """Whether a line has a word for each column and no number."""
-    return len(row) == columns and not any(re.search(r"^\s*$|^\s*[-+]?[.,]?\d|nan|inf", cell) for cell in row)
+    """Whether a line has as many cells as columns, words among them and no number."""
+    return len(row) == columns and any(map(str.strip, row)) and not any(map(NUMBER.match, row))
 
 
 def numbers(row: list[str], columns: int, decimal: str, where: str) -> list[float]:

@@ -127,12 +127,19 @@ def test_files_of_other_programs(tmp_path: Path) -> None:
     assert record.units["Displ"] == "µm"
 
 
-def test_units_in_a_line_of_their_own(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("line", "units"),
+    [
+        ("s,[mm],(kN)", {"Time": "s", "Displ": "mm", "Force": "kN"}),
+        ("s,nanometre,", {"Time": "s", "Displ": "nanometre"}),
+    ],
+)
+def test_units_in_a_line_of_their_own(tmp_path: Path, line: str, units: dict[str, str]) -> None:
     path = tmp_path / "record.csv"
-    path.write_text("Time,Displ,Force\ns,[mm],(kN)\n0,1,2\n1,2,3\n", encoding="utf-8")
+    path.write_text(f"Time,Displ,Force\n{line}\n0,1,2\n1,2,3\n", encoding="utf-8")
     record = asp.read_laboratory(path)
     np.testing.assert_array_equal(record.force, [2.0, 3.0])
-    assert record.units == {"Time": "s", "Displ": "mm", "Force": "kN"}
+    assert record.units == units
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     Some(legend::placed(ticks::panel(plots, layout), &legend, &[0]))
 }
 
-/// Number of integers in the bin that holds `size`, in whose middle a power of ten to the tenth of the contacts breaks.
+/// Number of integers in the bin that holds `size`: bins are a tenth of a decade wide in the fraction of contacts that break.
 fn whole_numbers(size: f64, contacts: f64) -> f64 {
     let middle = contacts * 10f64.powf((PER_DECADE * (size / contacts).log10()).round() / PER_DECADE);
     let half = 10f64.powf(0.5 / PER_DECADE);

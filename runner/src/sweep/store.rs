@@ -114,7 +114,7 @@ impl Store {
         })
     }
 
-    /// Which cases are stored; those that failed count or not.
+    /// Which cases are stored, with or without those that failed.
     ///
     /// # Errors
     /// The system refuses.
