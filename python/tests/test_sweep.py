@@ -260,6 +260,20 @@ def test_a_model_needs_a_task() -> None:
         asp.sweep(model, {"contacts.count": [1.0, 2.0]}, ["kinetic_friction"])
 
 
+def test_objects_of_one_text_are_different_values() -> None:
+    pytest.importorskip("xarray")
+
+    class Box:
+        def __init__(self, size: float) -> None:
+            self.size = size
+
+        def __str__(self) -> str:
+            return "box"
+
+    found = asp.sweep(lambda box: box.size, {"box": [Box(1.0), Box(2.0)]})
+    assert found["value"].values.tolist() == [1.0, 2.0]
+
+
 def test_an_argument_may_be_called_value_and_a_large_whole_number_is_a_word() -> None:
     pytest.importorskip("xarray")
     found = asp.sweep(lambda value: value**2, {"value": [1.0, 3.0]})
