@@ -266,7 +266,7 @@ accuracy:
 # The renewal equation and contacts followed through time, for every rule with every family of thresholds: half an hour.
 # `make rust` compares those that are quick.
 agreement:
-	cargo test --release --locked --package asperity --test solvers_agree -- --ignored --nocapture
+	cargo test --release --locked --package asperity --test master -- solvers_agree --ignored --nocapture
 
 # Whether draws from posteriors are calibrated: the ranks of 200 truths among 99 draws, in some minutes. `make rust` does 25.
 calibration:

@@ -20,7 +20,7 @@ ROUNDING = 1e-12
 # What is larger is no tolerance but a limit between outcomes.
 LARGEST = 0.1
 PLACES = [
-    "core/tests/*.rs",
+    "core/tests/**/*.rs",
     "core/src/**/*.rs",
     "runner/tests/*.rs",
     "runner/src/**/*.rs",

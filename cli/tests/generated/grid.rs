@@ -13,7 +13,7 @@ use super::verdict;
 
 /// Seconds of the processor, which no run reaches that stops in time, and addresses: 500 MB, and what the allocator sets aside for
 /// each of four threads, 64 MiB.
-const LIMITS: Limits = Limits { seconds: 180, bytes: 500_000_000 + (4 << 26), patience: Some(30.0) };
+const LIMITS: Limits = Limits { seconds: 180, bytes: 500_000_000 + (4 << 26), patience: None };
 
 /// Seconds of wall time after which a run gives up that gets too little of the processor to be interrupted before.
 const STOPPED: &str = "--max-time=15min";
@@ -136,10 +136,11 @@ impl Combination {
     }
 
     /// Runs it; what should not have happened, and the seconds that it took.
-    pub fn judged(&self) -> (Vec<String>, f64) {
+    pub fn judged(&self, patience: f64) -> (Vec<String>, f64) {
         let [folder, aside] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
         std::fs::write(folder.path().join("scenario.toml"), &self.text).expect("the scenario is written");
-        let run = verdict::run(folder.path(), aside.path(), LIMITS, STOPPED);
+        let run =
+            verdict::run(folder.path(), aside.path(), Limits { patience: Some(patience), ..LIMITS }, STOPPED);
         let mut failures = run.failures;
         if matches!(run.ended.code(), Some(1 | 2)) && !names_a_key(&run.ended.errors) {
             failures.push(format!("no key is named: {}", run.ended.errors.trim()));
@@ -196,11 +197,12 @@ fn keep(combination: &Combination, failures: &[String]) {
     write().unwrap_or_else(|error: std::io::Error| println!("{}: {error}", folder.display()));
 }
 
-/// Judges combinations on as many threads as there are; what should not have happened.
-pub fn judge(numbers: &[u64]) -> Vec<String> {
+/// Judges combinations on as many threads as there are, each of which is asked to stop after so many seconds of the processor; what
+/// should not have happened.
+pub fn judge(numbers: &[u64], patience: f64) -> Vec<String> {
     child::shared(numbers, |&number| {
         let combination = Combination::of(number);
-        let (failures, seconds) = combination.judged();
+        let (failures, seconds) = combination.judged(patience);
         let reported = format!("{number}, {}, {seconds:.1} s", combination.name);
         println!("{reported}{}{}", if failures.is_empty() { "" } else { ": " }, failures.join("; "));
         (!failures.is_empty()).then(|| format!("{reported}: {}", failures.join("; ")))

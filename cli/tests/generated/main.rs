@@ -163,6 +163,10 @@ fn campaign() {
 
 /// Of the grid of distributions, tasks, temperatures and rules of ageing, so many, spread evenly.
 const OF_THE_GRID: usize = 40;
+/// Seconds of the processor after which they are asked to stop: the first word of progress comes after 10 s.
+const SOON: f64 = 12.0;
+/// The same where there is more time.
+const LATER: f64 = 30.0;
 
 /// All combinations, neighbours differing in each value: by steps of a number that shares no factor with theirs.
 fn spread() -> Vec<u64> {
@@ -171,7 +175,7 @@ fn spread() -> Vec<u64> {
 
 #[test]
 fn combinations_end_within_their_limits() {
-    let failures = grid::judge(&spread()[..OF_THE_GRID]);
+    let failures = grid::judge(&spread()[..OF_THE_GRID], SOON);
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
@@ -186,7 +190,7 @@ fn all_combinations() {
         }
         None => part(spread()),
     };
-    let failures = grid::judge(&numbers);
+    let failures = grid::judge(&numbers, LATER);
     assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), numbers.len(), failures.join("\n"));
 }
 

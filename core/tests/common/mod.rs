@@ -8,6 +8,8 @@ pub mod polyline;
 pub mod pulled;
 pub mod sliders;
 pub mod together;
+pub mod walk;
+pub mod ways;
 
 use std::sync::Arc;
 

@@ -1,0 +1,235 @@
+//! Steady sliding of a slider with mass and damping: its characteristic equation against closed forms, quadrature, and motion in time.
+
+use std::sync::OnceLock;
+
+use crate::common::{contacts, gaussian, point};
+use asperity::block::{Block, Loading, Regime, Slide, Slip};
+use asperity::contacts::{Ageing, Contacts, Rules};
+use asperity::history::{History, Piece};
+use asperity::master::{DynamicStiffness, Slider, StepResponse, Transport};
+use asperity::numerics::legendre::RULE;
+use num_complex::Complex64;
+
+/// Thresholds of mean 1 and σ = 0.2 that grow by 2 % per factor e in age, τ₀ = 1.
+const GROWTH: f64 = 0.02;
+const STD: f64 = 0.2;
+const VELOCITY: f64 = 1e-3;
+
+fn ageing() -> Contacts {
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: GROWTH, time: 1.0 }), ..Rules::default() };
+    Contacts { rules, ..contacts(&gaussian(1.0, STD), &point(0.0)) }
+}
+
+/// Computed once for all tests.
+fn response() -> &'static StepResponse {
+    static RESPONSE: OnceLock<StepResponse> = OnceLock::new();
+    RESPONSE.get_or_init(|| Transport::step_response(&ageing(), VELOCITY, 20.0, 3e-6, &mut ()).unwrap())
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} instead of {expected}: {:e}", found - expected);
+}
+
+/// Contacts whose force forgets a step as −e^{−t}: F̂ = −s/(1 + s).
+fn forgetting() -> StepResponse {
+    let time: Vec<f64> = (0..=8000).map(|k| f64::from(k) * 5e-3).collect();
+    let response = time.iter().map(|t| -(-t).exp()).collect();
+    StepResponse { velocity: 1.0, time, response }
+}
+
+/// What straight lines between the times are off in `forgetting`: h²/8 of the response, h = 5e-3.
+const STRAIGHT: f64 = 1e-5;
+
+#[test]
+fn the_critical_stiffness_is_that_of_routh_and_hurwitz() {
+    // (Ms² + γs + K)(1 + s) − s = Ms³ + (M + γ)s² + (γ + K − 1)s + K: stable for (M + γ)(γ + K − 1) > MK.
+    let response = forgetting();
+    for (mass, damping) in [(0.0, 0.3), (1.0, 0.3), (20.0, 0.3), (1.0, 0.9), (0.01, 0.1)] {
+        let closed: f64 = (mass + damping) * (1.0 - damping) / damping;
+        let (found, frequency) = response.critical_stiffness(mass, damping, &mut ()).unwrap().unwrap();
+        // Relative, 1/γ being what the error of F̂ is multiplied by.
+        near(found / closed, 1.0, STRAIGHT * (1.0 + 1.0 / damping) * 10.0);
+        let slider = |stiffness| Slider { stiffness, mass, damping };
+        assert_eq!(response.unstable_roots(&slider(1.001 * closed), &mut ()).unwrap(), 0);
+        assert_eq!(response.unstable_roots(&slider(0.999 * closed), &mut ()).unwrap(), 2);
+        assert!(frequency > 0.0);
+    }
+    // Damping that takes more than the contacts give, and no damping at all.
+    assert_eq!(response.critical_stiffness(1.0, 1.1, &mut ()).unwrap(), None);
+    assert_eq!(response.critical_stiffness(1.0, 0.0, &mut ()).unwrap(), Some((f64::INFINITY, f64::INFINITY)));
+    assert_eq!(response.critical_stiffness(0.0, 0.0, &mut ()).unwrap(), Some((1.0, f64::INFINITY)));
+}
+
+#[test]
+fn deviations_grow_as_the_roots_of_the_cubic_say() {
+    let response = forgetting();
+    for (stiffness, mass, damping) in [
+        (0.5, 1.0, 0.0),
+        (14.0, 1.0, 0.0),
+        (0.5, 1.0, 0.3),
+        (0.05, 0.2, 0.1),
+        (0.3, 0.0, 0.1),
+        (0.4, 1e-4, 1e-3),
+    ] {
+        let slider = Slider { stiffness, mass, damping };
+        let s = response.growth(&slider, &mut ()).unwrap().unwrap();
+        let cubic = ((mass * s + (mass + damping)) * s + (damping + stiffness - 1.0)) * s + stiffness;
+        let slope = (3.0 * mass * s + 2.0 * (mass + damping)) * s + (damping + stiffness - 1.0);
+        // Where the root is by the cubic; 1 + s is what it was multiplied by.
+        let off = (cubic / slope).norm();
+        assert!(off < 1e-4 * s.norm(), "{slider:?}: {s}, off by {off:e}");
+        // The product of all roots is −K/M and their sum −(M + γ)/M, so that the third root is known: it is not to the right.
+        if mass > 0.0 && s.im > 0.0 {
+            assert!(-(mass + damping) / mass - 2.0 * s.re < s.re);
+        }
+    }
+    assert_eq!(response.growth(&Slider { stiffness: 0.5, mass: 1.0, damping: 1.1 }, &mut ()).unwrap(), None);
+    assert!(response.growth(&Slider { stiffness: 0.5, mass: 0.0, damping: 0.0 }, &mut ()).is_err());
+}
+
+/// F̂ of contacts with logarithmic ageing, per deviation e^{qX} of X = vt: every cohort has the threshold law P_c at x/g(a),
+/// g = 1 + β ln(1 + a/τ₀), a = x/v, and the births change so that contacts stay as many.
+fn by_quadrature(q: Complex64) -> Complex64 {
+    let growth = |x: f64| 1.0 + GROWTH * (x / VELOCITY).ln_1p();
+    let survival = |x: f64| asperity::law::Law::survival(gaussian(1.0, STD).as_ref(), x / growth(x));
+    let density =
+        |x: f64| asperity::law::Law::density(gaussian(1.0, STD).as_ref(), x / growth(x)) / growth(x);
+    let mut walls: Vec<f64> =
+        (0..=20).map(|k| VELOCITY * 10.0_f64.powf(-3.0 + 0.25 * f64::from(k))).collect();
+    walls.extend((1..=150).map(|k| 0.02 * f64::from(k)));
+    walls.insert(0, 0.0);
+    walls.sort_by(f64::total_cmp);
+    let integral = |f: &dyn Fn(f64) -> Complex64| -> Complex64 {
+        let part = |pair: &[f64]| {
+            let of = |part: fn(Complex64) -> f64| RULE.integrate(pair[0], pair[1], |x| part(f(x)));
+            Complex64::new(of(|z| z.re), of(|z| z.im))
+        };
+        walls.windows(2).map(part).sum()
+    };
+    let late = |x: f64| (-q * x).exp();
+    let lost = integral(&|x| (survival(x) - x * density(x)) * (1.0 - late(x)));
+    let births = integral(&|x| density(x) * (1.0 - late(x))) / integral(&|x| survival(x) * late(x));
+    (lost + births * integral(&|x| x * survival(x) * late(x))) / integral(&|x| survival(x).into())
+}
+
+#[test]
+fn the_dynamic_stiffness_is_that_of_quadrature() {
+    let response = response();
+    let frequencies = [0.3, 1.0, 3.0, 6.0].map(|im| Complex64::new(0.0, im));
+    for q in frequencies.into_iter().chain([Complex64::new(1.0, 3.0), Complex64::new(5.0, 0.0)]) {
+        let (found, exact) = (response.at(VELOCITY * q), by_quadrature(q));
+        let off = (found - exact).norm();
+        println!("{q}: {found} {exact} {off:e}");
+        // The step is a hundredth of the width of thresholds, and its second order that share of the response; forces between the
+        // times are on straight lines.
+        assert!(off < 2e-2 * exact.norm() + 5e-5, "{q}: {found} instead of {exact}");
+    }
+}
+
+#[test]
+fn the_renewal_equation_gives_the_dynamic_stiffness() {
+    let renewal = DynamicStiffness::new(&ageing(), VELOCITY).unwrap();
+    for q in [
+        Complex64::new(0.0, 0.3),
+        Complex64::new(0.0, 3.0),
+        Complex64::new(0.0, 6.0),
+        Complex64::new(1.0, 3.0),
+    ] {
+        let (found, exact) = (renewal.at(VELOCITY * q), by_quadrature(q));
+        let off = (found - exact).norm();
+        println!("{q}: {found} {exact} {off:e}");
+        // The trapezoidal rule over 2000 ages of each threshold, (|q|/2000)²/12 and rounding of sums.
+        assert!(off < 1e-5, "{q}: {found} instead of {exact}");
+    }
+    let (critical, frequency) = renewal.critical_stiffness(&mut ()).unwrap().unwrap();
+    let stepped = response().critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
+    println!("{critical} at {frequency}, from a small step {stepped:?}");
+    // A step of a hundredth of the width of thresholds is off by its second order.
+    near(critical / stepped.0, 1.0, 2e-2);
+    assert_eq!(frequency, stepped.1);
+}
+
+/// A slider over contacts in steady sliding, stopped for a moment and pulled on by `drive`.
+fn follow(slip: Slip, stiffness: f64, drive: &[Piece], points: u32, tolerance: f64) -> Slide {
+    let mut sliding = Transport::steady_with(&ageing(), VELOCITY, 1e-5, &mut ()).unwrap();
+    sliding.step(0.0, 1e-9 / VELOCITY, &mut ()).unwrap();
+    let drive = History::new(drive.to_vec()).unwrap();
+    let times: Vec<f64> = (0..=points).map(|i| f64::from(i) / f64::from(points) * drive.duration()).collect();
+    let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
+    block.follow_with(&sliding, &drive, &times, tolerance, &mut ()).unwrap()
+}
+
+/// How fast the swings of the velocity grow per length from the position `from` on, by least squares.
+fn growth_of_swings(run: &Slide, from: f64) -> f64 {
+    let swing = |three: &[asperity::block::Moment]| {
+        let [before, here, after] = [0, 1, 2].map(|i: usize| three[i].velocity / VELOCITY - 1.0);
+        let (tilt, bend) = (0.5 * (after - before), after - 2.0 * here + before);
+        let top = here - 0.5 * tilt * tilt / bend;
+        (before < here && here >= after).then(|| (three[1].time * VELOCITY, top.ln()))
+    };
+    let swings: Vec<(f64, f64)> = run.trace.windows(3).filter_map(swing).filter(|s| s.0 > from).collect();
+    assert!(swings.len() > 5, "{swings:?}");
+    let mean =
+        |value: &dyn Fn(&(f64, f64)) -> f64| swings.iter().map(value).sum::<f64>() / swings.len() as f64;
+    let (x, y) = (mean(&|s| s.0), mean(&|s| s.1));
+    mean(&|s| (s.0 - x) * (s.1 - y)) / mean(&|s| (s.0 - x) * (s.0 - x))
+}
+
+#[test]
+fn without_damping_no_spring_is_stiff_enough() {
+    let response = response();
+    let jump = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
+    let stiffness = 14.0 * jump.0;
+    // 12 swings per length or so: fast enough to be begun gently by a jump of the drive by 1/12 and a rest of a quarter swing.
+    let swings = 12.0;
+    let mass = stiffness / (swings * VELOCITY).powi(2);
+    assert_eq!(
+        response.critical_stiffness(mass, 0.0, &mut ()).unwrap(),
+        Some((f64::INFINITY, f64::INFINITY))
+    );
+    let slider = Slider { stiffness, mass, damping: 0.0 };
+    let root = response.growth(&slider, &mut ()).unwrap().unwrap() / VELOCITY;
+    // By the dynamic stiffness itself, Newton's method from the root found.
+    let equation = |q: Complex64| mass * VELOCITY * VELOCITY * q * q + stiffness + by_quadrature(q);
+    let exact = (0..8).fold(root, |q, _| {
+        let slope = (equation(q + 1e-5) - equation(q - 1e-5)) / 2e-5;
+        q - equation(q) / slope
+    });
+    let quick = 1e-3 / (swings * VELOCITY);
+    let rest = std::f64::consts::FRAC_PI_2 / (swings * VELOCITY) - quick;
+    let drive = [
+        Piece { velocity: 1.0 / (swings * quick), duration: quick },
+        Piece { velocity: 0.0, duration: rest },
+        Piece { velocity: VELOCITY, duration: 6.0 / VELOCITY },
+    ];
+    let run = follow(Slip::Inertial { mass, damping: 0.0 }, stiffness, &drive, 3000, 1e-6);
+    let growth = growth_of_swings(&run, 1.0);
+    println!("root {root}, by quadrature {exact}, in time {growth}, {}", run.regime);
+    // Im F̂ is a tenth of |F̂| at this frequency, and the response good to 2 % of that; steps in time and swings of some per cent of
+    // the mean threshold are good to 3 %.
+    near(root.re / exact.re, 1.0, 0.1);
+    near(root.im / exact.im, 1.0, 1e-2);
+    near(growth / exact.re, 1.0, 0.05);
+    assert!(matches!(run.regime, Regime::Undecided { .. }), "{}", run.regime);
+}
+
+#[test]
+fn above_the_critical_stiffness_large_deviations_may_go_on() {
+    // A damped slider without mass: 2 % above K_c small deviations die out, and larger ones come to slip after slip: the
+    // bifurcation is subcritical here.
+    let (response, damping) = (response(), 2.0);
+    let stiffness = 1.02 * response.critical_stiffness(0.0, damping, &mut ()).unwrap().unwrap().0;
+    let pulled = |kick: f64| {
+        let lag = damping * VELOCITY / stiffness + kick;
+        let quick = 1e-6 / VELOCITY;
+        let drive = [
+            Piece { velocity: lag / quick, duration: quick },
+            Piece { velocity: VELOCITY, duration: 40.0 / VELOCITY },
+        ];
+        follow(Slip::Damped { damping }, stiffness, &drive, 400, 1e-4).regime
+    };
+    let (small, large) = (pulled(1e-3), pulled(0.1));
+    assert!(matches!(small, Regime::Smooth { .. }), "{small}");
+    assert!(matches!(large, Regime::Persistent { .. }), "{large}");
+}

@@ -1,0 +1,10 @@
+//! Fits to measured curves, and the derivatives of the force that they use.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod averaged_readings;
+mod gradient;
+mod pulls;
+mod steady;
+mod threshold_response;

@@ -1,0 +1,133 @@
+//! Sliding far beyond the way on which it becomes steady: it costs as much as that way, and nothing but time and position is
+//! different afterwards.
+
+use std::ops::ControlFlow;
+
+use crate::common::{contacts, gamma, gaussian, mixture, point, rectangular};
+use asperity::contacts::{Ageing, Barrier, Contacts, FreeFriction, FreeTime, Initial, Rules, Temperature};
+use asperity::history::{History, Piece};
+use asperity::law::SharedLaw;
+use asperity::master::{MasterEquation, Transport};
+use asperity::monitor::{Cost, Monitor};
+
+const TOLERANCE: f64 = 1e-6;
+
+/// Counts steps.
+#[derive(Default)]
+struct Steps(usize);
+
+impl Monitor for Steps {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn cost(&mut self, cost: Cost, pieces: usize) {
+        if cost == Cost::TransportSteps {
+            self.0 += pieces;
+        }
+    }
+}
+
+fn with(thresholds: SharedLaw, ageing: Option<Ageing>, energy: f64, delay: FreeTime) -> Contacts {
+    let heat = Temperature { barrier: Barrier::Elastic, ..Temperature::new(energy, 1.0) };
+    let temperature = Some(heat).filter(|_| energy > 0.0);
+    let free = !matches!(delay, FreeTime::Fixed(0.0));
+    let free_friction = FreeFriction { force: if free { 0.1 } else { 0.0 }, viscosity: 0.0 };
+    let rules = Rules { ageing, temperature, delay, free_friction, ..Rules::default() };
+    Contacts { rules, ..contacts(&thresholds, &point(0.0)) }
+}
+
+fn cases() -> Vec<(&'static str, Contacts)> {
+    let logarithmic = || Some(Ageing::Logarithmic { growth: 0.04, time: 1.0 });
+    let frozen_rank = || Some(Ageing::FrozenRank { mature: gaussian(1.2, 0.15), time: 1.0 });
+    let smoluchowski = || Some(Ageing::Smoluchowski { mature: gaussian(1.2, 0.2), diffusion: 0.04 });
+    let law = || gaussian(1.0, 0.2);
+    vec![
+        ("no rule", with(law(), None, 0.0, 0.0.into())),
+        ("temperature", with(law(), None, 0.02, 0.0.into())),
+        ("logarithmic", with(law(), logarithmic(), 0.0, 0.0.into())),
+        ("logarithmic and temperature", with(law(), logarithmic(), 0.02, 0.0.into())),
+        ("frozen_rank", with(law(), frozen_rank(), 0.0, 0.0.into())),
+        ("smoluchowski", with(law(), smoluchowski(), 0.0, 0.0.into())),
+        ("delay", with(law(), logarithmic(), 0.0, 0.3.into())),
+        ("free times", with(law(), None, 0.0, gamma(0.4, 0.2).into())),
+        ("broad thresholds", with(gamma(1.0, 0.5), None, 0.02, 0.0.into())),
+        (
+            "re-forming over a distribution",
+            Contacts { reforming: rectangular(0.0, 0.1), ..with(law(), None, 0.02, 0.0.into()) },
+        ),
+    ]
+}
+
+/// The transport after a motion, with the trace at these times and the number of steps.
+fn moved(contacts: &Contacts, pieces: &[Piece], times: &[f64]) -> (Transport, Vec<f64>, usize) {
+    let mut steps = Steps::default();
+    let mut transport =
+        Transport::new_with(contacts.clone(), &Initial::default(), TOLERANCE, &mut ()).unwrap();
+    let history = History::new(pieces.to_vec()).unwrap();
+    let trace = transport.follow_with(&history, times, &mut steps).unwrap();
+    (transport, trace.force, steps.0)
+}
+
+#[test]
+fn long_sliding_costs_what_becoming_steady_costs() {
+    let (velocity, near, far) = (2.0, 60.0, 2e4);
+    for (name, contacts) in cases() {
+        let slide = |duration| Piece { velocity, duration };
+        let faster = Piece { velocity: 20.0, duration: 0.1 };
+        let after = |start: f64| -> Vec<f64> { (0..20).map(|k| start + 0.005 * f64::from(k)).collect() };
+        let (mut short, force, few) = moved(&contacts, &[slide(near), faster], &after(near));
+        let (mut long, same, steps) = moved(&contacts, &[slide(far), faster], &after(far));
+        // The shorter way is long enough to become steady.
+        assert_eq!(steps, few, "{name}");
+        // The step to another velocity is what it is after a way on which sliding becomes steady, to the tolerance; times are
+        // rounded at 2e4.
+        let off = force.iter().zip(&same).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < TOLERANCE, "{name}: {off:e}");
+        // Rounding.
+        assert!((long.time() / (far + 0.1) - 1.0).abs() < 1e-14);
+        assert!((long.position() / (velocity * far + 2.0) - 1.0).abs() < 1e-14);
+        // Breaks and energies grow by as much per length as renewal theory says, which shares no code with transport.
+        let equation = MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap();
+        let steady = equation.steady_state();
+        let (more, less) = (long.energies(), short.energies());
+        let way = velocity * (far - near);
+        let rate = (more.broken - less.broken) / way;
+        // The tolerance, of numbers of order 1.
+        assert!((rate - steady.breaking_rate()).abs() < TOLERANCE, "{name}: {rate}");
+        let work = (more.lost + more.sliding - more.strengthening - less.lost - less.sliding
+            + less.strengthening)
+            / way;
+        assert!((work - steady.kinetic_friction()).abs() < TOLERANCE, "{name}: {work}");
+        for transport in [&mut short, &mut long] {
+            transport.step(0.5, 0.3, &mut ()).unwrap();
+        }
+        let [one, two] = [short.force(), long.force()];
+        assert!((one - two).abs() < TOLERANCE, "{name}: {one} {two}");
+    }
+}
+
+/// Contacts that hold for longer than all others break at a constant rate keep it from being steady.
+#[test]
+fn rare_strong_contacts_are_waited_for() {
+    let laws = mixture(&[(0.999, gaussian(1.0, 0.2)), (1e-3, gaussian(20.0, 2.0))]);
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.01, time: 1.0 }), ..Rules::default() };
+    let contacts = Contacts { rules, ..contacts(&laws, &point(0.0)) };
+    let velocity = 1.0;
+    let (transport, _, _) = moved(&contacts, &[Piece { velocity, duration: 150.0 }], &[]);
+    let equation = MasterEquation::at(contacts, &Initial::default(), velocity).unwrap();
+    let steady = equation.steady_state().kinetic_friction();
+    // They carry a third of the force; the tolerance.
+    let off = (transport.force() - steady).abs();
+    assert!(off < TOLERANCE * transport.unit(), "{off:e}");
+}
+
+/// Sliding is not steady while contacts break together again and again.
+#[test]
+fn contacts_that_stay_in_phase_are_followed() {
+    let contacts = Contacts::new(point(1.0), point(0.0));
+    let duration = 100.25;
+    let (transport, _, steps) = moved(&contacts, &[Piece { velocity: 1.0, duration }], &[]);
+    assert!(steps > 100, "{steps}");
+    assert!((transport.force() - 0.25).abs() < TOLERANCE);
+}

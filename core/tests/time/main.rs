@@ -1,0 +1,16 @@
+//! Contacts in time: transport, steady starts, a background force, and machine springs.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod background;
+mod background_tasks;
+mod error_in_time;
+mod machine_healing;
+mod machine_spring;
+mod machine_step;
+mod measured_rate_state;
+mod steady_start;
+mod transport;
+mod transport_cold;
+mod transport_ensemble;
