@@ -79,9 +79,15 @@ fn remedy(key: &str, reached: &Float) -> String {
     }
 }
 
-/// A finite `f64` that can stand in a comparable error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// An `f64` that can stand in a comparable error: equal if all its bits are.
+#[derive(Debug, Clone, Copy)]
 pub struct Float(pub f64);
+
+impl PartialEq for Float {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_bits() == other.0.to_bits()
+    }
+}
 
 impl Eq for Float {}
 
@@ -100,11 +106,20 @@ impl Error {
     /// The same error, its key prefixed by the name of its table.
     #[must_use]
     pub fn under(mut self, table: &str) -> Self {
-        if let Self::Invalid { key, .. } | Self::TooLarge { key, .. } = &mut self {
-            *key = if key.is_empty() { table.to_owned() } else { format!("{table}.{key}") };
+        match &mut self {
+            Self::Invalid { key, .. } | Self::TooLarge { key, .. } => {
+                *key = if key.is_empty() { table.to_owned() } else { format!("{table}.{key}") };
+            }
+            Self::Accuracy { key, .. } if !key.is_empty() => *key = format!("{table}.{key}"),
+            _ => {}
         }
         self
     }
+}
+
+/// Returns `value` if it is a finite number; `key` names it in the error.
+pub(crate) fn finite(key: &str, value: f64) -> Result<f64> {
+    if value.is_finite() { Ok(value) } else { Err(Error::invalid(key, "a finite number", value)) }
 }
 
 /// Returns `value` if it is a finite number above 0; `key` names it in the error.

@@ -189,7 +189,8 @@ impl Record {
     pub fn row(&self, name: &str, row: usize) -> Option<&[f64]> {
         let variable = self.get(name)?;
         let rows = self.length(variable.dimensions.first()?)?;
-        variable.values.chunks_exact(variable.values.len() / rows.max(1)).nth(row)
+        let width = variable.values.len().checked_div(rows)?;
+        if row < rows { variable.values.get(row * width..(row + 1) * width) } else { None }
     }
 
     /// The length of a dimension, from the first variable along it alone.

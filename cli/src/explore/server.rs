@@ -31,6 +31,8 @@ pub const LARGEST: usize = 1_000_000;
 const ARRIVAL: Duration = Duration::from_secs(10);
 /// Connections at the same time: a browser keeps six.
 const CONNECTIONS: usize = 64;
+/// A pause after a connection that could not be accepted.
+const AFTER_A_FAILURE: Duration = Duration::from_millis(10);
 /// Where requests go, and questions how far the work on one is.
 const COMPUTE: &str = "/compute";
 const PROGRESS: &str = "/progress";
@@ -63,8 +65,11 @@ impl Server {
         let places = Arc::new(Semaphore::new(CONNECTIONS));
         loop {
             let Ok(place) = places.clone().acquire_owned().await else { return };
-            // A connection that fails is one that the other side has closed.
-            let Ok((stream, _)) = listener.accept().await else { continue };
+            // A connection that fails is one that the other side has closed, or one too many for the system, which takes a while.
+            let Ok((stream, _)) = listener.accept().await else {
+                tokio::time::sleep(AFTER_A_FAILURE).await;
+                continue;
+            };
             let server = server.clone();
             tokio::spawn(async move {
                 server.attend(stream).await;

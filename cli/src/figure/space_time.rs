@@ -1,7 +1,10 @@
 //! `space_time`: the forces along a chain during the drive, or over the time of a protocol, the cells that slip, and the fronts
 //! of the largest event, with the waves that start with it.
 
+use asperity::elastic::front;
 use asperity::record::Record;
+use asperity::shape::Edges;
+use asperity_runner::input::edges;
 use asperity_runner::output::Outcome;
 use kuva::plot::{ColorMap, ScatterPlot};
 use kuva::render::figure::Figure;
@@ -35,7 +38,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         bar(ends, &ColorMap::Viridis, &style::axis(outcome, "Force of a cell", record.get("cell_force")?));
     let (mut plots, mut layouts) = (vec![plots, colours], vec![layout, axes]);
     let mut structure = vec![vec![0], vec![1]];
-    if let Some((front, axes)) = front(outcome, cells) {
+    if let Some((front, axes)) = largest(outcome, cells) {
         plots.push(front);
         layouts.push(axes);
         structure.push(vec![2]);
@@ -113,7 +116,7 @@ fn spans(record: &Record, drives: &[f64], cells: usize) -> Vec<Vec<Point>> {
 }
 
 /// The times at which the cells of the largest event began to slip, and the speeds of its fronts.
-fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
+fn largest(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let largest = outcome.summary.numbers.catalogue()?.largest?;
     let columns =
@@ -127,30 +130,33 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         return None;
     }
     let epicentre = points.iter().find(|point| point.1 == first)?.0;
+    let row = Row::of(outcome, cells);
     let air = 0.08 * (last - first);
     let window = (first - air, last + air);
     let mut plots: Plots = Vec::new();
     let mut words = Vec::new();
     for (name, sign) in [("left", -1.0), ("right", 1.0)] {
         let speed = record.values(&format!("event_front_speed_{name}"))?[largest.event - 1];
-        let mut side: Vec<Point> =
-            points.iter().copied().filter(|p| sign * (p.0 - epicentre) > 0.0).collect();
-        side.sort_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some(&middle) = side.get(side.len() / 2).filter(|_| speed.is_finite()) {
-            let at = |time: f64| (middle.0 + sign * speed * (time - middle.1), time);
-            // From the epicentre on, while the front moves.
-            let beyond = |cell: f64| sign * (cell - epicentre) >= 0.0;
-            let inside = |point: &Point| (0.0..=cells as f64).contains(&point.0) && beyond(point.0);
-            let steps = (0..=FINE).map(|i| at(first + (last - first) * f64::from(i) / f64::from(FINE)));
-            plots.push(line(steps.filter(inside).collect(), RED, 1.6, Some(DASHES)));
+        let passed = row.front(&points, epicentre, sign);
+        if let Some(&middle) = passed.get(passed.len() / 2).filter(|_| speed.is_finite()) {
+            // As far as the front has come.
+            let (begin, end) = (passed[0].0, passed[passed.len() - 1].0);
+            let places = (0..=FINE).map(|i| begin + (end - begin) * f64::from(i) / f64::from(FINE));
+            let reached = places.map(|distance| (distance, middle.1 + (distance - middle.0) / speed));
+            let reached = reached.filter(|point| point.1 >= first);
+            plots.extend(row.lines(epicentre, sign, reached).map(|part| line(part, RED, 1.6, Some(DASHES))));
             let rounded = style::digits((1e3 * speed).round() / 1e3);
             words.push(format!("{rounded} cells per time to the {name}"));
         }
     }
     if let Some(speed) = outcome.summary.numbers.catalogue()?.wave_speed {
-        let ends = [0.0, epicentre, cells as f64];
-        let wave = ends.map(|cell: f64| (cell, first + (cell - epicentre).abs() / speed)).to_vec();
-        plots.push(line(wave, BLUE, 1.6, None));
+        for sign in [-1.0, 1.0] {
+            // Around a periodic chain waves from both sides meet.
+            let longest = if row.is_periodic { 0.5 * row.cells } else { row.cells };
+            let places = (0..=FINE).map(|i| longest * f64::from(i) / f64::from(FINE));
+            let wave = places.map(|distance| (distance, first + distance / speed));
+            plots.extend(row.lines(epicentre, sign, wave).map(|part| line(part, BLUE, 1.6, None)));
+        }
         words.push(format!("waves (blue) {}", style::digits((1e3 * speed).round() / 1e3)));
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
@@ -161,6 +167,59 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         .with_x_label("Cell")
         .with_y_label(style::axis(outcome, "Beginning of slip", record.get("slipped_start")?));
     Some((plots, layout))
+}
+
+/// The cells of a chain.
+struct Row {
+    cells: f64,
+    is_periodic: bool,
+}
+
+impl Row {
+    fn of(outcome: &Outcome, cells: usize) -> Self {
+        Self { cells: cells as f64, is_periodic: edges(&outcome.scenario) == Edges::Periodic }
+    }
+
+    /// Distances from the epicentre to one side, and when slip had come so far.
+    fn front(&self, points: &[Point], epicentre: f64, sign: f64) -> Vec<Point> {
+        let half = if self.is_periodic { 0.5 * self.cells } else { self.cells };
+        let distance = |cell: f64| {
+            let distance = sign * (cell - epicentre);
+            if self.is_periodic { distance.rem_euclid(self.cells) } else { distance }
+        };
+        let side = points.iter().map(|point| (distance(point.0), point.1));
+        let side = side.filter(|point| (0.0..=half).contains(&point.0));
+        let mut side: Vec<(usize, f64)> = side.map(|point| (point.0 as usize, point.1)).collect();
+        side.sort_by_key(|point| point.0);
+        let (first, times) = front(&side);
+        times.iter().enumerate().map(|(i, time)| ((first + i) as f64, *time)).collect()
+    }
+
+    /// Points at distances from the epicentre to one side as the lines that are seen: to the end of an open chain, and from the other
+    /// end on in a periodic one.
+    fn lines(
+        &self,
+        epicentre: f64,
+        sign: f64,
+        points: impl Iterator<Item = Point>,
+    ) -> impl Iterator<Item = Vec<Point>> {
+        let mut lines: Vec<Vec<Point>> = Vec::new();
+        let mut round = f64::NAN;
+        for (distance, time) in points {
+            let place = epicentre + sign * distance;
+            let now = (place / self.cells).floor();
+            if now != 0.0 && !self.is_periodic {
+                break;
+            }
+            let at = (place - now * self.cells, time);
+            match lines.last_mut().filter(|_| now == round) {
+                Some(line) => line.push(at),
+                None => lines.push(vec![at]),
+            }
+            round = now;
+        }
+        lines.into_iter()
+    }
 }
 
 fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {

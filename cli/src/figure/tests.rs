@@ -532,6 +532,7 @@ fn one_simulation_has_a_line_where_persistent_stick_slip_ends_and_several_have_a
 /// Events of sizes 1, 2, 3 … over a lattice of 3 × 4 contacts, shown twice.
 fn lattice(events: usize) -> Outcome {
     let catalogue = Catalogue {
+        unfinished: 0,
         cells: 12,
         events,
         from: 0.0,

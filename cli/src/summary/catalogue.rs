@@ -15,7 +15,12 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
     } else {
         String::new()
     };
-    let mut lines = vec![("events", format!("{}{from}, over {} cells", catalogue.events, catalogue.cells))];
+    let unfinished = match catalogue.unfinished {
+        0 => String::new(),
+        number => format!("; {number} more had not ended with the run"),
+    };
+    let events = format!("{}{from}, over {} cells{unfinished}", catalogue.events, catalogue.cells);
+    let mut lines = vec![("events", events)];
     if let Some(mean) = catalogue.mean_waiting {
         let variation = catalogue.waiting_variation.map_or(String::new(), |variation| {
             format!(", coefficient of variation {} (1 for a Poisson process)", digits(variation))

@@ -69,6 +69,10 @@ impl PersistenceLimit {
         }
         while persists > 0.0 && ended.is_finite() && ended > (1.0 + resolution) * persists {
             let middle = (persists * ended).sqrt();
+            // No number is between them.
+            if middle <= persists || middle >= ended {
+                break;
+            }
             match regime(middle)? {
                 Regime::Persistent { .. } => persists = middle,
                 Regime::Undecided { .. } => break,

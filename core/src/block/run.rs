@@ -5,7 +5,7 @@ use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
 use super::trace::{self, End, Point, SlipCourse};
 use super::{Block, EnergyBalance, Loading, Regime, Slip, check_damping_ratio, regime};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, fits};
 use crate::population::{Direction, Population};
 use crate::record::{Quantity, Record};
 use crate::{Error, Result};
@@ -115,12 +115,18 @@ pub(super) fn pull(
     Ok(StickSlip { trace, events, sizes, course, energy: memory.energy, regime, end, loading: block.loading })
 }
 
+/// Bytes of a point of the trace, with where it was asked for.
+const POINT: u64 = (size_of::<Point>() + size_of::<f64>()) as u64;
+/// Bytes that a trace may take.
+const ALLOWED: u64 = 16 << 30;
+
 /// The segments of a drive that starts at `start`.
 fn segments(start: f64, drive: &Drive) -> Result<Vec<DriveSegment>> {
     let Drive { turning_points, points } = drive;
     if *points < 2 {
         return Err(Error::invalid("points", "at least the 2 ends", points));
     }
+    fits("points", format!("a trace of {points} points"), (*points as u64).saturating_mul(POINT), ALLOWED)?;
     turns(start, turning_points)?;
     let total = length(start, turning_points);
     let (mut segments, mut done, mut from) = (Vec::new(), 0.0, start);

@@ -25,6 +25,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::error::positive;
 use crate::law::{Law, Point, SharedLaw, Truncated, Zone};
 use crate::{Error, Result};
 
@@ -196,9 +197,11 @@ impl Contacts {
     /// that no distribution is too narrow to differ from a point mass.
     ///
     /// # Errors
-    /// Thresholds at 0; stretches at or above every threshold; narrow distributions; invalid rules or
-    /// combinations.
+    /// A number or a stiffness of contacts that is not above 0; thresholds at 0; stretches at or above every threshold; narrow
+    /// distributions; invalid rules or combinations.
     pub fn check(&self, initial: &Initial) -> Result<()> {
+        positive("count", self.count)?;
+        self.stiffness.check()?;
         self.rules.check(&self.thresholds)?;
         if let (Stiffness::Tabulated(_), Some(rule)) = (&self.stiffness, self.rules.first()) {
             let expected = format!(

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::positive;
 use crate::law::Law;
 use crate::{Error, Result};
 
@@ -53,6 +54,16 @@ impl Stiffness {
         }
     }
 
+    /// # Errors
+    /// A stiffness that is not a finite number above 0. A table is checked where it is made.
+    pub(super) fn check(&self) -> Result<()> {
+        match *self {
+            Self::Equal(stiffness) => positive("stiffness", stiffness).map(drop),
+            Self::PerThreshold(slope) => positive("stiffness.per_threshold", slope).map(drop),
+            Self::Tabulated(_) => Ok(()),
+        }
+    }
+
     /// The mean stiffness ⟨k⟩ over these thresholds.
     pub fn mean(&self, thresholds: &dyn Law) -> f64 {
         self.unit() * self.mean_weight(thresholds)
@@ -70,8 +81,23 @@ impl Stiffness {
 
 /// Stiffness against threshold: linear between the rows of a table, constant beyond its ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedRows")]
 pub struct StiffnessTable {
     rows: Vec<(f64, f64)>,
+}
+
+/// The rows of a stored table.
+#[derive(Deserialize)]
+struct UncheckedRows {
+    rows: Vec<(f64, f64)>,
+}
+
+impl TryFrom<UncheckedRows> for StiffnessTable {
+    type Error = Error;
+
+    fn try_from(stored: UncheckedRows) -> Result<Self> {
+        Self::new(stored.rows)
+    }
 }
 
 /// A part of a table where k = offset + slope x_s.

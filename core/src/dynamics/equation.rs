@@ -70,6 +70,17 @@ impl EquationOfMotion {
         if stands { free.max(0.0) } else { free }
     }
 
+    /// The highest velocity √(Ẋ² + MẌ²/K) that a cell reaches as it swings about where forces balance, with the stiffness K of its
+    /// spring and its contacts; less where it is held by others, too. Without a mass the velocity.
+    pub fn speed(&self, j: usize, cell: &SlidingCell, acceleration: f64) -> f64 {
+        let resistance = self.resistance(j, cell, 0.0);
+        if self.mass == 0.0 || resistance <= 0.0 {
+            return cell.velocity;
+        }
+        let swing = self.mass(cell) / resistance * acceleration * acceleration;
+        (cell.velocity * cell.velocity + swing).sqrt()
+    }
+
     /// Kinetic energy ½MẊ² of a cell.
     pub fn kinetic(&self, cell: &SlidingCell) -> f64 {
         0.5 * self.mass(cell) * cell.velocity * cell.velocity

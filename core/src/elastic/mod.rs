@@ -37,6 +37,7 @@ mod state;
 mod stepper;
 mod uniform_stiffness;
 
+pub use catalogue::front;
 pub use cells::{CellAreas, Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
 pub use event::{Event, Slipped};
@@ -55,6 +56,7 @@ use self::energy::EnergyBudget;
 use self::parameters::DriveSprings;
 use self::residual::InterfaceModel;
 use self::slide::SlideRecord;
+use crate::error::finite;
 use crate::monitor::{Aside, Cost, Monitor, report};
 use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
@@ -241,7 +243,8 @@ impl Interface {
     /// row. The energy balance starts again from 0. Cells that are out of balance slide at the beginning of the next run.
     ///
     /// # Errors
-    /// Another number of positions than of cells; a position behind the present one of its cell; those of the cells.
+    /// A drive that is not finite; another number of positions than of cells; a position behind the present one of its cell;
+    /// those of the cells.
     pub fn put(&mut self, drive: f64, positions: &[f64]) -> Result<()> {
         self.put_with(drive, positions, &mut ())
     }
@@ -251,6 +254,7 @@ impl Interface {
     /// # Errors
     /// As [`Interface::put`]; stopped by the monitor: nothing has moved then.
     pub fn put_with(&mut self, drive: f64, positions: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
+        finite("drive", drive)?;
         if positions.len() != self.len() {
             let expected = format!("a position for each of the {} cells", self.len());
             return Err(Error::invalid("positions", expected, positions.len()));
@@ -277,7 +281,7 @@ impl Interface {
     /// Raises the load-point displacement to `drive`, and passes each event, with the cells that slipped in it, to `each`.
     ///
     /// # Errors
-    /// Those of the cells.
+    /// A drive that is not finite; those of the cells.
     pub fn run(&mut self, drive: f64, each: &mut dyn FnMut(&Event, &[Slipped])) -> Result<()> {
         self.run_with(drive, &mut (), each)
     }
@@ -315,6 +319,7 @@ impl Interface {
     /// # Errors
     /// As [`Self::next`]; stopped by the monitor.
     pub fn next_with(&mut self, drive: f64, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        finite("drive", drive)?;
         if self.path.1 != drive {
             self.path = (self.configuration.drive, drive);
         }

@@ -136,6 +136,9 @@ impl Ensemble {
     }
 
     /// Chunks with so many breaks that merging them is cheap, but one for each core at least.
+    ///
+    /// # Errors
+    /// More bytes than allowed; more breaks of a contact than can be counted.
     fn plan<C: TallyCell>(&self, positions: &[f64], snapshots: &Snapshots, memory: u64) -> Result<Plan> {
         let bins = snapshots.edges.len() * snapshots.positions.len();
         let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
@@ -144,11 +147,21 @@ impl Ensemble {
         let needed = (round + 1) * bytes + positions.len() * size_of::<[f64; 2]>();
         let what = format!("an ensemble at {} positions", positions.len());
         fits("positions", what, needed as u64, memory)?;
-        let expected = self.expected_breaks(positions[positions.len() - 1]);
+        let last = positions[positions.len() - 1];
+        let expected = self.expected_breaks(last);
+        if expected > MOST {
+            return Err(Error::invalid(
+                "positions",
+                format!("fewer than {MOST:.0e} breaks of a contact"),
+                last,
+            ));
+        }
         let least = (bytes as f64).max(20_000.0);
         // A chunk has its own sums at all positions. With at least as many breaks as it has bytes,
         // merging them costs little beside the breaks.
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
+        /// Breaks of a contact, which are counted without rounding.
+        const MOST: f64 = 1e15;
         let chunk = (breaks / expected).ceil() as usize;
         let quick = if bytes > CACHE { PART / 8 } else { PART };
         let part = (quick as f64 / expected).ceil() as usize;

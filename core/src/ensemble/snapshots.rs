@@ -35,6 +35,13 @@ impl Snapshots {
         let last = *positions.last().ok_or_else(|| Error::invalid("positions", "at least one", "none"))?;
         rising("snapshots", &self.positions)?;
         rising("edges", &self.edges)?;
+        if let Some(pair) = self.edges.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(Error::invalid(
+                "edges",
+                "edges of bins, each above the one before",
+                format!("{} twice", pair[0]),
+            ));
+        }
         match self.positions.last().filter(|&&x| x > last) {
             Some(beyond) => Err(Error::invalid("snapshots", format!("positions up to {last}"), beyond)),
             None => Ok(last),
@@ -42,7 +49,7 @@ impl Snapshots {
     }
 }
 
-/// Refuses values that are not finite, are negative or fall.
+/// Refuses values that are not finite, are negative or fall; equal ones may follow each other.
 pub(super) fn rising(key: &str, values: &[f64]) -> Result<()> {
     let expected = "finite values that rise from 0 or above";
     if let Some(bad) = values.iter().find(|x| !x.is_finite() || **x < 0.0) {

@@ -116,6 +116,9 @@ impl ClosedForm for Gaussian {
     }
 
     fn force(&self, position: f64) -> f64 {
+        if position > self.reach() {
+            return f64::NAN;
+        }
         let var = self.std * self.std;
         let broken = self.breaks(position);
         let lost: f64 =
@@ -124,6 +127,9 @@ impl ClosedForm for Gaussian {
     }
 
     fn slope(&self, position: f64) -> f64 {
+        if position > self.reach() {
+            return f64::NAN;
+        }
         let var = self.std * self.std;
         let rate = |(z, root)| normal_density(z) / root * (self.mean + var / root * z);
         1.0 - self.breaks(position).map(rate).sum::<f64>()

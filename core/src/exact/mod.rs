@@ -38,12 +38,12 @@ pub trait ClosedForm {
     /// The first that is not.
     fn check(&self) -> Result<()>;
 
-    /// The position up to which the sums stay short, a length: far beyond it F is F_k to all digits.
+    /// The position up to which the sums stay short, a length. Beyond it they are not computed.
     fn reach(&self) -> f64 {
         f64::MAX
     }
 
-    /// F(X)/(N_c⟨k⟩) for X ≥ 0; after the break where contacts break together.
+    /// F(X)/(N_c⟨k⟩) for X ≥ 0; NaN beyond the reach; after the break where contacts break together.
     fn force(&self, position: f64) -> f64;
 
     /// F'(X)/(N_c⟨k⟩), from the right.

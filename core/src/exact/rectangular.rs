@@ -86,6 +86,9 @@ impl ClosedForm for Rectangular {
     }
 
     fn force(&self, position: f64) -> f64 {
+        if position > self.reach() {
+            return f64::NAN;
+        }
         let mut force = position;
         for (n, t) in self.breaks(position) {
             let (below, path) = irwin_hall_integrals(n, t);
@@ -100,6 +103,9 @@ impl ClosedForm for Rectangular {
     }
 
     fn slope(&self, position: f64) -> f64 {
+        if position > self.reach() {
+            return f64::NAN;
+        }
         let mut sum = 0.0;
         for (n, t) in self.breaks(position) {
             let term = irwin_hall_density(n, t) / n as f64;

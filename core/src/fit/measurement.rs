@@ -140,7 +140,8 @@ impl Measurement {
         let slope = |i: usize| {
             (self.forces[i + apart] - self.forces[i]) / (self.positions[i + apart] - self.positions[i])
         };
-        (0..self.forces.len().saturating_sub(apart)).map(slope).fold(0.0, f64::max)
+        let readings = self.forces.len().min(self.positions.len());
+        (0..readings.saturating_sub(apart)).map(slope).fold(0.0, f64::max)
     }
 
     /// From the first position to the last.
@@ -155,7 +156,7 @@ impl Measurement {
     }
 
     /// # Errors
-    /// Positions that do not rise; numbers that are not finite; a force for each position, or none.
+    /// Positions that do not rise; numbers that are not finite; a force and a spread for each position, or none.
     pub(crate) fn check(&self) -> Result<()> {
         if self.positions.len() < 2 {
             return Err(Error::invalid("position", "two positions or more", self.positions.len()));
@@ -172,6 +173,13 @@ impl Measurement {
         if !self.forces.is_empty() && self.forces.len() != self.positions.len() {
             let expected = format!("{} forces, one for each position", self.positions.len());
             return Err(Error::invalid("force", expected, self.forces.len()));
+        }
+        if !self.spreads.is_empty() && self.spreads.len() != self.positions.len() {
+            let expected = format!("{} spreads, one for each position, or none", self.positions.len());
+            return Err(Error::invalid("spread", expected, self.spreads.len()));
+        }
+        for (i, &spread) in self.spreads.iter().enumerate() {
+            not_negative(&format!("spread.{i}"), spread)?;
         }
         self.machine.check()
     }

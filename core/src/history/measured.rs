@@ -76,8 +76,8 @@ fn check(time: &[f64], position: &[f64], (apart, least): (f64, usize)) -> Result
         let expected = format!("{} positions, one for each time", time.len());
         return Err(Error::invalid("position", expected, position.len()));
     }
-    if time.len() < 2 * least {
-        return Err(Error::invalid("time", format!("{} readings or more", 2 * least), time.len()));
+    if time.len() / 2 < least {
+        return Err(Error::invalid("time", format!("twice {least} readings or more"), time.len()));
     }
     for (key, values) in [("time", time), ("position", position)] {
         if let Some((i, value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
@@ -118,7 +118,7 @@ struct RunningSums {
     sums: Vec<[f64; 6]>,
 }
 
-/// RunningSums over a range, about its means.
+/// Sums over a range, about its means.
 struct RegressionLine {
     count: f64,
     /// Mean time and position, about those of all readings.
@@ -246,7 +246,7 @@ mod tests {
     /// A motion at the given velocities for the given numbers of readings, ten in each second, with normal noise.
     fn motion(pieces: &[(f64, usize)], noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut stream = Stream::new(2, Purpose::Sample, 0);
-        // RunningSums of twelve uniform numbers have the variance 1, and are normal but for their tails.
+        // Sums of twelve uniform numbers have the variance 1, and are normal but for their tails.
         let mut normal = || (0..12).map(|_| stream.uniform()).sum::<f64>() - 6.0;
         let (mut time, mut position, mut at) = (Vec::new(), Vec::new(), 5000.0);
         for &(velocity, count) in pieces {

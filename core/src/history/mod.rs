@@ -40,7 +40,8 @@ impl History {
     /// Motion in these pieces.
     ///
     /// # Errors
-    /// No pieces; a velocity below 0; a duration that is not a finite number above 0.
+    /// No pieces; a velocity below 0; a duration that is not a finite number above 0, or that does not change the time;
+    /// a position that is not finite.
     pub fn new(pieces: Vec<Piece>) -> Result<Self> {
         if pieces.is_empty() {
             return Err(Error::invalid("protocol", "at least one step", "none"));
@@ -53,7 +54,13 @@ impl History {
             if !(duration.is_finite() && duration > 0.0) {
                 return Err(Error::invalid(format!("{i}.duration"), "a finite number above 0", duration));
             }
-            at = (at.0 + duration, at.1 + velocity * duration);
+            let next = (at.0 + duration, at.1 + velocity * duration);
+            if !(next.0 > at.0 && next.0.is_finite() && next.1.is_finite()) {
+                let expected =
+                    format!("a duration that numbers resolve at t = {}, to a finite position", at.0);
+                return Err(Error::invalid(format!("{i}.duration"), expected, duration));
+            }
+            at = next;
             knots.push(at);
         }
         Ok(Self { pieces, knots })

@@ -24,6 +24,9 @@ pub fn expectation<E>(
     mut f: impl FnMut(f64) -> Result<f64, E>,
 ) -> Result<f64, E> {
     let mut sum = Signed::default();
+    if high < low {
+        return Ok(0.0);
+    }
     for atom in law.atoms().iter().filter(|atom| low <= atom.position && atom.position <= high) {
         sum = sum.plus(Signed::of(atom.weight * f(atom.position)?));
     }

@@ -1,7 +1,7 @@
 //! The member of a parametric family under which a sample is most likely.
 
 use super::incomplete_gamma::ln_minus_digamma;
-use super::{Gaussian, Law as _, not_negative, positive};
+use super::{Gaussian, Law as _, not_negative, positive, range};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::roots::brent_root;
 use crate::{Error, Result};
@@ -39,6 +39,8 @@ pub fn maximum_likelihood_with(family: &str, samples: &[f64], monitor: &mut dyn 
     let check = if from_zero { not_negative } else { positive };
     samples.iter().try_for_each(|&x| check("samples", x).map(drop))?;
     let (lowest, highest) = samples.iter().fold((f64::INFINITY, 0.0), |(a, b), &x| (x.min(a), x.max(b)));
+    // Squares of the values are numbers.
+    [lowest, highest].iter().try_for_each(|&x| range::length_or_zero("samples", x).map(drop))?;
     let watch = &Watch::new(monitor);
     let sample = Sample { values: samples, mean: mean(samples, |x| x, watch)?, highest, watch };
     let equal = lowest == highest;
@@ -55,14 +57,15 @@ pub fn maximum_likelihood_with(family: &str, samples: &[f64], monitor: &mut dyn 
         _ if equal => return Err(Error::invalid("samples", "values that differ", format!("only {lowest}"))),
         _ => {}
     }
-    match family {
+    let found = match family {
         "gaussian" => sample.gaussian(),
         "rectangular" => Ok(vec![lowest, highest]),
         "lognormal" => sample.lognormal(),
         "gamma" => sample.gamma(),
         "weibull" => sample.weibull(),
         _ => Err(Error::invalid("family", "a distribution with parameters", family)),
-    }
+    }?;
+    if found.iter().all(|value| value.is_finite()) { Ok(found) } else { Err(unbounded("finite parameters")) }
 }
 
 fn mean(values: &[f64], f: impl Fn(f64) -> f64, watch: &Watch<'_>) -> Result<f64> {
@@ -99,6 +102,7 @@ impl Sample<'_, '_> {
     fn gaussian(&self) -> Result<Vec<f64>> {
         let std = self.std()?;
         let width = std / self.mean;
+        range::width(self.mean, std).map_err(|_| unbounded("a width that numbers resolve"))?;
         let excess = |alpha: f64| {
             let law = Gaussian::new(alpha, 1.0).expect("a mean of 0 or above");
             law.std() / law.mean() - width

@@ -4,7 +4,8 @@ use num_complex::Complex64;
 
 use super::panels::panel_boundaries;
 use super::quadrature::double_exponential;
-use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, positive, shared};
+use super::range::length;
+use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, shared};
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -41,7 +42,7 @@ impl Root {
     /// # Errors
     /// A factor that is not finite and above 0.
     pub fn new(factor: f64, areas: SharedLaw) -> Result<Self> {
-        positive("factor", factor)?;
+        length("factor", factor)?;
         let positions = areas.breakpoints().into_iter().map(|b| b.position);
         let positions = positions.chain(areas.atoms().into_iter().map(|atom| atom.position));
         let mut breakpoints: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();

@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::range::length_or_zero;
 use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
 use crate::monitor::{Monitor, Part, report_at};
 use crate::numerics::legendre::RULE;
@@ -54,7 +55,7 @@ impl Tabulated {
             return Err(Error::invalid("density", "at least two rows", rows.len()));
         }
         for &(stretch, density) in rows {
-            not_negative("stretch", stretch)?;
+            length_or_zero("stretch", stretch)?;
             not_negative("density", density)?;
         }
         if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
@@ -91,7 +92,7 @@ impl Tabulated {
         if samples.is_empty() {
             return Err(Error::invalid("samples", "at least one sample", 0));
         }
-        samples.iter().try_for_each(|&x| not_negative("samples", x).map(drop))?;
+        samples.iter().try_for_each(|&x| length_or_zero("samples", x).map(drop))?;
         let sorted = sorted(samples, &mut Part::new(monitor, 0.0, 0.5))?;
         // One sample is a point mass, as two equal ones are.
         let gap = 1.0 / (samples.len() - 1).max(1) as f64;
@@ -244,6 +245,7 @@ impl Law for Tabulated {
     }
 
     fn quantile(&self, p: f64) -> f64 {
+        let p = p.clamp(0.0, 1.0);
         let last = self.nodes.len() - 1;
         let i = if p < 1.0 { self.nodes.partition_point(|node| node.below < p).min(last) } else { last };
         let Some(node) = i.checked_sub(1).map(|i| self.nodes[i]) else {
@@ -257,6 +259,7 @@ impl Law for Tabulated {
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
+        let q = q.clamp(0.0, 1.0);
         let i = self.nodes.partition_point(|node| node.above[0] > q);
         let Some(node) = i.checked_sub(1).map(|i| self.nodes[i]) else {
             return self.nodes[0].position;

@@ -152,8 +152,14 @@ impl Law for Truncated {
         Complex64::new(part(|z| z.re), part(|z| z.im))
     }
 
-    /// Draws of the whole distribution, without those at or above the highest value.
+    /// Draws of the whole distribution, without those at or above the highest value; by inversion where these are nearly all.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
+        /// The smallest part kept for which drawing again is fast.
+        const MOST: f64 = 0.01;
+        if self.kept < MOST {
+            return out
+                .fill_with(|| self.law.quantile(stream.uniform() * self.kept).min(self.highest.next_down()));
+        }
         out.fill_with(|| {
             let mut drawn = [f64::INFINITY];
             while drawn[0] >= self.highest {

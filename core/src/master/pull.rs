@@ -65,22 +65,30 @@ impl Pull {
         self.renewal.force.coefficients.len()
     }
 
-    /// F(X), after the break if contacts break simultaneously at X.
+    /// F(X), after the break if contacts break simultaneously at X; NaN before 0 and where the solution has ended.
     pub fn force(&self, position: f64) -> f64 {
         if position == 0.0 && self.renewal.first.starts_unstretched() {
             return 0.0;
         }
-        self.stiffness * at(&self.renewal.force, position)
+        self.stiffness * self.if_solved(position, at(&self.renewal.force, position))
     }
 
-    /// F'(X), from the right.
+    /// F'(X), from the right; NaN before 0 and where the solution has ended.
     pub fn slope(&self, position: f64) -> f64 {
-        self.stiffness * at(&self.renewal.slope, position)
+        self.stiffness * self.if_solved(position, at(&self.renewal.slope, position))
     }
 
-    /// Density part of Γ(X), the fraction of contacts that break per unit length.
+    /// Density part of Γ(X), the fraction of contacts that break per unit length; NaN before 0 and where the solution has ended.
     pub fn breaking_rate(&self, position: f64) -> f64 {
-        self.renewal.breaking_rate(position)
+        self.if_solved(position, self.renewal.breaking_rate(position))
+    }
+
+    /// The value of a curve at a position; NaN before 0 and where the solution has ended.
+    fn if_solved(&self, position: f64, value: f64) -> f64 {
+        /// Of the length of the solution: what rounding adds to positions.
+        const ROUNDING: f64 = 1e-9;
+        let end = self.renewal.force.end();
+        if (-ROUNDING * end..=(1.0 + ROUNDING) * end).contains(&position) { value } else { f64::NAN }
     }
 
     /// Point masses of Γ: positions at which a finite fraction of the contacts breaks simultaneously.

@@ -18,3 +18,4 @@ mod properties;
 mod random;
 mod stiffness_table;
 mod thresholds_met;
+mod unusual_numbers;

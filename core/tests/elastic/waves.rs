@@ -251,6 +251,37 @@ fn fronts_with_a_mass_are_overdamped_ones_contracted_by_the_speed_of_waves() {
     }
 }
 
+/// Ruptures of a chain whose cells differ in strength. A mass that drag outweighs changes nothing, and where cells swing to rest
+/// each rupture is one event all the same: it ends when they are at rest.
+#[test]
+fn a_rupture_is_one_event_with_a_mass_and_without() {
+    let scales: Vec<f64> = (0..12).map(|j| 1.0 + 0.1 * (2.4 * f64::from(j)).sin()).collect();
+    let ruptures = |mass: f64, viscosity: f64| {
+        let setting = setting(0.3, mass, viscosity, 1e-5);
+        let mut interface = RateDependentInterface::new(cells(&scales), chain(12, 10.0), setting).unwrap();
+        driven(&mut interface, 7.0, 1e-4)
+    };
+    let massless = ruptures(0.0, 2.0);
+    assert!(massless.len() > 2);
+    let light = ruptures(1e-3, 2.0);
+    assert_eq!(light.len(), massless.len());
+    for (found, expected) in light.iter().zip(&massless) {
+        // √(M/K) = 0.02 beside η/K = 1, and cells that only follow others are not counted.
+        near(found.drive, expected.drive, 1e-3);
+        near(found.drop(), expected.drop(), 1e-2);
+        assert!((0.6..=1.001).contains(&(found.moment / expected.moment)), "{found:?} {expected:?}");
+    }
+    // Damped by η/2√(MK) < 0.1. An overshoot is in the moment, and what is stored less is made up for later.
+    let swinging = ruptures(0.25, 0.15);
+    assert!((2..=massless.len()).contains(&swinging.len()), "{}", swinging.len());
+    for event in &swinging {
+        assert!(event.drop() > 0.0, "{event:?}");
+    }
+    // Until the first rupture nothing moves fast.
+    near(swinging[0].drive, massless[0].drive, 1e-2);
+    assert!(swinging[0].drop() > massless[0].drop());
+}
+
 #[test]
 fn an_edge_drives_precursors_that_stop() {
     let (number, mass) = (30, 0.04);

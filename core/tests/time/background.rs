@@ -214,6 +214,30 @@ fn a_block_in_time_is_held_after_a_slip() {
     }
 }
 
+/// Slips end in balance: the drop is that of the spring, K times the slip, whatever the background force and however often the
+/// motion is observed.
+#[test]
+fn drops_in_time_are_those_of_the_spring() {
+    let slip = Slip::Inertial { mass: 1.0, damping: 0.1 };
+    let (velocity, stiffness, tolerance) = (1e-5, 0.1, 1e-4);
+    let transport = Transport::new_with(contacts(), &Initial::default(), tolerance, &mut ()).unwrap();
+    let history = History::new(vec![Piece { velocity, duration: 20.0 / velocity }]).unwrap();
+    for (background, points) in [(0.0, 10), (0.1, 10), (0.3, 10), (0.3, 300), (1.0, 30)] {
+        let times: Vec<f64> =
+            (0..=points).map(|i| history.duration() * f64::from(i) / f64::from(points)).collect();
+        let slide = slider(Loading::Spring(stiffness), slip, background)
+            .follow_with(&transport, &history, &times, tolerance, &mut ())
+            .unwrap();
+        assert!(slide.slips.len() > 1);
+        for slip in &slide.slips {
+            near(slip.after.force, slip.after.spring_force, 10.0 * tolerance);
+            // A slip begins at ten times the velocity of the drive, where inertia and damping carry next to nothing, and the drive
+            // hardly moves in it: 1e-3 is a thousandth of the drop.
+            near(slip.drop(), stiffness * slip.slip(), 1e-3);
+        }
+    }
+}
+
 #[test]
 fn wrong_forces_are_refused() {
     for force in [-1.0, f64::NAN, f64::INFINITY] {

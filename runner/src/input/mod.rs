@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use asperity::monitor::Monitor;
 use asperity::scenario::{Figure, Scenario, Sweep, SweepAxes, SweepAxis};
+use asperity::shape::Edges;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -173,6 +174,21 @@ pub fn figure(text: &str) -> Figure {
         figure: Figure,
     }
     toml::from_str::<Drawn>(text).unwrap_or_default().figure
+}
+
+/// The edges of the interface of a scenario, from its text as [`to_text`] writes it; open without one.
+pub fn edges(text: &str) -> Edges {
+    #[derive(Default, Deserialize)]
+    struct Cells {
+        #[serde(default)]
+        edges: Edges,
+    }
+    #[derive(Default, Deserialize)]
+    struct Coupled {
+        #[serde(default)]
+        interface: Cells,
+    }
+    toml::from_str::<Coupled>(text).unwrap_or_default().interface.edges
 }
 
 /// A scenario as TOML with every value written out. Reading it gives the same scenario.

@@ -165,6 +165,10 @@ impl Store {
                         Ok(batch) => take(&batch)?,
                         Err(what) => self.damaged.push((path, what)),
                     },
+                    // A link to nothing.
+                    Err(error) if error.kind() == ErrorKind::NotFound && path.is_symlink() => {
+                        return Err(Error::system(&path, "read")(error));
+                    }
                     // Another process may have merged it; what it holds was written before.
                     Err(error) if error.kind() == ErrorKind::NotFound => continue 'all,
                     Err(error) => return Err(Error::system(&path, "read")(error)),

@@ -7,7 +7,7 @@ use super::sliding::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::trace::End;
 use crate::block::{EnergyBalance, Regime};
-use crate::dynamics::SLIP_VELOCITY;
+use crate::dynamics::{SLIP_VELOCITY, SlidingCell};
 use crate::record::{Quantity, Record};
 
 /// A slip: the time during which the slider is more than ten times as fast as the drive, or until it comes to rest.
@@ -150,7 +150,7 @@ impl Log {
             if moment.velocity > fast || slider.motion.is_stopping() {
                 self.add_to_trace(moment);
             } else {
-                self.end(moment, fast, slider.cell().position);
+                self.end(moment, fast, cell);
             }
         }
         // The velocity has a maximum within the last three points where it ceases to increase.
@@ -165,11 +165,12 @@ impl Log {
         self.last = moment;
     }
 
-    /// Ends the open slip in the step to `moment`. `turn` is the position of the contacts.
-    fn end(&mut self, moment: Moment, fast: f64, turn: f64) {
+    /// Ends the open slip in the step to `moment`. `cell` is the slider there.
+    fn end(&mut self, moment: Moment, fast: f64, cell: &SlidingCell) {
         let Some(open) = self.open.take() else { return };
         self.oscillations.clear();
-        let arrested = moment.position < turn;
+        // At rest forces jump where the background force turns or decreases, so that values between do not occur.
+        let arrested = cell.velocity == 0.0;
         let slows = self.last.velocity > fast && !arrested;
         let after = if slows { self.last.until(&moment, fast) } else { moment };
         self.add_to_trace(after);
@@ -182,7 +183,7 @@ impl Log {
         self.slips.push(RateDependentSlip {
             before: open.before,
             after,
-            position_turn: if arrested { turn } else { after.position },
+            position_turn: if arrested { cell.position } else { after.position },
             fastest: open.fastest,
             broken_fraction,
             energy: after.energy - open.before.energy,

@@ -23,7 +23,7 @@ pub use state::RateDependentInterfaceState;
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::energy::ContactEnergies;
-use crate::error::{not_negative, positive};
+use crate::error::{finite, not_negative, positive};
 use crate::history::LoadPointSegment;
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{ROUGH, RateDependentContacts, StretchInterval};
@@ -122,7 +122,9 @@ pub struct RateDependentInterface {
     coupling: Box<dyn Coupling>,
     begun: Stored,
     look: MotionSnapshot,
-    /// Elastic energy of the slider where the cells are now, kept because the coupling computes forces in a workspace.
+    /// Forces of the slider on the cells and its elastic energy where they are now, kept because the coupling computes forces in a
+    /// workspace.
+    coupling_forces: Vec<f64>,
     coupling_energy: f64,
     slips: Slips,
     /// The slip rates of cells, if they are recorded.
@@ -220,13 +222,14 @@ impl RateDependentInterface {
                 contacts: ContactEnergies::default(),
             },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
+            coupling_forces: vec![0.0; number],
             coupling_energy: 0.0,
             slips: Slips::new(areas, slip_fraction, area, mass > 0.0),
             rates: None,
             path: (drive, drive),
         };
+        interface.update_coupling(monitor)?;
         interface.look = interface.seen();
-        interface.update_coupling_energy(monitor)?;
         interface.begun = interface.stored();
         Ok(interface)
     }
@@ -368,7 +371,7 @@ impl RateDependentInterface {
     /// slipped in it, to `each`.
     ///
     /// # Errors
-    /// A velocity that is not above 0; an accuracy that steps do not reach.
+    /// A drive that is not finite; a velocity that is not above 0; an accuracy that steps do not reach.
     pub fn run(&mut self, drive: f64, velocity: f64, each: &mut dyn FnMut(&Event, &[Slipped])) -> Result<()> {
         self.run_with(drive, velocity, &mut (), each)
     }
@@ -412,6 +415,7 @@ impl RateDependentInterface {
         velocity: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        finite("drive", drive)?;
         positive("velocity", velocity)?;
         if self.path.1 != drive {
             self.path = (self.motion.drive, drive);
@@ -465,6 +469,11 @@ impl RateDependentInterface {
         self.slips.take_all_ended()
     }
 
+    /// Number of events that have not ended.
+    pub fn unfinished_events(&self) -> usize {
+        self.slips.unfinished()
+    }
+
     /// Fraction of the present run that is done.
     fn fraction(&self) -> f64 {
         let (from, to) = self.path;
@@ -487,12 +496,12 @@ impl RateDependentInterface {
 
     /// Finds the events after a step; slips are ten times as fast as `pulled`.
     fn observe(&mut self, pulled: f64) -> Result<()> {
+        // The step is made: it is not stopped any more, and each of its stages took several such products.
+        self.update_coupling(&mut ())?;
         let now = self.seen();
         // Events are found between two snapshots, so that the stages of a step, which may be
         // rejected, need not know of them.
         let before = std::mem::replace(&mut self.look, now);
-        // The step is made: it is not stopped any more, and each of its stages took several such products.
-        self.update_coupling_energy(&mut ())?;
         self.slips.pass(&before, &self.look, pulled, self.coupling.as_ref());
         self.record_slip_rates();
         Ok(())
@@ -500,21 +509,22 @@ impl RateDependentInterface {
 
     /// A snapshot of the cells.
     fn seen(&self) -> MotionSnapshot {
-        let seen = |(cell, &viscous): (&SlidingCell, &f64)| {
+        let SliderMotion { equation, cells, energies, time, drive, .. } = &self.motion;
+        let seen = |(j, (cell, &viscous)): (usize, (&SlidingCell, &f64))| {
             let ContactEnergies { lost, broken, .. } = cell.energies();
             let &SlidingCell { position, velocity, force, .. } = cell;
-            Seen { position, velocity, force, lost, broken, viscous }
+            let acceleration = equation.acceleration(j, cell, *drive, self.coupling_forces[j]);
+            let speed = equation.speed(j, cell, acceleration);
+            Seen { position, velocity, speed, force, lost, broken, viscous }
         };
-        let SliderMotion { cells, energies, time, drive, .. } = &self.motion;
-        let cells = cells.iter().zip(&energies.viscous).map(seen).collect();
+        let cells = cells.iter().zip(&energies.viscous).enumerate().map(seen).collect();
         MotionSnapshot { time: *time, drive: *drive, cells }
     }
 
-    fn update_coupling_energy(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+    fn update_coupling(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let positions = self.positions();
-        let mut forces = vec![0.0; positions.len()];
-        self.coupling.forces(&positions, &mut forces, monitor)?;
-        self.coupling_energy = self.coupling.energy(&positions, &forces);
+        self.coupling.forces(&positions, &mut self.coupling_forces, monitor)?;
+        self.coupling_energy = self.coupling.energy(&positions, &self.coupling_forces);
         Ok(())
     }
 

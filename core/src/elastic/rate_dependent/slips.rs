@@ -11,6 +11,8 @@ use crate::elastic::{Coupling, Event, Slipped};
 pub(super) struct Seen {
     pub position: f64,
     pub velocity: f64,
+    /// With a mass, the highest velocity of its swing about where forces balance; without, its velocity.
+    pub speed: f64,
     pub force: f64,
     /// Energy lost in breaks so far.
     pub lost: f64,
@@ -30,12 +32,13 @@ pub(super) struct MotionSnapshot {
 
 /// Cells that slip, and events that have not ended or have not been returned.
 ///
-/// An event begins with a cell that slips where no other event is beside it. Cells that begin to slip beside a cell of an
+/// An event begins with a cell that moves fast where no other event is beside it. Cells that begin to move beside a cell of an
 /// event that is not over belong to it, and make one event of all that are beside them. It is over when none of its cells
-/// slips any more.
+/// moves any more.
 ///
-/// Cells with a mass move with every wave that passes. They begin to slip only where their friction falls as well, as breaks
-/// lower it faster than contacts are stretched.
+/// Cells with a mass move with every wave that passes, and swing to rest. They are part of the motion that makes one event, but
+/// are counted, and begin to slip, only where their friction falls as they move forward, since breaks lower it faster than
+/// contacts are stretched.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Slips {
     /// Fraction of the contacts of a cell that breaks in the smallest event.
@@ -50,8 +53,8 @@ pub(super) struct Slips {
     /// Whether cells have a mass.
     #[serde(skip)]
     inertial: bool,
-    /// Whether a cell slips.
-    slipping: Vec<bool>,
+    /// Whether a cell moves fast.
+    moving: Vec<bool>,
     /// The number of the event that a cell belongs to.
     member: Vec<Option<u64>>,
     /// Events in the order in which they began.
@@ -63,8 +66,8 @@ pub(super) struct Slips {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct OpenEvent {
     number: u64,
-    /// When it began, where the drive was then, and the friction force of all cells.
-    begun: (f64, f64, f64),
+    /// Where the drive was when it began, and the friction force of all cells.
+    begun: (f64, f64),
     started: Vec<Started>,
     outcome: Outcome,
 }
@@ -80,12 +83,14 @@ enum Outcome {
     Over(Event, Vec<Slipped>),
 }
 
-/// A cell that began to slip.
+/// A cell that began to move.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Started {
     cell: usize,
-    time: f64,
+    /// What it was when it began to move.
     at: Seen,
+    /// When it began to slip, if it has.
+    slips: Option<f64>,
 }
 
 impl Seen {
@@ -94,6 +99,7 @@ impl Seen {
         Self {
             position: between(|s| s.position),
             velocity: between(|s| s.velocity),
+            speed: between(|s| s.speed),
             force: between(|s| s.force),
             lost: between(|s| s.lost),
             broken: between(|s| s.broken),
@@ -127,8 +133,8 @@ impl OpenEvent {
 
 impl Slips {
     pub fn new(areas: Vec<f64>, fraction: f64, area: Option<f64>, inertial: bool) -> Self {
-        let (slipping, member) = (vec![false; areas.len()], vec![None; areas.len()]);
-        Self { fraction, area, areas, inertial, slipping, member, events: Vec::new(), next: 0 }
+        let (moving, member) = (vec![false; areas.len()], vec![None; areas.len()]);
+        Self { fraction, area, areas, inertial, moving, member, events: Vec::new(), next: 0 }
     }
 
     /// Updates the events after a step between two snapshots, at a velocity of the drive.
@@ -140,33 +146,32 @@ impl Slips {
         coupling: &dyn Coupling,
     ) {
         let fast = SLIP_VELOCITY * velocity;
-        let share = |j: usize| {
-            let [was, is] = [before, now].map(|look| look.cells[j].velocity);
-            // A cell that was fast before its friction began to fall slips from the beginning of the step.
-            if was > fast && is > fast { 0.0 } else { crossing(was, is, fast) }
+        // A cell begins to move where its velocity passes the limit, and ends where it will not pass it again as it swings.
+        let passing = |j: usize| {
+            let of = if self.moving[j] { |seen: &Seen| seen.speed } else { |seen: &Seen| seen.velocity };
+            [&before.cells[j], &now.cells[j]].map(of)
         };
-        let falls = |j: usize| {
-            let [was, is] = [&before.cells[j], &now.cells[j]];
-            !self.inertial || (is.force < was.force && is.position > was.position)
-        };
-        let slips = |j: usize| now.cells[j].velocity > fast && (self.slipping[j] || falls(j));
-        let change = |j: &usize| slips(*j) != self.slipping[*j];
+        let share = |j: usize| crossing(passing(j)[0], passing(j)[1], fast);
+        let change = |j: &usize| (passing(*j)[1] > fast) != self.moving[*j];
         let mut changed: Vec<(usize, f64)> =
-            (0..self.slipping.len()).filter(change).map(|j| (j, share(j))).collect();
-        // In the order of time: the event of a cell depends on which of its neighbours slip at that moment.
+            (0..self.moving.len()).filter(change).map(|j| (j, share(j))).collect();
+        // In the order of time: the event of a cell depends on which of its neighbours move at that moment.
         changed.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let mut last = vec![None; self.slipping.len()];
+        let mut last = vec![None; self.moving.len()];
         for (cell, share) in changed {
-            self.slipping[cell] = !self.slipping[cell];
-            if self.slipping[cell] {
+            self.moving[cell] = !self.moving[cell];
+            if self.moving[cell] {
                 self.start(cell, share, before, now, coupling);
             } else {
                 last[cell] = Some(share);
             }
         }
+        if self.inertial {
+            self.find_falling(before, now, fast);
+        }
         for index in 0..self.events.len() {
             let event = &self.events[index];
-            if event.is_over() || event.started.iter().any(|s| self.slipping[s.cell]) {
+            if event.is_over() || event.started.iter().any(|s| self.moving[s.cell]) {
                 continue;
             }
             let share = event.started.iter().filter_map(|s| last[s.cell]).fold(0.0, f64::max);
@@ -178,7 +183,22 @@ impl Slips {
         }
     }
 
-    /// A cell begins to slip at the fraction `share` of the time between two snapshots.
+    /// Cells with a mass begin to slip where they move forward, fast, while their friction falls: from where they were fast, or from
+    /// the beginning of the step if they were before.
+    fn find_falling(&mut self, before: &MotionSnapshot, now: &MotionSnapshot, fast: f64) {
+        let begins = |cell: usize| {
+            let [was, is] = [&before.cells[cell], &now.cells[cell]];
+            let falls = is.force < was.force && is.position > was.position;
+            let share = if was.velocity > fast { 0.0 } else { crossing(was.velocity, is.velocity, fast) };
+            (falls && is.velocity > fast).then_some(before.time + share * (now.time - before.time))
+        };
+        let open = self.events.iter_mut().filter(|event| !event.is_over());
+        for started in open.flat_map(|event| &mut event.started).filter(|started| started.slips.is_none()) {
+            started.slips = begins(started.cell);
+        }
+    }
+
+    /// A cell begins to move at the fraction `share` of the time between two snapshots.
     fn start(
         &mut self,
         cell: usize,
@@ -191,14 +211,15 @@ impl Slips {
             return;
         }
         let time = before.time + share * (now.time - before.time);
-        let started = Started { cell, time, at: before.cells[cell].between(&now.cells[cell], share) };
+        let at = before.cells[cell].between(&now.cells[cell], share);
+        let started = Started { cell, at, slips: (!self.inertial).then_some(time) };
         let mut numbers: Vec<u64> =
             beside(cell, coupling.shape(), coupling.edges()).filter_map(|j| self.member[j]).collect();
         numbers.sort_unstable();
         numbers.dedup();
         let Some(&first) = numbers.first() else {
             let look = before.between(now, share);
-            let (number, begun) = (self.next, (look.time, look.drive, look.force()));
+            let (number, begun) = (self.next, (look.drive, look.force()));
             self.events.push(OpenEvent {
                 number,
                 begun,
@@ -226,27 +247,30 @@ impl Slips {
 
     /// The outcome of an event that has ended at the snapshot `end`.
     fn outcome(&self, event: &OpenEvent, end: &MotionSnapshot, coupling: &dyn Coupling) -> Outcome {
-        let mut started = event.started.clone();
-        started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
+        let mut started: Vec<(f64, Started)> =
+            event.started.iter().filter_map(|started| Some((started.slips?, *started))).collect();
+        started.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cell.cmp(&b.1.cell)));
+        let Some(&(time, Started { cell: epicentre, .. })) = started.first() else { return Outcome::Small };
         let part = |of: fn(&Seen) -> f64, s: &Started| of(&end.cells[s.cell]) - of(&s.at);
-        if !started.iter().any(|s| part(|seen| seen.broken, s) >= self.fraction) {
+        if !started.iter().any(|(_, s)| part(|seen| seen.broken, s) >= self.fraction) {
             return Outcome::Small;
         }
-        let all = |of: fn(&Seen) -> f64| started.iter().map(|s| part(of, s)).sum::<f64>();
-        let (time, drive, force_before) = event.begun;
+        let all = |of: fn(&Seen) -> f64| started.iter().map(|(_, s)| part(of, s)).sum::<f64>();
+        let (drive, force_before) = event.begun;
         let area_of = |s: &Started| self.areas[s.cell];
-        let slipped_area: f64 = started.iter().map(area_of).sum();
-        let on_area = |of: &dyn Fn(&Started) -> f64| started.iter().map(|s| area_of(s) * of(s)).sum::<f64>();
+        let slipped_area: f64 = started.iter().map(|(_, s)| area_of(s)).sum();
+        let on_area =
+            |of: &dyn Fn(&Started) -> f64| started.iter().map(|(_, s)| area_of(s) * of(s)).sum::<f64>();
         let slip = |s: &Started| part(|seen| seen.position, s);
         let slipped: Vec<Slipped> =
-            started.iter().map(|s| Slipped { cell: s.cell, start: s.time - time, slip: slip(s) }).collect();
+            started.iter().map(|(at, s)| Slipped { cell: s.cell, start: at - time, slip: slip(s) }).collect();
         let mean = |of: &dyn Fn(&Started) -> f64| on_area(of) / slipped_area;
         let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape(), coupling.edges());
         let area = self.area.unwrap_or(1.0);
         let event = Event {
             drive,
             time,
-            epicentre: started[0].cell,
+            epicentre,
             cells: started.len(),
             area: area * slipped_area,
             moment: area * on_area(&slip),
@@ -277,6 +301,13 @@ impl Slips {
         Self::outcomes(over)
     }
 
+    /// Events in which cells have begun to slip, and that have not ended.
+    pub fn unfinished(&self) -> usize {
+        let slips =
+            |event: &&OpenEvent| !event.is_over() && event.started.iter().any(|cell| cell.slips.is_some());
+        self.events.iter().filter(slips).count()
+    }
+
     fn outcomes(over: impl IntoIterator<Item = OpenEvent>) -> Vec<(Event, Vec<Slipped>)> {
         let ended = |event: OpenEvent| match event.outcome {
             Outcome::Over(event, slipped) => Some((event, slipped)),
@@ -304,6 +335,7 @@ mod tests {
         let seen = |time: f64, velocity: f64| Seen {
             position: time,
             velocity,
+            speed: velocity,
             force: -time,
             lost: 0.0,
             broken: time,

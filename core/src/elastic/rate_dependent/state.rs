@@ -45,7 +45,8 @@ impl RateDependentInterface {
         self.slips.resume(slips);
         let most = self.rates.as_ref().map(SlipRates::most);
         self.rates = rates.zip(most).map(|(rates, most)| rates.with_most(most));
+        self.update_coupling(monitor)?;
         self.look = self.seen();
-        self.update_coupling_energy(monitor)
+        Ok(())
     }
 }

@@ -51,7 +51,7 @@ impl SteadyRecord {
 
     /// The displacement from the first reading to the last.
     pub fn distance(&self) -> f64 {
-        self.spacing * (self.forces.len() - 1) as f64
+        self.spacing * self.forces.len().saturating_sub(1) as f64
     }
 
     /// The mean force.

@@ -55,7 +55,12 @@ impl Pull {
         if let Some(x) = positions.iter().find(outside) {
             return Err(Error::invalid("positions", format!("positions from 0 to {}", self.distance()), x));
         }
-        fits("positions", "covariances of all pairs of positions", (count * count * 24) as u64, ALLOWED)?;
+        fits(
+            "positions",
+            "covariances of all pairs of positions",
+            (count as u64).saturating_mul(24 * count as u64),
+            ALLOWED,
+        )?;
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&i, &j| positions[i].total_cmp(&positions[j]));
         let sorted: Vec<f64> = order.iter().map(|&i| positions[i].min(self.distance())).collect();

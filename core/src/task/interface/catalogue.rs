@@ -23,7 +23,8 @@ pub fn read<M: DrivenInterface>(
     let events = drives.len();
     drop(drives);
     let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);
-    let variation = mean.map(|mean| spread(&waiting, mean) / mean);
+    // A single advance does not vary.
+    let variation = mean.filter(|_| waiting.len() > 1).map(|mean| spread(&waiting, mean) / mean);
     drop(waiting);
     let magnitudes = found.of_events(M::MAGNITUDE)?.unwrap_or_default();
     let fit = if M::WHOLE { fit_whole(&magnitudes) } else { fit_real(&magnitudes) };
@@ -33,6 +34,7 @@ pub fn read<M: DrivenInterface>(
     Ok(Catalogue {
         cells: interface.size(),
         events,
+        unfinished: found.unfinished,
         from: interface.catalogue_from,
         magnitude: M::MAGNITUDE.to_owned(),
         magnitude_unit: units.label(quantity),

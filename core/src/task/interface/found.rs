@@ -48,6 +48,8 @@ pub struct Found<'a> {
     pub error: Option<f64>,
     /// The velocities of all cells at steps in time, if they are recorded.
     pub slip_rates: Option<SlipRates>,
+    /// Number of events that had not ended when the run did, which are not recorded.
+    pub unfinished: usize,
     /// Whether events, cells that took part in them, and maps are in the store.
     pub stored: bool,
     described: CellColumns<'a>,
@@ -69,6 +71,7 @@ impl<'a> Found<'a> {
             maps: vec![Vec::new(); M::MAPS.len()],
             error: None,
             slip_rates: None,
+            unfinished: 0,
             stored: false,
             described,
             maps_of: M::MAPS,

@@ -246,6 +246,10 @@ impl DrivenInterface for DrivenRateDependentCells {
         self.interface.last_events()
     }
 
+    fn unfinished_events(&self) -> usize {
+        self.interface.unfinished_events()
+    }
+
     fn columns(&self, events: &[Self::Event]) -> Record {
         self.interface.record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
     }

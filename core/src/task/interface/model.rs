@@ -60,6 +60,11 @@ pub trait DrivenInterface {
         Vec::new()
     }
 
+    /// Events that have not ended.
+    fn unfinished_events(&self) -> usize {
+        0
+    }
+
     /// Events as columns, including the drive, with the names of `events.csv`.
     fn columns(&self, events: &[Self::Event]) -> Record;
 

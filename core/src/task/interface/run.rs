@@ -99,8 +99,9 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     /// Drives to one output point after the other.
     pub fn follow(&mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<()> {
         let end = output_points.last().map_or(0.0, OutputPoint::progress);
+        let begin = output_points.first().map_or(0.0, OutputPoint::progress);
         for output in &output_points[self.passed..] {
-            match self.reach(output.progress(), end, monitor) {
+            match self.reach(output.progress(), (begin, end), monitor) {
                 // A stopped run stores its state; if that fails, its error replaces the stop.
                 Err(Error::Stopped) => return self.keep().and(Err(Error::Stopped)),
                 reached => reached?,
@@ -114,6 +115,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     pub fn finish(mut self) -> Result<Found<'a>> {
         let last = self.model.last_events();
         self.record(&last)?;
+        self.found.unfinished = self.model.unfinished_events();
         if self.found.stored {
             self.found.put_into_store()?;
         }
@@ -135,15 +137,18 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         self.store()
     }
 
-    /// Drives to `next`, the drive or the time of the next output point. The whole drive ends at `end`.
-    fn reach(&mut self, next: f64, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Drives to `next`, the drive or the time of the next output point. The whole drive goes from `begin` to `end`.
+    fn reach(&mut self, next: f64, (begin, end): (f64, f64), monitor: &mut dyn Monitor) -> Result<()> {
         loop {
             let most = self.slice.min(self.events_left()).max(1);
             let now = self.model.progress();
             monitor.events(self.count, self.model.drive());
-            report(monitor, now / end)?;
+            let done = |place: f64| {
+                if end > begin { ((place - begin) / (end - begin)).clamp(0.0, 1.0) } else { 0.0 }
+            };
+            report(monitor, done(now))?;
             let began = monitor.clock();
-            let mut part = Part::new(monitor, now / end, (next - now).max(0.0) / end);
+            let mut part = Part::new(monitor, done(now), (done(next) - done(now)).max(0.0));
             let mut slice = Vec::new();
             let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
             self.slice = next_slice(self.slice, monitor.clock().saturating_sub(began));

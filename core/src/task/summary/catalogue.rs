@@ -12,6 +12,9 @@ pub struct Catalogue {
     pub cells: usize,
     /// Number of events recorded.
     pub events: usize,
+    /// Number of events that had not ended when the run did; they are not recorded.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub unfinished: usize,
     /// Drive from which events are recorded.
     pub from: f64,
     /// Name of the column of `events.csv` with the magnitude of an event.
@@ -24,7 +27,7 @@ pub struct Catalogue {
     /// Mean advance of the drive from event to event; absent for fewer than two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_waiting: Option<f64>,
-    /// Coefficient of variation of these advances: 1 for a Poisson process.
+    /// Coefficient of variation of these advances: 1 for a Poisson process; absent for fewer than two advances.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waiting_variation: Option<f64>,
     /// The largest event; absent if there are no events.
@@ -45,6 +48,11 @@ pub struct Catalogue {
     /// Foreshocks and aftershocks; absent without `interface.main_shocks`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub main_shocks: Option<MainShockNumbers>,
+}
+
+/// Whether there are no such events.
+fn is_none(events: &usize) -> bool {
+    *events == 0
 }
 
 /// Foreshocks and aftershocks of the main shocks of a catalogue: the largest events of their windows.
