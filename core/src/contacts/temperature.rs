@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Stiffness;
 use crate::numerics::exponential::exp;
+use crate::numerics::incomplete::{cubic, dawson_by_table};
 use crate::numerics::legendre::{NODES, Nodal};
 use crate::{Error, Result};
 
@@ -80,6 +81,32 @@ impl Barrier {
             Self::Elastic => -2.0 * y,
             Self::Bell => -1.0,
             Self::Catastrophe => -1.5 * (1.0 - y).max(0.0).sqrt(),
+        }
+    }
+
+    /// The length s of the closed form ∫^x e^{−ΔE(ξ)/T} dξ = s G(x) e^{−ΔE(x)/T} for a threshold h, from E_0/T.
+    ///
+    /// | barrier | s | G(x) |
+    /// |---|---|---|
+    /// | elastic | h √(T/E_0) | D(x/s), D Dawson's integral |
+    /// | bell | h T/E_0 | 1 |
+    /// | catastrophe | h (T/E_0)^{2/3} | g(√((h − x)/s)), g(t) = e^{t³} ∫_t^∞ 2τ e^{−τ³} dτ, an incomplete gamma function |
+    #[inline]
+    pub(crate) fn integral_length(self, threshold: f64, whole: f64) -> f64 {
+        match self {
+            Self::Elastic => threshold / whole.sqrt(),
+            Self::Bell => threshold / whole,
+            Self::Catastrophe => threshold / whole.cbrt().powi(2),
+        }
+    }
+
+    /// G(x) of the closed form, from its length s ([`Self::integral_length`]).
+    #[inline]
+    pub(crate) fn integral_factor(self, stretch: f64, threshold: f64, length: f64) -> f64 {
+        match self {
+            Self::Elastic => dawson_by_table(stretch / length),
+            Self::Bell => 1.0,
+            Self::Catastrophe => cubic(((threshold - stretch).max(0.0) / length).sqrt()),
         }
     }
 

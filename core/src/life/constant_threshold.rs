@@ -2,18 +2,12 @@
 
 use crate::contacts::Barrier;
 use crate::numerics::exponential::exp;
-use crate::numerics::incomplete::{cubic, cubics, dawson_by_table, dawsons_by_table};
+use crate::numerics::incomplete::{cubics, dawsons_by_table};
 use crate::numerics::legendre::{NODES, Nodal};
 
 /// Contacts with one threshold h that formed at one stretch r.
 ///
-/// ∫_r^x e^{−ΔE(ξ)/T} dξ = s [G(x) e^{−ΔE(x)/T} − G(r) e^{−ΔE(r)/T}], where
-///
-/// | barrier | s | G(x) |
-/// |---|---|---|
-/// | elastic | h √(T/E_0) | D(x/s), D Dawson's integral |
-/// | bell | h T/E_0 | 1 |
-/// | catastrophe | h (T/E_0)^{2/3} | g(√((h − x)/s)), g(t) = e^{t³} ∫_t^∞ 2τ e^{−τ³} dτ, an incomplete gamma function |
+/// ∫_r^x e^{−ΔE(ξ)/T} dξ = s [G(x) e^{−ΔE(x)/T} − G(r) e^{−ΔE(r)/T}], with s and G of the barrier ([`Barrier::integral_length`]).
 #[derive(Debug)]
 pub(super) struct ConstantThreshold {
     barrier: Barrier,
@@ -78,11 +72,7 @@ impl ConstantThreshold {
     /// G.
     #[inline]
     fn gain(&self, stretch: f64) -> f64 {
-        match self.barrier {
-            Barrier::Elastic => dawson_by_table(stretch / self.length),
-            Barrier::Bell => 1.0,
-            Barrier::Catastrophe => cubic(((self.threshold - stretch).max(0.0) / self.length).sqrt()),
-        }
+        self.barrier.integral_factor(stretch, self.threshold, self.length)
     }
 }
 
@@ -163,12 +153,7 @@ impl ConstantThresholds {
 fn lengths(barrier: Barrier, threshold: f64, whole: f64) -> (f64, f64) {
     // For tiny thresholds it would round to 0.
     let whole = whole.max(f64::MIN_POSITIVE);
-    let length = match barrier {
-        Barrier::Elastic => threshold / whole.sqrt(),
-        Barrier::Bell => threshold / whole,
-        Barrier::Catastrophe => threshold / whole.cbrt().powi(2),
-    };
-    (whole, length)
+    (whole, barrier.integral_length(threshold, whole))
 }
 
 /// The integral by a Gauss rule in q = √(1 − ξ/h), in which every barrier is smooth.

@@ -17,13 +17,7 @@ pub(super) struct ThermalActivation {
 ///
 /// A(x) = (1/v) ∫^x w dξ = (ωs/v) G(x) e^{−ΔE(x)/T},
 ///
-/// | barrier | s | G(x) |
-/// |---|---|---|
-/// | elastic | h √(T/E_0) | D(x/s), D Dawson's integral |
-/// | bell | h T/E_0 | 1 |
-/// | catastrophe | h (T/E_0)^{2/3} | e^{t³} ∫_t^∞ 2τ e^{−τ³} dτ at t = √((h − x)/s) |
-///
-/// for x ≥ 0, and continued to x < 0 by the symmetry of w.
+/// with s and G of the barrier ([`Barrier::integral_length`]) for x ≥ 0, and continued to x < 0 by the symmetry of w.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CumulativeHazard {
     barrier: Barrier,
@@ -57,11 +51,7 @@ impl ThermalActivation {
         let Temperature { energy, attempt_rate, barrier, .. } = self.temperature;
         // For tiny thresholds it would round to 0.
         let whole = (0.5 * self.stiffness * threshold * threshold / energy).max(f64::MIN_POSITIVE);
-        let length = match barrier {
-            Barrier::Elastic => threshold / whole.sqrt(),
-            Barrier::Bell => threshold / whole,
-            Barrier::Catastrophe => threshold / whole.cbrt().powi(2),
-        };
+        let length = barrier.integral_length(threshold, whole);
         CumulativeHazard { barrier, threshold, whole, length, attempts: attempt_rate * length / velocity }
     }
 }
@@ -76,11 +66,7 @@ impl CumulativeHazard {
     /// A(x) for x ≥ 0.
     #[inline]
     fn right(&self, stretch: f64) -> f64 {
-        let gain = match self.barrier {
-            Barrier::Elastic => dawson_by_table(stretch / self.length),
-            Barrier::Bell => 1.0,
-            Barrier::Catastrophe => cubic(((self.threshold - stretch).max(0.0) / self.length).sqrt()),
-        };
+        let gain = self.barrier.integral_factor(stretch, self.threshold, self.length);
         self.attempts * gain * (-self.whole * self.barrier.height_at(stretch, self.threshold)).exp()
     }
 
