@@ -76,8 +76,9 @@ fn check(time: &[f64], position: &[f64], (apart, least): (f64, usize)) -> Result
         let expected = format!("{} positions, one for each time", time.len());
         return Err(Error::invalid("position", expected, position.len()));
     }
-    if time.len() / 2 < least {
-        return Err(Error::invalid("time", format!("twice {least} readings or more"), time.len()));
+    let fewest = least.saturating_mul(2);
+    if time.len() < fewest {
+        return Err(Error::invalid("time", format!("{fewest} readings or more"), time.len()));
     }
     for (key, values) in [("time", time), ("position", position)] {
         if let Some((i, value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {

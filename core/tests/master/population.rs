@@ -107,7 +107,7 @@ fn reversed(thresholds: &SharedLaw, forth: &Pull, turn: f64, u: f64, knots: &[f6
     let one = |r: f64| {
         let most = r.max(u - r);
         let cuts: Vec<f64> = knots.iter().flat_map(|k| [*k, u - r - k]).collect();
-        let again = integral(r, most, &cuts, 6, |xi| law.density(xi) * forth.force(u - r - xi));
+        let again = integral(r, most, &cuts, 6, |xi| law.density(xi) * forth.force((u - r - xi).max(0.0)));
         (r - u) * law.survival(most) - again
     };
     let met = knots.iter().flat_map(|k| [*k, turn - k, u - k]);
