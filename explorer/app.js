@@ -5,10 +5,14 @@
 const area = /** @type {HTMLTextAreaElement} */ (byId("text"));
 const scrubber = /** @type {HTMLInputElement} */ (byId("position"));
 
-/** @param {string} message */
-function fail(message) {
-  byId("errors").hidden = !message;
-  byId("errors").textContent = message;
+/** What is wrong with the scenario, and with the last file. */
+const wrong = { scenario: "", file: "" };
+
+/** @param {string} message @param {keyof typeof wrong} [of] */
+function fail(message, of = "scenario") {
+  wrong[of] = message;
+  byId("errors").hidden = !(wrong.scenario || wrong.file);
+  byId("errors").textContent = [wrong.scenario, wrong.file].filter(Boolean).join("\n");
 }
 
 /** Asks for a preview; the answer to it asks for the full accuracy. */
@@ -48,25 +52,32 @@ function receive(answer, request, milliseconds) {
   const where = invalid?.line ? `line ${invalid.line}: ` : "";
   fail([state.note, invalid && where + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n"));
   for (const [what, change] of state.changes) if (request.changes.includes(change)) state.changes.delete(what);
-  if (request.text === state.text) {
+  const current = request.text === state.text;
+  if (current) {
     state.text = answer.text;
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
   }
+  if (invalid) byId("status").textContent = "not valid: the last valid scenario is shown";
   if (invalid || !answer.scenario) return;
   // What was computed last is shown until the new is there, but not on another sheet.
   const sheet = sheetOf(answer.scenario);
   if (sheet !== byId("plots").dataset.sheet) state.shown = {};
   Object.assign(state.shown, answer);
   units = answer.units ?? {};
-  for (const part of /** @type {const} */ (["block", "task", "critical_stiffness"])) if (!request.preview && !answer[part]) delete state.shown[part];
+  // Of what was asked for nothing old is left; the full answer has all that there is.
+  for (const part of request.preview ? request.parts : PARTS) if (!answer[part]) delete state.shown[part];
+  if (answer.stretches && request.position === state.position) state.position = answer.stretches.position;
   byId("plots").dataset.sheet = sheet;
-  texts[sheet] = state.text;
+  if (current) texts[sheet] = state.text;
   for (const button of sheets) button.setAttribute("aria-current", button.dataset.sheet === sheet ? "page" : "false");
   show(request.preview);
   const cost = `${milliseconds.toFixed(0)} ms`;
   byId("status").textContent = request.preview ? `preview, ${cost} …` : `full accuracy, ${cost}`;
   if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...details(answer.scenario)]);
 }
+
+/** @type {Part[]} */
+const PARTS = ["force", "stretches", "block", "task", "critical_stiffness"];
 
 /** What takes longer than a preview: the map where thresholds have a width, and the motion or the task. @param {any} scenario @returns {Part[]} */
 function details(scenario) {
@@ -94,12 +105,12 @@ const slipRow = element("div", { class: "row wide" }, '<label for="block.slip">s
 slipRow.append(slip);
 byId("slider").append(slipRow);
 
-/** A number with the digits that are right. @param {Extended | undefined | null} value @param {number} error */
-function digits(value, error) {
+/** A number with the digits that are right, and its unit. @param {Extended | undefined | null} value @param {number} error relative @param {string} quantity */
+function digits(value, error, quantity) {
   if (typeof value !== "number") return value ?? "—";
-  if (value === 0) return "0";
-  const right = !(error > 0) ? 10 : Math.floor(Math.log10(Math.abs(value) / error));
-  return value.toPrecision(Math.min(Math.max(right, 2), 10)).replace("e", " e");
+  const right = !(error > 0) ? 10 : Math.floor(-Math.log10(error));
+  const shown = value === 0 ? "0" : value.toPrecision(Math.min(Math.max(right, 2), 10)).replace("e", " e");
+  return (units[quantity] ?? "1") === "1" ? shown : `${shown} ${escaped(units[quantity])}`;
 }
 
 /** @param {number} error relative error of forces */
@@ -107,16 +118,16 @@ function numbers(error) {
   const { force, block, task } = state.shown;
   const sliding = block?.summary;
   const catalogue = task?.summary.catalogue;
-  const found = /** @type {[string, Extended | undefined | null, number][]} */ ([
-    ["static friction <i>F</i><sub>s</sub>", force?.static_friction?.value ?? "not reached", error],
-    ["at <i>X</i><sub>s</sub>", force?.static_friction?.position, Math.sqrt(error)],
-    ["kinetic friction <i>F</i><sub>k</sub>", force?.kinetic_friction, error],
-    ["relaxation length <i>X</i>*", force?.relaxation_length, Math.sqrt(error)],
-    ["critical stiffness <i>K</i><sub>c</sub>", force?.critical_stiffness, 10 * error],
+  const found = /** @type {[string, Extended | undefined | null, number, string][]} */ ([
+    ["static friction <i>F</i><sub>s</sub>", force && (force.static_friction?.value ?? "not reached"), error, "force"],
+    ["at <i>X</i><sub>s</sub>", force?.static_friction?.position, Math.sqrt(error), "length"],
+    ["kinetic friction <i>F</i><sub>k</sub>", force?.kinetic_friction, error, "force"],
+    ["relaxation length <i>X</i>*", force?.relaxation_length, Math.sqrt(error), "length"],
+    ["critical stiffness <i>K</i><sub>c</sub>", force?.critical_stiffness, 10 * error, "stiffness"],
   ]);
-  if (sliding) found.push(["sliding", sliding.regime, 0], ["slips", String(sliding.slips), 0], ["period", sliding.period, 1e-6], ["mean force drop", sliding.mean_drop, 1e-6]);
-  if (catalogue) found.push(["events", String(catalogue.events), 0], ["cells of the largest", String(catalogue.largest?.cells ?? "—"), 0]);
-  byId("numbers").innerHTML = found.map(([name, value, wrong]) => `<tr><td>${name}</td><td>${digits(value, wrong)}</td></tr>`).join("");
+  if (sliding) found.push(["sliding", sliding.regime, 0, ""], ["slips", String(sliding.slips), 0, ""], ["period", sliding.period, 1e-6, "length"], ["mean force drop", sliding.mean_drop, 1e-6, "force"]);
+  if (catalogue) found.push(["events", String(catalogue.events), 0, ""], ["cells of the largest", String(catalogue.largest?.cells ?? "—"), 0, ""]);
+  byId("numbers").innerHTML = found.map(([name, ...value]) => `<tr><td>${name}</td><td>${digits(...value)}</td></tr>`).join("");
 }
 
 /** @param {boolean} preview */
@@ -126,10 +137,10 @@ function show(preview) {
   for (const { key, row } of rows) row.show(valueAt(key));
   slipRow.hidden = !scenario.block?.slip;
   slip.value = scenario.block?.slip;
-  if (force) charts.force.set([force.position, force.force, force.position.map(() => force.kinetic_friction)]);
+  charts.force.set(force ? [force.position, force.force, force.position.map(() => force.kinetic_friction)] : [[], [], []]);
+  charts.laws.set(stretches ? [stretches.law_stretch, ...LAWS.map(({ name }) => stretches[name].values)] : [[], [], [], []]);
+  charts.stretches.set(stretches ? [stretches.stretch, stretches.density.values, stretches.steady.values] : [[], [], []]);
   if (stretches) {
-    charts.laws.set([stretches.law_stretch, ...LAWS.map(({ name }) => stretches[name].values)]);
-    charts.stretches.set([stretches.stretch, stretches.density.values, stretches.steady.values]);
     scrubber.value = String(Math.round((1000 * state.position) / distance()));
     byId("at").textContent = `X = ${rounded(state.position)}`;
   }
@@ -137,37 +148,45 @@ function show(preview) {
   showChain();
   charts.map.element.hidden = !curve;
   charts.map.set(curve ? [curve.width, curve.critical_stiffness.map(finite)] : [[], []]);
-  numbers(preview ? 1e-4 : Math.max(force?.accuracy ?? 0, 1e-12));
+  // The accuracy is that of forces per stiffness of the contacts, a length.
+  numbers(preview ? 3e-4 : Math.max((force?.accuracy ?? 0) / (force?.static_friction?.position ?? distance()), 1e-12));
 }
 
 area.oninput = () => {
   state.text = area.value;
   state.changes.clear();
+  state.note = "";
   update();
 };
 scrubber.oninput = () => scrub((Number(scrubber.value) / 1000) * distance());
 
 /** @type {number | undefined} */
 let playing;
-byId("play").onclick = () => {
-  playing = playing === undefined ? setInterval(() => scrub(state.position >= distance() ? 0 : state.position + distance() / 300), 40) : (clearInterval(playing), undefined);
+/** @param {boolean} plays */
+function play(plays) {
+  clearInterval(playing);
+  playing = plays ? setInterval(() => scrub(state.position >= distance() ? 0 : state.position + distance() / 300), 40) : undefined;
   byId("play").setAttribute("aria-pressed", String(playing !== undefined));
   byId("play").textContent = playing === undefined ? "Play" : "Stop";
-};
+}
+byId("play").onclick = () => play(playing === undefined);
 
 /** The scenarios to begin with, the first of each sheet first. */
 const examples = [.../** @type {NodeListOf<HTMLScriptElement>} */ (document.querySelectorAll("script.example"))];
 const chosen = /** @type {HTMLSelectElement} */ (byId("examples"));
-chosen.append(...options(examples.map((example) => example.title)));
+// A scenario of the user's own is none of them.
+chosen.append(Object.assign(new Option("Examples"), { disabled: true }), ...options(examples.map((example) => example.title)));
 
-/** Replaces the scenario. @param {string} text */
-function begin(text) {
+/** Replaces the scenario. @param {string} text @param {number} [example] its number, if it is one @param {string} [note] what is wrong with its link */
+function begin(text, example = -1, note = "") {
+  play(false);
+  chosen.selectedIndex = example + 1;
   state.text = area.value = text.trimStart();
   state.changes.clear();
-  state.note = "";
+  state.note = note;
   update();
 }
-chosen.onchange = () => begin(examples[chosen.selectedIndex].text);
+chosen.onchange = () => begin(examples[chosen.selectedIndex - 1].text, chosen.selectedIndex - 1);
 
 /** The sheet of a scenario. @param {any} scenario */
 const sheetOf = (scenario) => (scenario.interface ? "chain" : scenario.velocity_curve || scenario.hold_curve || scenario.protocol ? "time" : "slider");
@@ -176,7 +195,12 @@ const texts = {};
 const sheets = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#sheets button"))];
 for (const sheet of sheets) {
   const name = sheet.dataset.sheet ?? "";
-  sheet.onclick = () => begin(texts[name] ?? examples.find((example) => example.dataset.sheet === name)?.text ?? "");
+  sheet.onclick = () => {
+    const here = byId("plots").dataset.sheet ?? "";
+    if (name === here) return;
+    texts[here] = area.value;
+    begin(texts[name] ?? examples.find((example) => example.dataset.sheet === name)?.text ?? "");
+  };
 }
 
 /** A scenario whose first line names its schema to editors. @param {string} text */
@@ -188,7 +212,9 @@ byId("link").onclick = () => {
   location.hash = encodeURIComponent(state.text);
   copy(location.href, "link");
 };
-byId("python").onclick = () => copy(`import asperity as asp\n\nresult = asp.run('''\n${state.text}''')\nprint(result)\nresult.plot()\n`, "Python");
+/** A text within three quotation marks of Python. @param {string} text */
+const quoted = (text) => text.replace(/\\|'''/g, (found) => found.replace(/./g, "\\$&"));
+byId("python").onclick = () => copy(`import asperity as asp\n\nresult = asp.run('''\n${quoted(state.text)}''')\nprint(result)\nresult.plot()\n`, "Python");
 
 /** @param {File | undefined} file */
 async function measured(file) {
@@ -197,13 +223,21 @@ async function measured(file) {
     if (file.size > 20e6) throw new Error(`expected a file below 20 MB, got ${(file.size / 1e6).toFixed(0)} MB`);
     state.measured = readCurve(await file.text());
     byId("status").textContent = `${state.measured.position.length} readings: ${state.measured.columns.join(" and ")}`;
-    fail("");
+    fail("", "file");
     charts.force.plot.redraw(false);
+    const { x, y } = charts.force.plot.scales;
+    const outside = state.measured.position.filter((at, i) => !(at <= (x.max ?? 0) && (state.measured?.force[i] ?? 0) <= (y.max ?? 0))).length;
+    if (outside) byId("status").textContent += `; ${outside} of them beyond the axes`;
   } catch (error) {
-    fail(`${file?.name}: ${error instanceof Error ? error.message : error}`);
+    fail(`${file?.name}: ${error instanceof Error ? error.message : error}`, "file");
   }
 }
-byId("csv").onchange = () => measured(/** @type {HTMLInputElement} */ (byId("csv")).files?.[0]);
+const chooser = /** @type {HTMLInputElement} */ (byId("csv"));
+chooser.onchange = () => {
+  measured(chooser.files?.[0]);
+  // The same file may have changed when it is chosen again.
+  chooser.value = "";
+};
 document.body.ondragover = (event) => { event.preventDefault(); document.body.classList.add("dropping"); };
 document.body.ondragleave = () => document.body.classList.remove("dropping");
 document.body.ondrop = (event) => {
@@ -228,10 +262,14 @@ function linked() {
   }
 }
 
+addEventListener("hashchange", () => {
+  const text = linked();
+  if (text !== state.text) begin(text, -1, state.note);
+});
+
 /** @type {Requests} */
 let engine;
 Promise.resolve({ browser: browserEngine, command: commandEngine, notebook: notebookEngine }[settings.engine]()).then((found) => {
   engine = new Requests(found, receive, fail, progressed);
-  state.text = area.value = linked();
-  update();
+  begin(linked(), location.hash.length > 1 || settings.scenario ? -1 : 0, state.note);
 }, (error) => fail(`The engine did not start: ${error}`));

@@ -4,6 +4,9 @@
 /** A number as TOML. @param {number} value */
 const toml = (value) => (Number.isInteger(value) && Math.abs(value) < 1e15 ? `${value}.0` : String(value));
 
+/** A number in a field: exponents for those that are too long. @param {number} value */
+const brief = (value) => (value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5) ? value.toExponential() : String(value));
+
 /** @param {number} value */
 const rounded = (value) => Number(value.toPrecision(4));
 
@@ -36,7 +39,7 @@ class NumberRow {
     this.field = element("input", { type: "number", step: "any", id: key });
     this.range.oninput = () => {
       const value = rounded(this.of(Number(this.range.value) / 1000));
-      this.field.value = String(value);
+      this.field.value = brief(value);
       changed(value);
     };
     this.field.onchange = () => this.field.value !== "" && changed(Number(this.field.value));
@@ -55,7 +58,7 @@ class NumberRow {
     else if (value > 0 && Math.abs(Math.log10(value / this.middle)) > 1.5) this.middle = 10 ** Math.round(Math.log10(value));
     const share = this.linear ? value / this.linear : (Math.log10(value / this.middle) + 2) / 4;
     this.range.value = String(Math.round(1000 * share));
-    if (document.activeElement !== this.field) this.field.value = String(value);
+    if (document.activeElement !== this.field) this.field.value = brief(value);
   }
 }
 

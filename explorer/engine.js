@@ -4,6 +4,9 @@
 /** Milliseconds after which work that nobody waits for is ended: a new thread has nothing of what the old one has solved. */
 const PATIENCE = 300;
 
+/** Milliseconds after which a preview is given up for a newer request. */
+const LONG = 1000;
+
 /** The engine in this page: WebAssembly in a thread of its own. @returns {Promise<Engine>} */
 async function browserEngine() {
   const stored = (/** @type {string} */ id) => document.getElementById(id)?.textContent ?? "";
@@ -108,6 +111,8 @@ class Requests {
     /** @type {(() => EngineRequest) | null} */
     this.waiting = null;
     this.giveUp = new AbortController();
+    /** When the work began, in milliseconds. */
+    this.begun = 0;
     this.received = received;
     this.failed = failed;
     this.progressed = progressed;
@@ -116,8 +121,8 @@ class Requests {
   /** @param {() => EngineRequest} request made once it is sent, from what is known by then */
   ask(request) {
     this.waiting = request;
-    // What takes long is given up; a preview is worth its while.
-    if (this.working && !this.working.preview) {
+    // What takes long is given up; a preview is worth its while, unless it takes long, too.
+    if (this.working && (!this.working.preview || performance.now() - this.begun > LONG)) {
       this.working = null;
       this.giveUp.abort();
     }
@@ -129,7 +134,7 @@ class Requests {
     const request = (this.working = this.waiting());
     this.waiting = null;
     this.giveUp = new AbortController();
-    const begun = performance.now();
+    const begun = (this.begun = performance.now());
     const own = () => this.working === request;
     this.progressed(null, 0);
     try {

@@ -39,6 +39,11 @@ const TASKS = [
   ["drive", "force", false, false],
 ];
 
+/** What is drawn of the motion or the task. */
+const motionKind = () => TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
+/** The columns of its events: where they are on the axis of the motion, and the force before them. */
+const eventColumns = () => [motionKind()?.[0] === "time" ? "event_time" : "event_drive", "event_force_before"];
+
 /** @param {string} name */
 const variable = (name) => (state.shown.block ?? state.shown.task)?.record.variables.find((found) => found.name === name);
 /** @param {string} name */
@@ -175,10 +180,10 @@ const charts = {
   motion: new Chart("motion", {
     x: ["drive", "length"], y: ["spring force", "force"], lines: [{ label: "spring force", color: "blue" }],
     marks(pen) {
-      const forces = traced("event_force_before");
-      pen.dots(traced("event_drive").map((x, i) => [x, forces[i]]), "orange", { radius: 3 });
+      const [at, forces] = eventColumns().map(traced);
+      pen.dots(at.map((x, i) => [x, forces[i]]), "orange", { radius: 3 });
     },
-    more: () => ["event_drive", "event_force_before"].flatMap((name) => {
+    more: () => eventColumns().flatMap((name) => {
       const { long_name: words, quantity, values } = variable(name) ?? {};
       return words && quantity && values ? [[[words, quantity], values]] : [];
     }),
@@ -217,14 +222,16 @@ const charts = {
 
 /** Draws the motion of the block, or the task where it is another one. */
 function showMotion() {
-  const kind = TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
+  const kind = motionKind();
   charts.motion.element.hidden = !kind;
   if (!kind) return;
   const [x, y, ...logarithmic] = kind;
   const named = (/** @type {string} */ name) => /** @type {Named} */ ([variable(name)?.long_name, variable(name)?.quantity]);
   const shape = { x: named(x), y: named(y), lines: [{ label: named(y)[0], color: "blue" }], logarithmic: /** @type {[boolean, boolean]} */ (logarithmic) };
   if (charts.motion.shape.x[0] !== shape.x[0] || charts.motion.shape.y[0] !== shape.y[0]) charts.motion.reshape(shape);
-  charts.motion.set([traced(x), traced(y)]);
+  // Logarithmic axes have no place for 0.
+  const drawn = (/** @type {number} */ i) => [x, y].every((name, axis) => !logarithmic[axis] || traced(name)[i] > 0);
+  charts.motion.set(/** @type {any} */ ([x, y].map((name) => traced(name).filter((_, i) => drawn(i)))));
 }
 
 /** Draws the forces along a chain. */

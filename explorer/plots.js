@@ -246,21 +246,26 @@ class Chart {
     /** @type {((event: PointerEvent) => void) | null} */
     let moving = null;
     plot.over.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
       const handle = nearest(event);
       const { scrub } = this.shape;
       const [x, y] = [axis("x"), axis("y")];
       const across = (/** @type {PointerEvent} */ to) => x(to.offsetX / plot.over.clientWidth);
-      if (handle) moving = (to) => handle.move(across(to), y(1 - to.offsetY / plot.over.clientHeight));
-      else if (scrub) moving = (to) => scrub(across(to));
-      else return;
+      if (handle) {
+        // Where it was taken beside its middle, so that a click does not move it.
+        const [left, top] = [plot.valToPos(handle.x, "x") - event.offsetX, plot.valToPos(handle.y, "y") - event.offsetY];
+        moving = (to) => handle.move(x((to.offsetX + left) / plot.over.clientWidth), y(1 - (to.offsetY + top) / plot.over.clientHeight));
+      } else if (scrub) {
+        moving = (to) => scrub(across(to));
+        moving(event);
+      } else return;
       plot.over.setPointerCapture(event.pointerId);
-      moving(event);
     });
     plot.over.addEventListener("pointermove", (event) => {
       plot.over.style.cursor = nearest(event) ? "grab" : this.shape.scrub ? "ew-resize" : "default";
       moving?.(event);
     });
-    plot.over.addEventListener("pointerup", () => (moving = null));
+    for (const end of ["pointerup", "pointercancel"]) plot.over.addEventListener(end, () => (moving = null));
     plot.over.addEventListener("dblclick", (event) => {
       const handle = nearest(event);
       if (handle) handle.remove?.();

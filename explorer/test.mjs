@@ -645,10 +645,28 @@ test("measurements are shown, and others are refused with a reason", () =>
     };
     await give("good.csv", "position,force\n0,0\n1,0.5\n2,0.4\n");
     await status(tab, "3 readings: position and force");
+    const measured = () => tab.evaluate(() => state.measured);
+    await give("decimal.csv", "position;force\n0,0;0,0\n1,0;0,5\n2,0;0,4\n");
+    await tab.waitForFunction(() => state.measured.force[1] === 0.5);
+    assert.deepEqual(await measured(), { position: [0, 1, 2], force: [0, 0.5, 0.4], columns: ["position", "force"] });
+    for (const [heading, columns] of [
+      ['time_s,"displacement_mm",shear_force_N', ["displacement_mm", "shear_force_N"]],
+      ["friction force (N),X (mm),t", ["X (mm)", "friction force (N)"]],
+      ["t,X,Ft", ["X", "Ft"]],
+    ]) {
+      const [x, y] = columns.map((name) => heading.replace(/"/g, "").split(",").indexOf(name));
+      const row = (at, force) => [0, 1, 2].map((i) => (i === x ? at : i === y ? force : 9)).join(",");
+      await give("named.csv", `# a comment\n${heading}\ns,mm,N\n${[row(0, 0), row(1, 0.7), row(2, 0.6)].join("\n")}\n`);
+      await tab.waitForFunction((name) => state.measured.columns[0] === name, columns[0]);
+      assert.deepEqual(await measured(), { position: [0, 1, 2], force: [0, 0.7, 0.6], columns });
+    }
+    await give("outside.csv", "position,force\n0,0\n1,50\n500,1\n");
+    await status(tab, "3 readings: position and force; 2 of them beyond the axes");
     for (const [name, content, expected] of [
       ["binary.csv", Buffer.from([0, 1, 2, 255, 254]), /two columns/],
       ["letters.csv", "position,force\n1,2\n3,x\n", /numbers in row 3/],
       ["empty.csv", "", /two columns/],
+      ["unnamed.csv", "a,b,c\n1,2,3\n2,3,4\n", /columns named position/],
       ["huge.csv", Buffer.alloc(21e6, "1,2\n"), /below 20 MB/],
     ]) {
       await give(name, content);
@@ -657,6 +675,61 @@ test("measurements are shown, and others are refused with a reason", () =>
     }
     assert.equal((await tab.evaluate(() => state.measured)).position.length, 3);
   }));
+
+test("what is shown belongs to the text, and a text with a mistake is kept beside those of other sheets", async () => {
+  const write = (tab, words) => tab.fill("#text", words);
+  await inBrowser(async (tab) => {
+    const own = await text(tab);
+    // No force of a pull is known of thermal contacts that creep under constant forces.
+    await write(tab, '[contacts]\nthresholds.gamma = { mean = 1.0, std = 0.2 }\ntemperature = { energy = 0.02, attempt_rate = 1.0 }\n[creep]\nforces = [0.7]\nduration = 10.0\n');
+    await tab.waitForFunction(() => !state.shown.force && !state.shown.stretches);
+    await status(tab, "full accuracy");
+    assert.match(await tab.textContent("#numbers"), /F.*—/);
+    await write(tab, "contacts = 7\n# mine\n");
+    await status(tab, "not valid");
+    await tab.click('#sheets [data-sheet="chain"]');
+    await tab.waitForFunction(() => document.getElementById("plots").dataset.sheet === "chain");
+    assert.notEqual(await text(tab), own);
+    await tab.click('#sheets [data-sheet="time"]');
+    await settled(tab);
+    const kept = await tab.evaluate(() => Object.values(texts));
+    assert.ok(kept.includes("contacts = 7\n# mine\n"), kept.join("\n---\n"));
+  });
+});
+
+test("slips of a motion in time are marked at their times", async () => {
+  const scenario = readFileSync(fileURLToPath(new URL("../scenarios/stick-slip-ageing.toml", import.meta.url)), "utf8");
+  await inBrowser(async (tab) => {
+    await settled(tab);
+    const { times, drawn, last } = await tab.evaluate(() => ({ times: traced("event_time"), drawn: eventColumns(), last: traced("time").at(-1) }));
+    assert.deepEqual(drawn, ["event_time", "event_force_before"]);
+    assert.ok(times.length && times[0] > 0.01 * last, times.join(" "));
+  }, `#${encodeURIComponent(scenario)}`);
+});
+
+test("a spectrum is drawn on logarithmic axes without its value at 0", async () => {
+  const scenario = readFileSync(fileURLToPath(new URL("../scenarios/spectrum.toml", import.meta.url)), "utf8");
+  await inBrowser(async (tab) => {
+    await settled(tab);
+    const { low, first } = await tab.evaluate(() => ({ low: charts.motion.plot.scales.x.min, first: charts.motion.data[0][0] }));
+    assert.ok(low > 0 && first > 0, `${low} ${first}`);
+  }, `#${encodeURIComponent(scenario)}`);
+});
+
+test("a click beside a point leaves it, and other buttons do not drag", async () => {
+  await inBrowser(async (tab) => {
+    await settled(tab);
+    const own = await text(tab);
+    const [x, y] = await place(tab, "laws", 0);
+    await tab.mouse.click(x + 10, y + 4);
+    await tab.mouse.move(x, y);
+    await tab.mouse.down({ button: "right" });
+    await tab.mouse.move(x + 60, y);
+    await tab.mouse.up({ button: "right" });
+    await settled(tab);
+    assert.equal(await text(tab), own);
+  });
+});
 
 test("a link holds the scenario, and a broken one is reported", async () => {
   const scenario = '[contacts]\nthresholds.gamma = { mean = 1.0, std = 0.3 }\n[block]\nstiffness = 0.5\n[drive]\ndistance = 5.0\n';

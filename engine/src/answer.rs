@@ -152,7 +152,7 @@ pub struct Density {
 }
 
 /// Friction against the standard deviation of the thresholds, all else being equal.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct WidthCurve {
     /// Standard deviations σ, a length.
     pub width: Vec<f64>,

@@ -20,10 +20,10 @@ const TOLERANCE: f64 = 1e-4;
 /// Distance of a pull, in mean thresholds: the first maximum of F and its steepest fall lie within.
 const DISTANCE: f64 = 4.0;
 
-/// Friction of the contacts of `scenario` with thresholds of other widths.
+/// Friction of the contacts of `scenario` with thresholds of other widths, for those widths that are possible.
 ///
 /// # Errors
-/// Thresholds without a parameter `std`; those of the solver; stopped by the monitor.
+/// Thresholds without a parameter `std`; no width that is possible; those of the solver; stopped by the monitor.
 pub fn width_curve(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<WidthCurve> {
     let pulled = pulled(scenario);
     let model = pulled.build()?;
@@ -34,23 +34,32 @@ pub fn width_curve(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Wid
         return Err(Error::invalid("contacts.thresholds", expected, thresholds.name()));
     }
     let mean = scale(thresholds.as_ref());
-    let mut curve = WidthCurve {
-        width: widths(mean).collect(),
-        critical_stiffness: Vec::new(),
-        static_friction: Vec::new(),
-        kinetic_friction: Vec::new(),
-    };
-    for (i, &width) in curve.width.iter().enumerate() {
-        let monitor = &mut Aside { fraction: i as f64 / WIDTHS as f64, monitor };
+    let friction = |width: f64, monitor: &mut dyn Monitor| {
         let mut contacts = model.contacts.clone();
         contacts.thresholds = thresholds.with_parameter("std", width)?;
         let equation = equation(contacts, &model.initial, velocity, monitor)?;
         let pull = equation.pull_with(DISTANCE * mean, Tolerance::from(TOLERANCE), monitor)?;
-        curve.critical_stiffness.push(Extended(pull.critical_stiffness()));
-        curve.static_friction.push(pull.static_friction().map(|peak| peak.value + model.background));
-        curve.kinetic_friction.push(equation.steady_state().kinetic_friction() + model.background);
+        Ok((equation.steady_state().kinetic_friction(), pull))
+    };
+    let mut curve = WidthCurve::default();
+    let mut refused = None;
+    for (i, width) in widths(mean).enumerate() {
+        match friction(width, &mut Aside { fraction: i as f64 / WIDTHS as f64, monitor }) {
+            Ok((kinetic_friction, pull)) => {
+                curve.width.push(width);
+                curve.critical_stiffness.push(Extended(pull.critical_stiffness()));
+                curve.static_friction.push(pull.static_friction().map(|peak| peak.value + model.background));
+                curve.kinetic_friction.push(kinetic_friction + model.background);
+            }
+            // Thresholds of this width may be below the stretches at which contacts re-form: the others have a curve.
+            Err(error @ Error::Invalid { .. }) => refused = Some(error),
+            Err(error) => return Err(error),
+        }
     }
-    Ok(curve)
+    match refused {
+        Some(error) if curve.width.is_empty() => Err(error),
+        _ => Ok(curve),
+    }
 }
 
 fn widths(mean: f64) -> impl Iterator<Item = f64> {

@@ -126,6 +126,18 @@ fn the_critical_stiffness_is_that_of_each_width() {
     }
 }
 
+/// Contacts that re-form at stretches of up to several standard deviations: narrow thresholds are all below some of them.
+#[test]
+fn widths_that_are_not_possible_are_left_out() {
+    let text = format!("{TEXT}\n[contacts.reforming]\nexponential = {{ mean = 0.08 }}\n");
+    let asked = |text: String| Request { text, ..request(&[Part::CriticalStiffness]) };
+    let found = answer(&asked(text)).critical_stiffness.unwrap();
+    assert!((5..32).contains(&found.width.len()), "{:?}", found.width);
+    assert_eq!(found.critical_stiffness.len(), found.width.len());
+    let whole = answer(&request(&[Part::CriticalStiffness])).critical_stiffness.unwrap();
+    assert!(found.width.iter().all(|width| whole.width.contains(width)));
+}
+
 #[test]
 fn the_block_moves_as_its_task_says() {
     let found = answer(&request(&[Part::Block, Part::Task]));

@@ -167,7 +167,7 @@ pub(super) fn fronts(slipped: &[Slipped], shape: Shape, edges: Edges) -> [f64; 2
 /// Times at which slip had come as far as distances from where it began, and the first of these, from the distances and times of
 /// single cells in the order of distance: the earliest times at which a cell at this distance or beyond
 /// began to slip. Strong cells may begin later than those ahead of them, or not at all. The first time is that of the edge of the
-/// nucleation patch, whose cells lose balance at the same time; the front ends where it would pass over [`FRONT`] cells.
+/// nucleation patch, whose cells lose balance at the same time; the front ends where it would pass over five cells.
 pub fn front(starts: &[(usize, f64)]) -> (usize, Vec<f64>) {
     let Some(&(farthest, _)) = starts.last() else { return (0, Vec::new()) };
     let mut times = vec![f64::INFINITY; farthest + 1];
