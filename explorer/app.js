@@ -226,7 +226,9 @@ async function measured(file) {
     fail("", "file");
     charts.force.plot.redraw(false);
     const { x, y } = charts.force.plot.scales;
-    const outside = state.measured.position.filter((at, i) => !(at <= (x.max ?? 0) && (state.measured?.force[i] ?? 0) <= (y.max ?? 0))).length;
+    const within = (/** @type {number} */ value, /** @type {uPlot.Scale} */ { min, max }) => value >= (min ?? 0) && value <= (max ?? 0);
+    const { position, force } = state.measured;
+    const outside = position.filter((at, i) => !within(at, x) || !within(force[i], y)).length;
     if (outside) byId("status").textContent += `; ${outside} of them beyond the axes`;
   } catch (error) {
     fail(`${file?.name}: ${error instanceof Error ? error.message : error}`, "file");

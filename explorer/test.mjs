@@ -660,8 +660,8 @@ test("measurements are shown, and others are refused with a reason", () =>
       await tab.waitForFunction((name) => state.measured.columns[0] === name, columns[0]);
       assert.deepEqual(await measured(), { position: [0, 1, 2], force: [0, 0.7, 0.6], columns });
     }
-    await give("outside.csv", "position,force\n0,0\n1,50\n500,1\n");
-    await status(tab, "3 readings: position and force; 2 of them beyond the axes");
+    await give("outside.csv", "position,force\n0,0\n1,50\n500,1\n2,-9\n");
+    await status(tab, "4 readings: position and force; 3 of them beyond the axes");
     for (const [name, content, expected] of [
       ["binary.csv", Buffer.from([0, 1, 2, 255, 254]), /two columns/],
       ["letters.csv", "position,force\n1,2\n3,x\n", /numbers in row 3/],
@@ -673,7 +673,7 @@ test("measurements are shown, and others are refused with a reason", () =>
       await tab.waitForFunction((start) => document.getElementById("errors").textContent.startsWith(start), name);
       assert.match(await tab.textContent("#errors"), expected);
     }
-    assert.equal((await tab.evaluate(() => state.measured)).position.length, 3);
+    assert.equal((await tab.evaluate(() => state.measured)).position.length, 4);
   }));
 
 test("what is shown belongs to the text, and a text with a mistake is kept beside those of other sheets", async () => {

@@ -38,7 +38,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         bar(ends, &ColorMap::Viridis, &style::axis(outcome, "Force of a cell", record.get("cell_force")?));
     let (mut plots, mut layouts) = (vec![plots, colours], vec![layout, axes]);
     let mut structure = vec![vec![0], vec![1]];
-    if let Some((front, axes)) = largest(outcome, cells) {
+    if let Some((front, axes)) = largest_event(outcome, cells) {
         plots.push(front);
         layouts.push(axes);
         structure.push(vec![2]);
@@ -116,7 +116,7 @@ fn spans(record: &Record, drives: &[f64], cells: usize) -> Vec<Vec<Point>> {
 }
 
 /// The times at which the cells of the largest event began to slip, and the speeds of its fronts.
-fn largest(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
+fn largest_event(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let largest = outcome.summary.numbers.catalogue()?.largest?;
     let columns =
@@ -189,8 +189,7 @@ impl Row {
         };
         let side = points.iter().map(|point| (distance(point.0), point.1));
         let side = side.filter(|point| (0.0..=half).contains(&point.0));
-        let mut side: Vec<(usize, f64)> = side.map(|point| (point.0 as usize, point.1)).collect();
-        side.sort_by_key(|point| point.0);
+        let side: Vec<(usize, f64)> = side.map(|point| (point.0 as usize, point.1)).collect();
         let (first, times) = front(&side);
         times.iter().enumerate().map(|(i, time)| ((first + i) as f64, *time)).collect()
     }

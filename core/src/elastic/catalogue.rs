@@ -158,18 +158,19 @@ pub(super) fn fronts(slipped: &[Slipped], shape: Shape, edges: Edges) -> [f64; 2
             }
         };
         let start = |s: &Slipped| Some((distance(s.cell)?, s.start));
-        let mut starts: Vec<(usize, f64)> = slipped.iter().filter(in_row).filter_map(start).collect();
-        starts.sort_by_key(|(distance, _)| *distance);
+        let starts: Vec<(usize, f64)> = slipped.iter().filter(in_row).filter_map(start).collect();
         speed(&front(&starts).1)
     })
 }
 
-/// Times at which slip had come as far as distances from where it began, and the first of these, from the distances and times of
-/// single cells in the order of distance: the earliest times at which a cell at this distance or beyond
-/// began to slip. Strong cells may begin later than those ahead of them, or not at all. The first time is that of the edge of the
-/// nucleation patch, whose cells lose balance at the same time; the front ends where it would pass over five cells.
+/// The front of slip, from the distances of cells from the epicentre and the times at which they began to slip: the first distance,
+/// and the times at which the front had come as far as this and each following distance.
+///
+/// It has come as far as a distance when a cell there or beyond begins to slip: strong cells may begin later than those ahead of
+/// them, or not at all. The first distance is that of the edge of the nucleation patch, whose cells lose balance at the same time;
+/// the front ends where it would pass over five cells.
 pub fn front(starts: &[(usize, f64)]) -> (usize, Vec<f64>) {
-    let Some(&(farthest, _)) = starts.last() else { return (0, Vec::new()) };
+    let Some(farthest) = starts.iter().map(|start| start.0).max() else { return (0, Vec::new()) };
     let mut times = vec![f64::INFINITY; farthest + 1];
     starts.iter().for_each(|&(distance, start)| times[distance] = start);
     for i in (0..farthest).rev() {

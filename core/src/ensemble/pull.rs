@@ -140,6 +140,8 @@ impl Ensemble {
     /// # Errors
     /// More bytes than allowed; more breaks of a contact than can be counted.
     fn plan<C: TallyCell>(&self, positions: &[f64], snapshots: &Snapshots, memory: u64) -> Result<Plan> {
+        /// Breaks of a contact, which are counted without rounding.
+        const MOST: f64 = 1e15;
         let bins = snapshots.edges.len() * snapshots.positions.len();
         let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
@@ -160,8 +162,6 @@ impl Ensemble {
         // A chunk has its own sums at all positions. With at least as many breaks as it has bytes,
         // merging them costs little beside the breaks.
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
-        /// Breaks of a contact, which are counted without rounding.
-        const MOST: f64 = 1e15;
         let chunk = (breaks / expected).ceil() as usize;
         let quick = if bytes > CACHE { PART / 8 } else { PART };
         let part = (quick as f64 / expected).ceil() as usize;

@@ -24,7 +24,8 @@ pub fn expectation<E>(
     mut f: impl FnMut(f64) -> Result<f64, E>,
 ) -> Result<f64, E> {
     let mut sum = Signed::default();
-    if high < low {
+    // Empty, or not an interval.
+    if low.partial_cmp(&high).is_none_or(std::cmp::Ordering::is_gt) {
         return Ok(0.0);
     }
     for atom in law.atoms().iter().filter(|atom| low <= atom.position && atom.position <= high) {

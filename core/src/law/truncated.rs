@@ -155,8 +155,8 @@ impl Law for Truncated {
     /// Draws of the whole distribution, without those at or above the highest value; by inversion where these are nearly all.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         /// The smallest part kept for which drawing again is fast.
-        const MOST: f64 = 0.01;
-        if self.kept < MOST {
+        const LEAST: f64 = 0.01;
+        if self.kept < LEAST {
             return out
                 .fill_with(|| self.law.quantile(stream.uniform() * self.kept).min(self.highest.next_down()));
         }

@@ -102,7 +102,9 @@ fn distributions_outside_of_their_range() {
     law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut drawn);
     assert!(drawn.iter().all(|x| (0.7..0.8).contains(x)), "{drawn:?}");
     let law = rectangular(0.0, 1.0);
-    assert_eq!(expectation(law.as_ref(), [2.0, 1.0], Ok::<_, Error>).unwrap(), 0.0);
+    for ends in [[2.0, 1.0], [f64::NAN, 1.0], [0.0, f64::NAN]] {
+        assert_eq!(expectation(law.as_ref(), ends, Ok::<_, Error>).unwrap(), 0.0);
+    }
     let table = Tabulated::from_samples(&[0.5, 1.0, 2.0]).unwrap();
     assert_eq!([table.quantile(2.0), table.quantile(-1.0), table.upper_quantile(7.0)], [2.0, 0.5, 0.5]);
     assert_eq!(fit_counts(&[(1, u64::MAX), (2, 3), (3, 1)], 1, 10), None);

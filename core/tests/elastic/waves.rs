@@ -269,7 +269,10 @@ fn a_rupture_is_one_event_with_a_mass_and_without() {
         // √(M/K) = 0.02 beside η/K = 1, and cells that only follow others are not counted.
         near(found.drive, expected.drive, 1e-3);
         near(found.drop(), expected.drop(), 1e-2);
-        assert!((0.6..=1.001).contains(&(found.moment / expected.moment)), "{found:?} {expected:?}");
+        let share = found.moment / expected.moment;
+        assert!(found.cells <= expected.cells && share <= 1.01, "{found:?} {expected:?}");
+        // The velocity at which a cell begins to slip leaves a hundredth of the moment open.
+        assert!(share > if found.cells == expected.cells { 0.99 } else { 0.6 }, "{found:?} {expected:?}");
     }
     // Damped by η/2√(MK) < 0.1. An overshoot is in the moment, and what is stored less is made up for later.
     let swinging = ruptures(0.25, 0.15);

@@ -232,7 +232,7 @@ fn drops_in_time_are_those_of_the_spring() {
         for slip in &slide.slips {
             near(slip.after.force, slip.after.spring_force, 10.0 * tolerance);
             // A slip begins at ten times the velocity of the drive, where inertia and damping carry next to nothing, and the drive
-            // hardly moves in it: 1e-3 is a thousandth of the drop.
+            // moves by some 1e-4 in it: 1e-3 is less than one per cent of the drop.
             near(slip.drop(), stiffness * slip.slip(), 1e-3);
         }
     }
