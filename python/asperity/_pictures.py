@@ -560,21 +560,26 @@ def magnitudes(record: "Record", ax: "Axes", **style: Any) -> None:
     """The probability density of the magnitudes of events, in five bins per decade, with the fitted law."""
     name = "event_size" if "event_size" in record else "event_moment"
     values = record[name][record[name] > 0.0].astype(float)
-    low, high = np.floor(5 * np.log10(values.min())), np.ceil(5 * np.log10(values.max()))
-    edges = 10.0 ** (np.arange(low, max(high, low + 1) + 1) / 5)
-    counts = np.histogram(values, edges)[0]
-    held = counts > 0
-    middle, width = np.sqrt(edges[:-1] * edges[1:])[held], np.diff(edges)[held]
-    density = counts[held] / (len(values) * width)
-    errors(ax, middle, density, density / np.sqrt(counts[held]), **style)
+    whole = name == "event_size"
+    bins = np.round(5 * np.log10(values)).astype(int)
+    held, counts = np.unique(bins, return_counts=True)
+    below, above = (10.0 ** ((held + side) / 5) for side in (-0.5, 0.5))
+    width, middle = above - below, 10.0 ** (held / 5)
+    if whole:
+        # As many whole numbers as a bin has, at the geometric mean of those found.
+        width = np.maximum(np.ceil(above) - np.ceil(below), 1.0)
+        logarithms = np.bincount(bins - held[0], np.log(values))[held - held[0]]
+        middle = np.exp(logarithms / counts)
+    density = counts / (len(values) * width)
+    errors(ax, middle, density, density / np.sqrt(counts), **style)
     law = getattr(record, "summary", {}).get("catalogue", {}).get("law")
     if law is not None:
-        beyond = middle[middle >= law["from"]]
+        at = middle >= law["from"]
+        beyond = middle[at]
         cut = law["cut_off"] if isinstance(law["cut_off"], float) else math.inf
         shape = beyond ** -law["exponent"]["value"] * np.exp(-beyond / cut)
-        at = middle >= law["from"]
         if at.any():
-            scale = float(np.exp(np.average(np.log(density[at] / shape), weights=counts[held][at])))
+            scale = float(np.exp(np.average(np.log(density[at] / shape), weights=counts[at])))
             label = rf"$\tau$ = {law['exponent']['value']:.2f}"
             ax.plot(beyond, scale * shape, label=label)
             ax.legend()

@@ -131,7 +131,8 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
     let mut plots = counted(&points, 0.4 * low, ORANGE);
     if let Some(law) = catalogue.law {
         let share = law.events as f64 / catalogue.events as f64;
-        let curve = fitted(&law, share, last).into_iter().filter(|point| point.1 > 0.5 * low).collect();
+        let curve =
+            fitted(&law, share, last, whole).into_iter().filter(|point| point.1 > 0.5 * low).collect();
         plots.push(line(curve, BLUE, 1.8, None));
     }
     let layout = logarithmic((0.7 * first, 1.5 * last), (0.4 * low, 2.5 * high))
@@ -169,30 +170,48 @@ fn heights(points: &[Counted]) -> (f64, f64) {
     points.iter().fold(ends, |(low, high): (f64, f64), point| (low.min(point.1), high.max(point.1)))
 }
 
-/// Probability density of `values`, in bins of equal width on a logarithmic axis, with their counts.
+/// Probability density of `values`, in bins of equal width on a logarithmic axis, with their counts. Whole numbers are shown
+/// at the geometric mean of those in their bin.
 fn density(values: &[f64], whole: bool) -> Vec<Counted> {
-    let mut bins = std::collections::BTreeMap::<i64, u64>::new();
+    let mut bins = std::collections::BTreeMap::<i64, (u64, f64)>::new();
     for value in values.iter().filter(|&&value| value > 0.0) {
-        *bins.entry((PER_DECADE * value.log10()).round() as i64).or_default() += 1;
+        let (count, sum) = bins.entry((PER_DECADE * value.log10()).round() as i64).or_default();
+        *count += 1;
+        *sum += value.log10();
     }
     let edge = |bin: f64| 10f64.powf(bin / PER_DECADE);
-    let share = |(bin, count): (i64, u64)| {
+    let share = |(bin, (count, sum)): (i64, (u64, f64))| {
         let (from, to) = (edge(bin as f64 - 0.5), edge(bin as f64 + 0.5));
         let width = if whole { (to.ceil() - from.ceil()).max(1.0) } else { to - from };
-        (edge(bin as f64), count as f64 / values.len() as f64 / width, count as f64)
+        let at = if whole { 10f64.powf(sum / count as f64) } else { edge(bin as f64) };
+        (at, count as f64 / values.len() as f64 / width, count as f64)
     };
     bins.into_iter().map(share).collect()
 }
 
-/// The distribution from its lowest magnitude to `last`; its total weight is the given fraction of events.
-fn fitted(law: &PowerLaw, share: f64, last: f64) -> Vec<Point> {
+/// The distribution from its lowest magnitude to `last`; its total weight, the sum over whole numbers, is the given fraction
+/// of events.
+fn fitted(law: &PowerLaw, share: f64, last: f64, whole: bool) -> Vec<Point> {
+    /// From here on a sum over whole numbers is an integral from half below, to 1e-5 (midpoint rule).
+    const SMOOTH: f64 = 100.0;
     let rate = law.cut_off.0.recip();
     let height = |x: f64| x.powf(-law.exponent.value) * (-rate * x).exp();
-    let at = |i: usize| law.from * (last / law.from).powf(i as f64 / FINE as f64);
-    let points: Vec<Point> = (0..=FINE).map(|i| (at(i), height(at(i)))).collect();
-    let under = |pair: &[Point]| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
-    let area: f64 = points.windows(2).map(under).sum();
-    points.into_iter().map(|(x, y)| (x, share * y / area)).collect()
+    let between = |from: f64, to: f64| {
+        let at = move |i: usize| from * (to / from).powf(i as f64 / FINE as f64);
+        (0..=FINE).map(move |i| (at(i), height(at(i))))
+    };
+    let integral = |from: f64, to: f64| -> f64 {
+        let points: Vec<Point> = between(from, to.max(from)).collect();
+        points.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0)).sum()
+    };
+    let area = if whole {
+        let first = law.from.max(SMOOTH);
+        let few = (law.from as u64..first as u64).map(|k| height(k as f64)).sum::<f64>();
+        few + integral(first - 0.5, last)
+    } else {
+        integral(law.from, last)
+    };
+    between(law.from, last).map(|(x, y)| (x, share * y / area)).collect()
 }
 
 fn pairs<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = Point> + 'a {
