@@ -243,7 +243,7 @@ fn stability_asks_often_and_stops_at_once() {
         let time: Vec<f64> = (0..20_000).map(|k| 1e-3 * f64::from(k)).collect();
         // Strengthening at once, weakening later: unstable behind soft springs.
         let response = time.iter().map(|t| 2.0 * (-t / 0.1).exp() - (-t).exp()).collect();
-        let response = StepResponse { velocity: 1.0, time, response };
+        let response = StepResponse::new(1.0, time, response);
         let slider = Slider { stiffness: 1e-3, mass: 0.01, damping: 0.01 };
         patient("critical stiffness", |monitor| response.critical_stiffness(0.01, 0.01, monitor).map(drop));
         patient("roots", |monitor| response.unstable_roots(&slider, monitor).map(drop));

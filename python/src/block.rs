@@ -260,7 +260,7 @@ impl Block {
     ///     A Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
     ///     oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
     ///     deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
-    ///     all contacts.
+    ///     all contacts, or of itself where it is larger.
     ///
     /// Raises
     /// ------

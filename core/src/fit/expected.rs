@@ -27,6 +27,8 @@ pub(super) struct ExpectedReadings {
     pub machine: Machine,
     /// The forces of the contacts, and where the slider is.
     pub driven: AgainstDrive,
+    /// The same at the members of readings that are means, and the numbers of these.
+    members: Option<(AgainstDrive, Vec<usize>)>,
     /// The expected readings: forces with offset and trend.
     pub forces: Vec<f64>,
 }
@@ -86,7 +88,7 @@ pub(super) fn expected_readings(
         return Ok(None);
     }
     let distance = |c: usize| {
-        let last = curves[c].positions[curves[c].positions.len() - 1] - machines[c].origin;
+        let last = curves[c].last() - machines[c].origin;
         last.max(f64::MIN_POSITIVE)
     };
     let has_own = |c: usize| {
@@ -139,16 +141,37 @@ impl ExpectedReadings {
         let start = machine.origin + machine.compliance * machine.background;
         let drive: Vec<f64> = measured.positions.iter().map(|y| y - start).collect();
         let driven = contacts.pull.against_drive(machine.compliance, &drive)?;
-        let forces = driven.forces.iter().zip(&measured.positions);
+        let members = if measured.members.is_empty() {
+            None
+        } else {
+            let drive: Vec<f64> = measured.members.iter().flatten().map(|y| y - start).collect();
+            let sizes = measured.members.iter().map(Vec::len).collect();
+            Some((contacts.pull.against_drive(machine.compliance, &drive)?, sizes))
+        };
+        let mut readings = Self { contacts, machine, driven, members, forces: Vec::new() };
         let level = machine.background + machine.offset;
-        let forces = forces.map(|(force, &y)| force + level + machine.trend * y).collect();
-        Some(Self { contacts, machine, driven, forces })
+        let forces = readings.of_members(|driven| driven.forces.clone()).into_iter().zip(&measured.positions);
+        readings.forces = forces.map(|(force, &y)| force + level + machine.trend * y).collect();
+        Some(readings)
+    }
+
+    /// A quantity at the positions of the readings, or its means over their members.
+    fn of_members(&self, quantity: impl Fn(&AgainstDrive) -> Vec<f64>) -> Vec<f64> {
+        let Some((members, sizes)) = &self.members else { return quantity(&self.driven) };
+        let values = quantity(members);
+        let mut rest = values.as_slice();
+        let mean = |&size: &usize| {
+            let (group, later) = rest.split_at(size);
+            rest = later;
+            group.iter().sum::<f64>() / size as f64
+        };
+        sizes.iter().map(mean).collect()
     }
 
     /// Those of the same contacts and machines at the positions of other `curves`; `None` where a pull ends before.
     pub fn again(known: &[Self], curves: &[Measurement]) -> Option<Vec<Self>> {
         let of_curve = |(known, measured): (&Self, &Measurement)| {
-            let last = measured.positions[measured.positions.len() - 1] - known.machine.origin;
+            let last = measured.last() - known.machine.origin;
             let reached = last <= known.contacts.pull.distance();
             reached.then(|| Self::new(known.contacts.clone(), known.machine, measured)).flatten()
         };
@@ -166,7 +189,7 @@ impl ExpectedReadings {
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Self>> {
         let machine = machine((curve, measured.machine), numbers);
-        let last = measured.positions[measured.positions.len() - 1] - machine.origin;
+        let last = measured.last() - machine.origin;
         let distance = last.max(f64::MIN_POSITIVE);
         let contacts = FittedContacts::new(equation, (curve, distance), numbers, monitor)?;
         Ok(Self::new(Arc::new(contacts), machine, measured))
@@ -212,16 +235,17 @@ impl ExpectedReadings {
             }
             let column = match parameter.role {
                 Role::Contacts => {
-                    gradients.next().map_or_else(Vec::new, |gradient| self.driven.by_parameter(gradient))
+                    let of = |gradient| self.of_members(|driven| driven.by_parameter(gradient));
+                    gradients.next().map_or_else(Vec::new, of)
                 }
                 Role::Compliance => self.by_compliance(),
                 Role::Background => {
-                    let slopes = self.driven.by_drive().into_iter();
+                    let slopes = self.by_drive().into_iter();
                     slopes.map(|slope| 1.0 - self.machine.compliance * slope).collect()
                 }
                 Role::Offset => vec![1.0; count],
                 Role::Trend => measured.to_vec(),
-                Role::Origin => self.driven.by_drive().into_iter().map(|slope| -slope).collect(),
+                Role::Origin => self.by_drive().into_iter().map(|slope| -slope).collect(),
                 Role::Reading | Role::DriftAmplitude | Role::DriftLength => continue,
             };
             let slope = if parameter.logarithmic { value } else { 1.0 };
@@ -230,9 +254,14 @@ impl ExpectedReadings {
         derivatives
     }
 
+    /// The derivatives of the readings by the position of the drive.
+    fn by_drive(&self) -> Vec<f64> {
+        self.of_members(AgainstDrive::by_drive)
+    }
+
     /// The derivatives of the readings by the compliance, at which the whole force F + B stretches the machine.
     fn by_compliance(&self) -> Vec<f64> {
-        let slopes = self.driven.by_drive().into_iter().zip(self.driven.by_compliance());
+        let slopes = self.by_drive().into_iter().zip(self.of_members(AgainstDrive::by_compliance));
         slopes.map(|(slope, contacts)| contacts - self.machine.background * slope).collect()
     }
 
@@ -252,21 +281,31 @@ impl ExpectedReadings {
         let mut noise = Mat::from_fn(n, n, |i, j| covariance.at(j, i) * followed[i] * followed[j]);
         for i in (0..n).filter(|&i| measured.distance(i, i) > 0.0) {
             let spread = followed[i] * measured.distance(i, i);
-            noise[(i, i)] -= 0.5 * rate_of_squares(&covariance, &inside, i) * spread * followed[i].powi(2);
+            let lost = 0.5 * rate_of_squares(&covariance, &inside, i) * spread;
+            noise[(i, i)] -= lost.min(MOST_LOST * covariance.at(i, i)) * followed[i].powi(2);
         }
         Ok(noise)
     }
 }
 
+/// Largest part of the variance that a mean of neighbouring readings has less than one of them: that of a group which begins where
+/// the first contacts break, at a constant rate, with variances from 0 to κw and the mean distance w/3.
+const MOST_LOST: f64 = 1.0 / 3.0;
+
 /// κ at one of at least three rising positions, by the squared changes between it and its neighbours: those over two intervals show
-/// what is not linear in their length.
+/// what is not linear in their length. Where breaks set in κ rises by factors from one position to the next; it is at most twice
+/// that of either interval, of which a mean then loses a third, so that the covariance remains positive definite.
 fn rate_of_squares(covariance: &Covariance, positions: &[f64], i: usize) -> f64 {
     let Some(last) = positions.len().checked_sub(2).filter(|&last| last > 0) else { return 0.0 };
     let i = i.clamp(1, last);
     let square = |a: usize, b: usize| covariance.at(a, a) + covariance.at(b, b) - 2.0 * covariance.at(a, b);
-    let (one, two) = (0.5 * (square(i - 1, i) + square(i, i + 1)), square(i - 1, i + 1));
-    let length = positions[i + 1] - positions[i - 1];
-    if length > 0.0 { (4.0 * one - two).max(0.0) / length } else { 0.0 }
+    let [before, after] = [square(i - 1, i), square(i, i + 1)];
+    let [down, up] = [positions[i] - positions[i - 1], positions[i + 1] - positions[i]];
+    if down <= 0.0 || up <= 0.0 {
+        return 0.0;
+    }
+    let both = (2.0 * (before + after) - square(i - 1, i + 1)).max(0.0) / (down + up);
+    both.min(2.0 * before / down).min(2.0 * after / up)
 }
 
 /// Largest relative width of thresholds that a search tries, and the factor above that of the first values: no curve shows how much

@@ -1,5 +1,10 @@
-//! First values far from the data: the factor of all lengths of the thresholds, and the compliance where it is free, with which the
-//! first curve is most like the measured ones.
+//! First values far from the data: factors of all lengths of the thresholds, and compliances where one is free, with which the
+//! first curve is like the measured ones.
+//!
+//! Thresholds about as large as the distance of the readings may give the same forces at few readings as larger ones (aliasing).
+//! So the search begins at each of several first values, the given ones among them, and the most probable result is kept. Where
+//! thresholds are narrower than the readings are apart, most of them break between two readings, and the curve hardly depends on
+//! them: there the search begins at wider ones, too.
 
 use super::free::{FreeParameter, Role};
 use super::likelihood::Likelihood;
@@ -21,6 +26,8 @@ const PREFERRED: f64 = 4.0;
 const NEAR: f64 = 1.5;
 /// Part of the squared residuals at the first values that a factor has to leave at most.
 const BETTER: f64 = 0.5;
+/// Most first values besides the given ones.
+const MOST: usize = 3;
 /// Readings of a curve that are enough to compare it.
 const ENOUGH: usize = 200;
 /// Error of F/(N_c⟨k⟩) aimed at, relative to the mean threshold: the search begins anew.
@@ -40,8 +47,8 @@ struct ScaledLengths {
 }
 
 impl Fit {
-    /// The first coordinates, and the number of solutions that they took: those given, or, if this makes the curves more probable,
-    /// with all lengths of the thresholds multiplied by one factor, and another compliance if it is free.
+    /// The coordinates from which to search, and the number of solutions that they took: those given, and those that make the
+    /// curves more probable with all lengths of the thresholds multiplied by one factor, and another compliance if it is free.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
@@ -49,11 +56,32 @@ impl Fit {
         &self,
         white: &Likelihood,
         monitor: &mut dyn Monitor,
-    ) -> Result<(Vec<f64>, usize)> {
+    ) -> Result<(Vec<Vec<f64>>, usize)> {
+        let (mut starts, tried) = self.scaled_values(white, monitor)?;
+        let wide: Vec<Vec<f64>> =
+            starts.iter().filter_map(|start| self.widened(&white.free, start)).collect();
+        starts.extend(wide);
+        Ok((starts, tried))
+    }
+
+    /// The same coordinates with thresholds as wide as the readings are apart, if they are narrower.
+    fn widened(&self, free: &[FreeParameter], start: &[f64]) -> Option<Vec<f64>> {
+        let spacing = self.curves.iter().map(Measurement::spacing).fold(f64::INFINITY, f64::min);
+        let std = free.iter().position(|parameter| parameter.name == "thresholds.std")?;
+        let wide = free[std].coordinate(spacing);
+        (start[std] < wide).then(|| {
+            let mut start = start.to_vec();
+            start[std] = wide;
+            start
+        })
+    }
+
+    /// The given values, and those with other lengths, and the number of solutions that they took.
+    fn scaled_values(&self, white: &Likelihood, monitor: &mut dyn Monitor) -> Result<(Vec<Vec<f64>>, usize)> {
         let free = &white.free;
         let given: Vec<f64> = free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
         if !free.iter().any(is_length) {
-            return Ok((given, 0));
+            return Ok((vec![given], 0));
         }
         let compliances = self.compliances(free);
         let least = compliances.iter().flatten().copied().fold(f64::INFINITY, f64::min);
@@ -63,7 +91,7 @@ impl Fit {
         let part = &mut Part::new(monitor, 0.0, 0.5);
         let pull = match self.equation.pull_with(LARGEST * farthest.max(f64::MIN_POSITIVE), TOLERANCE, part) {
             Err(Error::Stopped) => return Err(Error::Stopped),
-            Err(_) => return Ok((given, 1)),
+            Err(_) => return Ok((vec![given], 1)),
             Ok(pull) => pull,
         };
         let thinned = |curve: &Measurement| curve.thinned((curve.positions.len() / ENOUGH).max(1));
@@ -74,17 +102,18 @@ impl Fit {
         };
         let alike = fewer.most_alike(free, &pull, &compliances);
         if alike.is_empty() {
-            return Ok((given, 1));
+            return Ok((vec![given], 1));
         }
-        let of_given = deviance(&given)?;
-        for (tried, scaled) in alike.iter().enumerate() {
+        let (of_given, tried) = (deviance(&given)?, alike.len());
+        let mut starts = vec![given];
+        for scaled in alike {
             let moved: Vec<f64> =
                 free.iter().map(|parameter| parameter.coordinate(scaled.of(parameter))).collect();
             if deviance(&moved)? < of_given {
-                return Ok((moved, tried + 3));
+                starts.push(moved);
             }
         }
-        Ok((given, alike.len() + 2))
+        Ok((starts, tried + 2))
     }
 
     /// The free compliances that are tried, the given one, `None`, first; nothing else where none is free or without a rising
@@ -96,8 +125,8 @@ impl Fit {
         std::iter::once(None).chain(others.filter(|_| is_free && largest.is_finite())).collect()
     }
 
-    /// For each of these compliances the factor that leaves least of the curves, in the order in which they are to be tried; none
-    /// where they are near what is given, or leave hardly less.
+    /// The factors that leave less of the curves than their neighbours, with each of these compliances, in the order in which they
+    /// are to be tried; none that are near what is given, or leave hardly less.
     fn most_alike(
         &self,
         free: &[FreeParameter],
@@ -105,11 +134,6 @@ impl Fit {
         compliances: &[Option<f64>],
     ) -> Vec<ScaledLengths> {
         let length = |i: i32| LARGEST.powf(f64::from(i) / f64::from(FACTORS));
-        let best = |compliance: &Option<f64>| {
-            let tried =
-                (-FACTORS..=FACTORS).filter_map(|i| self.scaled(free, pull, (length(i), *compliance)));
-            tried.min_by(|a, b| a.squares.total_cmp(&b.squares))
-        };
         let given = self.scaled(free, pull, (1.0, None)).map_or(f64::INFINITY, |given| given.squares);
         let is_far = |scaled: &ScaledLengths| {
             scaled.length.max(1.0 / scaled.length) > NEAR || scaled.compliance.is_some()
@@ -117,9 +141,21 @@ impl Fit {
         let weighted = |scaled: &ScaledLengths| {
             scaled.squares * if scaled.compliance.is_none() { PREFERRED } else { 1.0 }
         };
-        let mut all: Vec<ScaledLengths> = compliances.iter().filter_map(best).collect();
+        let mut all = Vec::new();
+        for compliance in compliances {
+            let tried: Vec<Option<ScaledLengths>> =
+                (-FACTORS..=FACTORS).map(|i| self.scaled(free, pull, (length(i), *compliance))).collect();
+            let squares = |i: usize| tried.get(i)?.as_ref().map(|scaled| scaled.squares);
+            let is_least = |i: usize| {
+                let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(squares);
+                squares(i).is_some_and(|own| beside.fold(f64::INFINITY, f64::min) >= own)
+            };
+            let least: Vec<bool> = (0..tried.len()).map(is_least).collect();
+            all.extend(tried.into_iter().zip(least).filter_map(|(scaled, least)| scaled.filter(|_| least)));
+        }
         all.retain(|scaled| is_far(scaled) && scaled.squares < BETTER * given);
         all.sort_by(|a, b| weighted(a).total_cmp(&weighted(b)));
+        all.truncate(MOST);
         all
     }
 

@@ -8,7 +8,7 @@ use super::friction::WithError;
 use super::interval::TWO_SIDED;
 use super::likelihood::{Errors, Likelihood};
 use super::matrix;
-use super::search::{COARSE, Objective, Optimum, SHORT, search, search_from, search_from_score};
+use super::search::{COARSE, Objective, Optimum, SHORT, search_each, search_from, search_from_score};
 use super::smoothness::Smoothness;
 use super::{Fit, Role};
 use crate::law::{Law, LogKernels};
@@ -176,7 +176,7 @@ fn most_probable(
     start: &[f64],
     monitor: &mut dyn Monitor,
 ) -> Result<(Likelihood, Optimum)> {
-    let mut found = search(&likelihood, start, COARSE, &mut Part::new(monitor, 0.0, 0.2))?;
+    let mut found = search_each(&likelihood, &[start.to_vec()], COARSE, &mut Part::new(monitor, 0.0, 0.2))?;
     let mut renewals = StrengthRenewals::default();
     for renewal in 0..=RENEWALS {
         let Some(before) = likelihood.smoothness.clone() else { break };

@@ -1,7 +1,5 @@
 //! What was measured: a curve of force, the machine that measured it, and the errors of its readings.
 
-use std::ops::Range;
-
 use crate::error::{not_negative, positive};
 use crate::{Error, Result};
 
@@ -14,9 +12,9 @@ pub struct Measurement {
     pub forces: Vec<f64>,
     /// The machine.
     pub machine: Machine,
-    /// Of readings that are means of neighbouring ones, the mean distance of two of these, each reading from itself among them; empty
-    /// for single readings. A mean has less of the noise of contacts, which changes with every break.
-    pub spreads: Vec<f64>,
+    /// Of readings that are means of neighbouring ones, the positions of these; empty for single readings. The expected mean is that
+    /// of the curve at these positions, and it has less of the noise of contacts, which changes with every break.
+    pub members: Vec<Vec<f64>>,
 }
 
 /// The machine that measures: how a reading follows from the force F on the contacts and the position X of the slider,
@@ -66,25 +64,26 @@ impl Measurement {
     pub fn within(&self, [from, to]: [f64; 2]) -> Self {
         let inside = |&i: &usize| (from..=to).contains(&self.positions[i]);
         let kept: Vec<usize> = (0..self.positions.len()).filter(inside).collect();
-        let of = |values: &[f64]| kept.iter().filter_map(|&i| values.get(i).copied()).collect();
-        self.of_readings(of)
+        self.of_readings(&kept)
     }
 
-    /// The measurement of other readings, by what is left of a number of each.
-    fn of_readings(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+    /// The measurement of these readings alone.
+    fn of_readings(&self, kept: &[usize]) -> Self {
+        fn of<T: Clone>(values: &[T], kept: &[usize]) -> Vec<T> {
+            kept.iter().filter_map(|&i| values.get(i).cloned()).collect()
+        }
         Self {
-            positions: of(&self.positions),
-            forces: of(&self.forces),
+            positions: of(&self.positions, kept),
+            forces: of(&self.forces, kept),
             machine: self.machine,
-            spreads: of(&self.spreads),
+            members: of(&self.members, kept),
         }
     }
 
     /// The same with every `count` neighbouring readings replaced by their mean, of positions and of forces; the last readings,
     /// where they are fewer, too.
     ///
-    /// The mean of the forces is the force at the mean position but for F''(count h)²/24, h the spacing of the readings: a group
-    /// must be short compared with what the curve shows. Independent errors become smaller by √count.
+    /// Independent errors become smaller by √count. Groups that are longer than what the curve shows have less of it.
     ///
     /// # Errors
     /// A count of 0; positions that do not rise; numbers that are not finite; a force for each position, or none.
@@ -93,36 +92,59 @@ impl Measurement {
             return Err(Error::invalid("average", "a number of readings above 0", count));
         }
         self.check()?;
-        let mean = |group: &[f64]| group.iter().sum::<f64>() / group.len() as f64;
-        let means = |values: &[f64]| values.chunks(count).map(mean).collect();
-        let groups = (0..self.positions.len()).step_by(count);
-        let spreads = groups.map(|first| self.spread_of(first..self.positions.len().min(first + count)));
-        let spreads = if count > 1 { spreads.collect() } else { self.spreads.clone() };
+        if count == 1 {
+            return Ok(self.clone());
+        }
+        let n = self.positions.len();
+        let groups: Vec<Vec<f64>> = (0..n)
+            .step_by(count)
+            .map(|first| (first..n.min(first + count)).flat_map(|i| self.members_of(i).to_vec()).collect())
+            .collect();
+        // Readings that are means themselves count as often as they have members.
+        let weights: Vec<f64> = (0..n).map(|i| self.members_of(i).len() as f64).collect();
+        let weighted: Vec<f64> =
+            self.forces.iter().zip(&weights).map(|(force, weight)| force * weight).collect();
+        let forces = weighted
+            .chunks(count)
+            .zip(&groups)
+            .map(|(some, group)| some.iter().sum::<f64>() / group.len() as f64);
+        let mean = |group: &Vec<f64>| group.iter().sum::<f64>() / group.len() as f64;
         Ok(Self {
-            positions: means(&self.positions),
-            forces: means(&self.forces),
+            positions: groups.iter().map(mean).collect(),
+            forces: forces.collect(),
             machine: self.machine,
-            spreads,
+            members: groups,
         })
     }
 
-    /// The mean distance of two of these readings.
-    fn spread_of(&self, group: Range<usize>) -> f64 {
-        let pairs = group.clone().flat_map(|i| group.clone().map(move |j| self.distance(i, j)));
-        pairs.sum::<f64>() / (group.len() * group.len()) as f64
+    /// The positions that a reading is the mean of; its own if it is a single one.
+    pub(super) fn members_of(&self, i: usize) -> &[f64] {
+        self.members.get(i).map_or(&self.positions[i..=i], Vec::as_slice)
     }
 
-    /// The distance of two readings, or the mean distance of those that a reading is the mean of.
+    /// The last position.
+    pub(super) fn last(&self) -> f64 {
+        let members = self.members_of(self.positions.len() - 1);
+        members[members.len() - 1]
+    }
+
+    /// The distance of two readings, or the mean distance of two of those that a reading is the mean of, each from itself among
+    /// them.
     pub(super) fn distance(&self, i: usize, j: usize) -> f64 {
-        if i == j {
-            return self.spreads.get(i).copied().unwrap_or(0.0);
+        if i != j {
+            return (self.positions[i] - self.positions[j]).abs();
         }
-        (self.positions[i] - self.positions[j]).abs()
+        let members = self.members_of(i);
+        let n = members.len() as f64;
+        // Σ |x_k − x_l| of rising numbers.
+        let sum = |(k, x): (usize, &f64)| 2.0 * (2.0 * k as f64 + 1.0 - n) * (x - self.positions[i]);
+        members.iter().enumerate().map(sum).sum::<f64>() / (n * n)
     }
 
     /// Every `every`-th reading.
     pub(super) fn thinned(&self, every: usize) -> Self {
-        self.of_readings(|values| values.iter().skip(every - 1).step_by(every).copied().collect())
+        let kept: Vec<usize> = (every - 1..self.positions.len()).step_by(every).collect();
+        self.of_readings(&kept)
     }
 
     /// A first value of a compliance that is not known, for contacts of the stiffness N⟨k⟩ = K together: the steepest mean
@@ -142,6 +164,11 @@ impl Measurement {
         };
         let readings = self.forces.len().min(self.positions.len());
         (0..readings.saturating_sub(apart)).map(slope).fold(0.0, f64::max)
+    }
+
+    /// The mean distance of two readings.
+    pub(super) fn spacing(&self) -> f64 {
+        self.range() / (self.positions.len() - 1).max(1) as f64
     }
 
     /// From the first position to the last.
@@ -174,12 +201,20 @@ impl Measurement {
             let expected = format!("{} forces, one for each position", self.positions.len());
             return Err(Error::invalid("force", expected, self.forces.len()));
         }
-        if !self.spreads.is_empty() && self.spreads.len() != self.positions.len() {
-            let expected = format!("{} spreads, one for each position, or none", self.positions.len());
-            return Err(Error::invalid("spread", expected, self.spreads.len()));
+        if !self.members.is_empty() && self.members.len() != self.positions.len() {
+            let expected = format!("members of {} readings, or of none", self.positions.len());
+            return Err(Error::invalid("members", expected, self.members.len()));
         }
-        for (i, &spread) in self.spreads.iter().enumerate() {
-            not_negative(&format!("spread.{i}"), spread)?;
+        for (i, members) in self.members.iter().enumerate() {
+            let rising = members.windows(2).all(|pair| pair[0] < pair[1]);
+            let around = |&at: &f64| {
+                members.first().is_some_and(|low| *low <= at)
+                    && members.last().is_some_and(|high| at <= *high)
+            };
+            if !rising || !around(&self.positions[i]) {
+                let expected = "rising positions around that of the reading";
+                return Err(Error::invalid("members", expected, format!("others for reading {i}")));
+            }
         }
         self.machine.check()
     }
@@ -225,14 +260,15 @@ mod tests {
         let measured = Measurement::new(vec![1.0, 2.0, 4.0, 5.0, 7.0], vec![2.0, 4.0, 1.0, 0.0, 3.0]);
         let averaged = measured.average(2).unwrap();
         // By hand; these sums are exact.
-        let Measurement { positions, forces, spreads, .. } = averaged.clone();
+        let Measurement { positions, forces, members, .. } = averaged.clone();
         assert_eq!((positions, forces), (vec![1.5, 4.5, 7.0], vec![3.0, 0.5, 3.0]));
+        assert_eq!(members, [vec![1.0, 2.0], vec![4.0, 5.0], vec![7.0]]);
         // Of four pairs, two are a reading with itself.
-        assert_eq!(spreads, [0.5, 0.5, 0.0]);
-        let once = measured.average(4).unwrap().spreads;
-        let twice = averaged.average(2).unwrap().spreads;
-        // 2 (1 + 3 + 4 + 2 + 3 + 1)/16 of all pairs; the means of pairs are 3 apart, and so are theirs on average.
-        assert_eq!((once[0], twice[0]), (1.75, (2.0 * 3.0 + 0.5 + 0.5) / 4.0));
+        assert_eq!([0, 1, 2].map(|i| averaged.distance(i, i)), [0.5, 0.5, 0.0]);
+        let once = measured.average(4).unwrap();
+        // 2 (1 + 3 + 4 + 2 + 3 + 1)/16 of all pairs.
+        assert_eq!(once.distance(0, 0), 1.75);
+        assert_eq!(averaged.average(2).unwrap(), once);
         assert_eq!(measured.average(1).unwrap(), measured);
         let planned = Measurement::new(measured.positions.clone(), Vec::new());
         assert_eq!(planned.average(5).unwrap().positions, [3.8]);

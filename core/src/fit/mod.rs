@@ -81,7 +81,7 @@ use crate::{Error, Result};
 use estimates::Ended;
 use free::{FreeParameter, Role};
 use likelihood::{Errors, Likelihood};
-use search::{ONE_ERROR, Optimum, SHORT, search};
+use search::{ONE_ERROR, Optimum, SHORT, search_each};
 
 /// Most readings with the covariance of the contacts, or with a drift.
 const MOST: usize = 4000;
@@ -219,9 +219,9 @@ impl Fit {
         }
         let errors = Errors::ProfiledWhite { fitted: free.len() as f64 };
         let white = Likelihood { fit: self.clone(), free, errors, smoothness: None, restricted: None };
-        let (coordinates, solutions) = self.first_values(&white, &mut Part::new(monitor, 0.0, 0.05))?;
+        let (starts, solutions) = self.first_values(&white, &mut Part::new(monitor, 0.0, 0.05))?;
         let short = if self.is_profiled() { SHORT } else { ONE_ERROR };
-        let mut first = search(&white, &coordinates, short, &mut Part::new(monitor, 0.05, 0.25))?;
+        let mut first = search_each(&white, &starts, short, &mut Part::new(monitor, 0.05, 0.25))?;
         first.solutions += solutions;
         if self.is_profiled() {
             return Ended { likelihood: white, optimum: first }.estimates(&mut Part::new(monitor, 0.3, 0.7));
@@ -327,7 +327,7 @@ impl Fit {
                 return Err(Error::invalid("force", expected, format!("a mean of {mean}")));
             }
         }
-        let reach = |curve: &Measurement| curve.positions[curve.positions.len() - 1] - curve.machine.origin;
+        let reach = |curve: &Measurement| curve.last() - curve.machine.origin;
         let farthest = self.curves.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
         let mean = self.equation.contacts().thresholds.mean();
         let moves = free.iter().any(|one| is_of_thresholds(&one.quantity)) && !is_free(&["origin"]);

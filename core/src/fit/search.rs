@@ -110,24 +110,40 @@ pub(super) struct Optimum<P = LikelihoodPoint> {
     pub fall: f64,
 }
 
-/// Minimises the deviance from `start`, until a step would be `short`, in standard errors squared.
+/// Minimises the deviance from each of `starts`, until a step would be `short`, in standard errors squared, and returns the
+/// lowest minimum.
 ///
 /// # Errors
-/// A start where the likelihood is not defined; errors of the solver; stopped by the monitor.
-pub(super) fn search<O: Objective>(
+/// No start where the likelihood is defined; errors of the solver; stopped by the monitor.
+pub(super) fn search_each<O: Objective>(
     likelihood: &O,
-    start: &[f64],
+    starts: &[Vec<f64>],
     short: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<Optimum<O::Point>> {
-    let Some(trial) = likelihood.trial(start, &mut Aside { fraction: 0.0, monitor })? else {
+    let (mut best, mut solutions, share): (Option<Optimum<O::Point>>, _, _) =
+        (None, 0, 1.0 / starts.len() as f64);
+    for (k, start) in starts.iter().enumerate() {
+        let part = &mut Part::new(monitor, k as f64 * share, share);
+        solutions += 1;
+        let Some(trial) = likelihood.trial(start, &mut Aside { fraction: 0.0, monitor: part })? else {
+            continue;
+        };
+        let found = search_from(likelihood, (start, trial), (&vec![false; start.len()], short), part)?;
+        solutions += found.solutions;
+        let deviance = |one: &Optimum<O::Point>| O::deviance(&one.trial);
+        best = Some(match best {
+            Some(best) if deviance(&best) <= deviance(&found) => best,
+            _ => found,
+        });
+    }
+    let mut best = best.ok_or_else(|| {
         let expected =
             "first values from which a curve follows; where the machine has a compliance, one without a slip";
-        return Err(Error::invalid("free", expected, "none at the first values"));
-    };
-    let mut found = search_from(likelihood, (start, trial), (&vec![false; start.len()], short), monitor)?;
-    found.solutions += 1;
-    Ok(found)
+        Error::invalid("free", expected, "none at the first values")
+    })?;
+    best.solutions = solutions;
+    Ok(best)
 }
 
 /// The same from a start where the likelihood is known, with the numbers that are `held` fixed.

@@ -83,8 +83,14 @@ const PANELS: u32 = 4;
 /// Fraction of thresholds beyond the panels on either side.
 const BEYOND: f64 = 1e-10;
 
-/// Frequencies of the transform into time: from and to, in units of v over the mean threshold, and their number.
+/// Frequencies of the transform into time: from and to, in units of v over the mean threshold, and their number without a delay.
 const FREQUENCIES: (f64, f64, u32) = (1e-3, 300.0, 400);
+
+/// Largest change of the phase of the delay between two frequencies, in radians.
+const PHASE: f64 = 0.25;
+
+/// Most frequencies, each of which takes a millisecond.
+const MOST: f64 = 1e4;
 
 impl DynamicStiffness {
     /// Of contacts that slide steadily at `velocity`.
@@ -177,12 +183,15 @@ impl DynamicStiffness {
         }
     }
 
-    /// F̂(∞), the response to a sudden displacement.
+    /// F̂(∞), the response to a sudden displacement. With one delay for all breaks F̂ has no limit for s → i∞; this is its value at
+    /// the frequencies of which the delay is a multiple of the period.
     pub fn instantaneous(&self) -> f64 {
+        let friction = if matches!(self.delay, FreeTime::Fixed(_)) { 0.0 } else { self.friction };
         let of = |life: &ThresholdLife| {
             let last = life.ages[life.ages.len() - 1];
             life.weight
-                * (life.sum(|at| at.stiffness * at.survival) - last.stiffness * last.stretch * life.lost)
+                * (life.sum(|at| at.stiffness * at.survival)
+                    + (friction - last.stiffness * last.stretch) * life.lost)
         };
         self.count * self.rate * self.lives.iter().map(of).sum::<f64>()
     }
@@ -199,11 +208,11 @@ impl DynamicStiffness {
     /// `None` if steady sliding is stable behind every spring.
     ///
     /// # Errors
-    /// Stopped by the monitor.
+    /// A delay too long for the frequencies to resolve; stopped by the monitor.
     pub fn critical_stiffness(&self, monitor: &mut dyn Monitor) -> Result<Option<(f64, f64)>> {
         let watch = Watch::new(monitor);
         let imaginary = |frequency: f64| watch.value(|| self.at(Complex64::new(0.0, frequency)).im);
-        let frequencies = self.frequencies();
+        let frequencies = self.frequencies()?;
         let values: Vec<f64> = frequencies.iter().map(|&frequency| imaginary(frequency)).collect();
         let mut found = vec![(-self.instantaneous(), f64::INFINITY)];
         for (ends, values) in frequencies.windows(2).zip(values.windows(2)) {
@@ -224,7 +233,7 @@ impl DynamicStiffness {
     /// critical stiffness. The square of δV/v is left out.
     ///
     /// # Errors
-    /// A stiffness that is not a finite number above 0; stopped by the monitor.
+    /// A stiffness that is not a finite number above 0; a delay too long for the frequencies to resolve; stopped by the monitor.
     pub fn after_velocity_change(
         &self,
         stiffness: f64,
@@ -233,7 +242,7 @@ impl DynamicStiffness {
     ) -> Result<SpringResponse> {
         positive("stiffness", stiffness)?;
         let watch = Watch::new(monitor);
-        let mut frequencies = self.frequencies();
+        let mut frequencies = self.frequencies()?;
         let part = |frequency: f64| {
             watch.value(|| self.behind(stiffness, Complex64::new(0.0, frequency)).im / frequency)
         };
@@ -257,11 +266,26 @@ impl DynamicStiffness {
         Ok(SpringResponse { position, force })
     }
 
-    /// Angular frequencies on a logarithmic scale.
-    fn frequencies(&self) -> Vec<f64> {
+    /// Angular frequencies between which F̂ is smooth.
+    fn frequencies(&self) -> Result<Vec<f64>> {
         let (low, high, count) = FREQUENCIES;
-        let unit = self.velocity / self.length;
-        (0..=count).map(|i| unit * low * (high / low).powf(f64::from(i) / f64::from(count))).collect()
+        let (unit, delay) = (self.velocity / self.length, self.delay.mean());
+        let needed = unit * high * delay / PHASE;
+        if needed > MOST {
+            let expected = format!(
+                "at most {} at this velocity, so that the frequencies resolve it",
+                MOST / needed * delay
+            );
+            return Err(Error::invalid("delay", expected, delay));
+        }
+        let sparse = (0..=count).map(|i| unit * low * (high / low).powf(f64::from(i) / f64::from(count)));
+        let mut frequencies: Vec<f64> = Vec::new();
+        for next in sparse {
+            let last = frequencies.last().copied().unwrap_or(next);
+            let parts = ((next - last) * delay / PHASE).ceil().max(1.0);
+            frequencies.extend((1..=parts as u32).map(|i| last + f64::from(i) / parts * (next - last)));
+        }
+        Ok(frequencies)
     }
 }
 

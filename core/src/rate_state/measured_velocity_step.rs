@@ -116,6 +116,8 @@ impl MeasuredVelocityStep {
 /// The points of a fit.
 struct Selected {
     position: Vec<f64>,
+    /// The positions of which each is the mean: the mean force is that of the curve at these.
+    members: Vec<Vec<f64>>,
     force: Vec<f64>,
     peak: f64,
 }
@@ -127,6 +129,9 @@ impl Selected {
         let means = |values: &[f64], from: usize, to: usize| averaged(&values[from..to], reading.average);
         let end = position.len();
         let after = (means(position, step, end), means(force, step, end));
+        let groups =
+            |from: usize, to: usize| position[from..to].chunks_exact(reading.average).map(<[f64]>::to_vec);
+        let (groups_before, groups_after) = (groups(before, step), groups(step, end));
         let before = (means(position, before, step), means(force, before, step));
         rising("position", &[before.0.as_slice(), after.0.as_slice()].concat())?;
         let peak = match reading.peak {
@@ -140,6 +145,7 @@ impl Selected {
             return Err(Error::invalid("position", expected, rest));
         }
         // With a known F₀ only what follows the step is fitted.
+        let unused = if reading.before.is_some() { before.0.len() } else { 0 };
         let before = if reading.before.is_some() { (Vec::new(), Vec::new()) } else { before };
         if reading.before.is_none() && before.0.len() < FEWEST_BEFORE {
             let expected = format!(
@@ -149,6 +155,7 @@ impl Selected {
         }
         Ok(Self {
             position: [&before.0, &after.0[first..]].concat(),
+            members: groups_before.skip(unused).chain(groups_after.skip(first)).collect(),
             force: [&before.1, &after.1[first..]].concat(),
             peak,
         })
@@ -156,8 +163,16 @@ impl Selected {
 
     /// 1 − e^{−(X − X_p)/D_c} from X_p on; `None` before the step.
     fn fallen(&self, distance: f64) -> impl Iterator<Item = Option<f64>> + '_ {
-        let peak = self.peak;
-        self.position.iter().map(move |x| (*x >= 0.0).then(|| -(-(x - peak) / distance).exp_m1()))
+        self.after_step(move |past| -(-past / distance).exp_m1())
+    }
+
+    /// The means over members of a function of X − X_p, which is at least 0; `None` before the step.
+    fn after_step(&self, of: impl Fn(f64) -> f64) -> impl Iterator<Item = Option<f64>> {
+        let mean = move |(x, members): (&f64, &Vec<f64>)| {
+            let sum = || members.iter().map(|x| of((x - self.peak).max(0.0))).sum::<f64>();
+            (*x >= 0.0).then(|| sum() / members.len() as f64)
+        };
+        self.position.iter().zip(&self.members).map(mean)
     }
 
     fn columns(&self, distance: f64, size: f64, reading: &StepReading) -> Vec<Vec<f64>> {
@@ -188,9 +203,8 @@ impl Selected {
         let columns = |distance: f64| self.columns(distance, size, reading);
         let by_distance = |distance: f64, coefficients: &[f64]| -> Vec<f64> {
             let front = coefficients[direct + 1] * size / distance;
-            let slope =
-                |x: &f64| (*x >= 0.0).then(|| (x - self.peak) / distance).map(|z| front * z * (-z).exp());
-            self.position.iter().map(|x| slope(x).unwrap_or(0.0)).collect()
+            let slope = move |past: f64| front * past / distance * (-past / distance).exp();
+            self.after_step(slope).map(Option::unwrap_or_default).collect()
         };
         let curve = ScaledCurve {
             position: &self.position,

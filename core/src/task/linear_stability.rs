@@ -1,15 +1,14 @@
 //! Linear stability of steady sliding, with the mass and the damping of the slider.
 
+use crate::block::Slip;
 use crate::contacts::Contacts;
 use crate::master::{Slider, Transport};
-use crate::monitor::Monitor;
-use crate::{Result, scenario};
-
-use crate::monitor::Part;
+use crate::monitor::{Monitor, Part};
+use crate::{Error, Result, scenario};
 
 /// Sliding distance over which the response of steady sliding is computed, in mean lives of a contact.
 const LIVES: f64 = 30.0;
-/// Tolerance of that response; the error of K_c is then some 1e-3 of the stiffness of the contacts.
+/// Tolerance of that response; the error of K_c is then some 1e-3 of the stiffness of the contacts, or of K_c if that is larger.
 const RESPONSE: f64 = 1e-5;
 
 /// Linear stability of steady sliding at one velocity.
@@ -48,6 +47,10 @@ pub fn stability(
 
 /// Stiffness, mass and damping of a block.
 fn slider(block: &scenario::Block) -> Result<Slider> {
+    if block.slip == Slip::Reset {
+        let expected = "damped or inertial, since a growth rate needs a damping or a mass (without a block, the critical stiffness is that of a slider without both)";
+        return Err(Error::invalid("block.slip", expected, "reset, the default"));
+    }
     let (mass, damping) = block.inertia_and_drag()?;
     Ok(Slider { stiffness: block.stiffness, mass, damping })
 }

@@ -306,8 +306,9 @@ fn critical_in_sliding(
         return Ok(stability(contacts, velocity, Some(block), monitor)?.critical_stiffness);
     }
     // In closed form where thresholds follow from the age; otherwise from the response to a step.
-    match DynamicStiffness::new_with(contacts, velocity, &mut Part::new(monitor, 0.0, 0.0)) {
-        Ok(response) => Ok(response.critical_stiffness(monitor)?.map_or(0.0, |found| found.0)),
+    let response = DynamicStiffness::new_with(contacts, velocity, &mut Part::new(monitor, 0.0, 0.0));
+    match response.and_then(|response| response.critical_stiffness(monitor)) {
+        Ok(critical) => Ok(critical.map_or(0.0, |found| found.0)),
         Err(Error::Invalid { .. }) => Ok(stability(contacts, velocity, None, monitor)?.critical_stiffness),
         Err(error) => Err(error),
     }

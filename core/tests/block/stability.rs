@@ -1,11 +1,12 @@
 //! Steady sliding of a slider with mass and damping: its characteristic equation against closed forms, quadrature, and motion in time.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::common::{contacts, gaussian, point};
 use asperity::block::{Block, Loading, Regime, Slide, Slip};
-use asperity::contacts::{Ageing, Contacts, Rules};
+use asperity::contacts::{Ageing, Contacts, FreeFriction, FreeTime, Rules};
 use asperity::history::{History, Piece};
+use asperity::law::{Exponential, SharedLaw};
 use asperity::master::{DynamicStiffness, Slider, StepResponse, Transport};
 use asperity::numerics::legendre::RULE;
 use num_complex::Complex64;
@@ -35,7 +36,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 fn forgetting() -> StepResponse {
     let time: Vec<f64> = (0..=8000).map(|k| f64::from(k) * 5e-3).collect();
     let response = time.iter().map(|t| -(-t).exp()).collect();
-    StepResponse { velocity: 1.0, time, response }
+    StepResponse::new(1.0, time, response)
 }
 
 /// What straight lines between the times are off in `forgetting`: h²/8 of the response, h = 5e-3.
@@ -151,6 +152,71 @@ fn the_renewal_equation_gives_the_dynamic_stiffness() {
 }
 
 /// A slider over contacts in steady sliding, stopped for a moment and pulled on by `drive`.
+/// Contacts with a delay τ and the friction f of free contacts: F̂ in closed form for exponential thresholds of mean 1, with
+/// φ̂ = v/(s + v), H = 1/(s + v) and P = v/(s + v)².
+#[test]
+fn a_delay_changes_the_dynamic_stiffness_as_the_closed_form_says() {
+    let exponential: SharedLaw = Arc::new(Exponential::new(1.0).unwrap());
+    let (velocity, delay, friction) = (0.7, 3.0, 0.4);
+    let free_friction = FreeFriction { force: friction, ..FreeFriction::default() };
+    let times: [FreeTime; 2] =
+        [delay.into(), FreeTime::Distributed(Arc::new(Exponential::new(delay).unwrap()))];
+    for (case, delay) in times.into_iter().enumerate() {
+        let rules = Rules { delay, free_friction, ..Rules::default() };
+        let contacts = Contacts { rules, ..contacts(&exponential, &point(0.0)) };
+        let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
+        let attached = 1.0 / (1.0 + 3.0 * velocity);
+        let closed = |s: Complex64| {
+            let back = if case == 0 { (-3.0 * s).exp() } else { 1.0 / (1.0 + 3.0 * s) };
+            let [held, carried] = [1.0 / (s + velocity), velocity / (s + velocity).powi(2)];
+            attached * s * (1.0 - back) * (friction * held - carried) / (1.0 - back * velocity * held)
+        };
+        for s in [[0.0, 0.01], [0.0, 0.5], [0.0, 2.0], [0.0, 30.0], [0.3, 1.0]] {
+            let s = Complex64::new(s[0], s[1]);
+            // Time-independent but for the delay: as accurate as the life, cut where 1e-18 of the contacts are left.
+            assert!((response.at(s) - closed(s)).norm() < 1e-9, "{s} {} {}", response.at(s), closed(s));
+        }
+        let slope = closed(Complex64::new(1e-6, 0.0)).re / 1e-6;
+        // The next order of the closed form at s = 1e-6.
+        near(response.integral(), slope, 1e-5);
+    }
+}
+
+/// K_c of contacts with a delay: Eqs. (small deviations) and (dynamic stiffness), integrated by trapezoids of 4000 ages and
+/// thresholds on a grid of 1e5 frequencies (NumPy).
+#[test]
+fn the_critical_stiffness_with_a_delay_is_that_of_the_renewal_equation() {
+    let delayed = |delay: f64| Rules { delay: delay.into(), ..Rules::default() };
+    for (velocity, expected) in [(0.5, 22.77), (1.0, 20.339), (2.0, 13.46)] {
+        let contacts = Contacts { rules: delayed(3.0), ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
+        let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
+        let found = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
+        // Digits of the reference.
+        near(found.0 / expected, 1.0, 5e-4);
+        let renewal = DynamicStiffness::new(&contacts, velocity).unwrap();
+        let critical = renewal.critical_stiffness(&mut ()).unwrap().unwrap();
+        // What the trapezoidal rule of its ages is off.
+        near(critical.0 / found.0, 1.0, 1e-3);
+        near(critical.1 / found.1, 1.0, 1e-3);
+    }
+}
+
+/// The same with ageing and the friction of free contacts, where the response of contacts that re-form at once is followed in time.
+#[test]
+fn ageing_with_a_delay_has_the_dynamic_stiffness_of_the_renewal_equation() {
+    for (force, expected) in [(0.0, 1.3849), (0.4, 0.5252), (0.6, 0.0777)] {
+        let free_friction = FreeFriction { force, ..FreeFriction::default() };
+        let rules = Rules { delay: 300.0.into(), free_friction, ..ageing().rules };
+        let contacts = Contacts { rules, ..ageing() };
+        let response = Transport::step_response(&contacts, VELOCITY, 30.0, 1e-5, &mut ()).unwrap();
+        let found = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
+        // Forces of steps are known to some 1e-3 of the stiffness of the contacts.
+        near(found.0, expected, 1e-3);
+        let renewal = DynamicStiffness::new(&contacts, VELOCITY).unwrap();
+        near(renewal.critical_stiffness(&mut ()).unwrap().unwrap().0, expected, 2e-4);
+    }
+}
+
 fn follow(slip: Slip, stiffness: f64, drive: &[Piece], points: u32, tolerance: f64) -> Slide {
     let mut sliding = Transport::steady_with(&ageing(), VELOCITY, 1e-5, &mut ()).unwrap();
     sliding.step(0.0, 1e-9 / VELOCITY, &mut ()).unwrap();

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial};
 use asperity::ensemble::{Disorder, Ensemble};
-use asperity::fit::{Estimates, Fit, Measurement};
+use asperity::fit::{ErrorModel, Estimates, Fit, Measurement};
 use asperity::law::{Gaussian, Point};
 use asperity::master::MasterEquation;
+use asperity::random::{Purpose, Stream};
 use rayon::prelude::*;
 
 /// Number of contacts.
@@ -76,4 +77,47 @@ fn the_variance_of_a_mean_is_that_of_its_readings() {
     // What means lack of the variance of single readings is known to some percent: means over w = 0.05 of thresholds that are 0.2
     // wide, (w/0.2)² = 6 %.
     assert!(worst[0] < 0.1 * worst[1], "{worst:?}");
+}
+
+/// Means over a twelfth of the mean threshold show less of a peak than single readings, and as much as the means of the curve.
+#[test]
+fn means_do_not_bias_the_width_of_the_thresholds() {
+    const CURVES: u64 = 60;
+    let names = ["thresholds.mean", "thresholds.std", "stiffness"];
+    let positions: Vec<f64> = (1..=600).map(|i| 5.0 * f64::from(i) / 600.0).collect();
+    let curve =
+        MasterEquation::new(contacts(1.0, [1.0, 0.15]), &Initial::default()).unwrap().pull(6.0).unwrap();
+    let white = ErrorModel { contacts: false, ..ErrorModel::default() };
+    for average in [2, 10, 20] {
+        let fit = |seed: u64| {
+            let mut stream = Stream::new(seed, Purpose::Sample, 0);
+            // Sum of twelve uniform numbers: variance 1.
+            let mut normal = || (0..12).map(|_| stream.uniform()).sum::<f64>() - 6.0;
+            let forces = positions.iter().map(|&x| curve.force(x) + 0.005 * normal()).collect();
+            let guess = MasterEquation::new(contacts(1.5, [1.2, 0.25]), &Initial::default()).unwrap();
+            let measured = Measurement::new(positions.clone(), forces).average(average).unwrap();
+            Fit::new(guess, measured).free(names).errors(white).run().unwrap()
+        };
+        let found: Vec<Estimates> = (0..CURVES).into_par_iter().map(fit).collect();
+        let holds = |found: &&Estimates| {
+            let [low, high] = found.estimate("thresholds.std").unwrap().interval;
+            low <= 0.15 && 0.15 <= high
+        };
+        // 57 of 60, with a standard deviation of 1.7.
+        let covered = found.iter().filter(holds).count();
+        assert!(covered >= 51, "{average}: {covered}");
+    }
+}
+
+/// Before the first breaks the noise grows by factors from one mean to the next.
+#[test]
+fn long_means_have_a_covariance() {
+    for average in [10, 20, 30] {
+        (0..20).into_par_iter().map(|seed| fitted(600, average, seed)).for_each(|found| {
+            let mean = found.estimate("thresholds.mean").unwrap();
+            // Five errors.
+            assert!((mean.value - 1.0).abs() < 5.0 * mean.error, "{average}: {mean:?}");
+            assert!(found.converged, "{average} {:?}", found.parameters);
+        });
+    }
 }

@@ -187,7 +187,7 @@ impl Slip {
         match self {
             Self::Inertial { mass, damping } => Ok((mass, damping)),
             Self::Damped { damping } => Ok((0.0, damping)),
-            Self::Reset => refused("reset"),
+            Self::Reset => refused("reset, the default"),
             Self::Overdamped => refused("overdamped"),
             Self::Arrest => refused("arrest"),
         }

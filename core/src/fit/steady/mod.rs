@@ -43,7 +43,7 @@ pub use estimates::{FittedSpectrum, SteadyEstimates};
 pub use record::SteadyRecord;
 
 use super::free::{FreeParameter, Prior, Role, with_priors};
-use super::search::{SHORT, search};
+use super::search::{SHORT, search_each};
 use crate::error::positive;
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
@@ -135,10 +135,10 @@ impl SteadyFit {
         let free = self.checked()?;
         let monitor = &mut Rising::new(monitor);
         let likelihood = SteadyLikelihood::new(self.clone(), free);
-        let coordinates = likelihood.first_values(&mut Part::new(monitor, 0.0, 0.2))?.ok_or_else(|| {
+        let starts = likelihood.first_values(&mut Part::new(monitor, 0.0, 0.2))?.ok_or_else(|| {
             Error::invalid("free", "first values that have a noise", "none at the first values")
         })?;
-        let found = search(&likelihood, &coordinates, SHORT, &mut Part::new(monitor, 0.2, 0.7))?;
+        let found = search_each(&likelihood, &starts, SHORT, &mut Part::new(monitor, 0.2, 0.7))?;
         SteadyEstimates::new(likelihood, found, &mut Part::new(monitor, 0.9, 0.1))
     }
 

@@ -26,28 +26,21 @@ const LENGTHS: [&str; 5] =
     ["thresholds.mean", "thresholds.scale", "thresholds.median", "thresholds.min", "thresholds.max"];
 
 impl SteadyLikelihood {
-    /// The coordinates from which to search; `None` where no force follows from the first values.
+    /// The coordinates from which to search, the given ones first; `None` where no force follows from these.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
-    pub fn first_values(&self, monitor: &mut dyn Monitor) -> Result<Option<Vec<f64>>> {
+    pub fn first_values(&self, monitor: &mut dyn Monitor) -> Result<Option<Vec<Vec<f64>>>> {
         let given: Vec<f64> =
             self.free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
         let Some(point) = self.trial(&given, &mut Part::new(monitor, 0.0, 0.1))? else { return Ok(None) };
         let kept = self.with_size(&given, &point);
         let Some(moved) = self.with_length(&given, &point, &mut Aside { fraction: 0.1, monitor })? else {
-            return Ok(Some(kept));
+            return Ok(Some(vec![kept]));
         };
-        let Some(point) = self.trial(&moved, &mut Part::new(monitor, 0.7, 0.1))? else {
-            return Ok(Some(kept));
-        };
-        let moved = self.with_size(&moved, &point);
-        let deviance = |coordinates: &[f64], part: &mut dyn Monitor| -> Result<f64> {
-            Ok(self.trial(coordinates, part)?.map_or(f64::INFINITY, |point| point.deviance))
-        };
-        let by_moving = deviance(&moved, &mut Part::new(monitor, 0.8, 0.1))?
-            - deviance(&kept, &mut Part::new(monitor, 0.9, 0.1))?;
-        Ok(Some(if by_moving < 0.0 { moved } else { kept }))
+        let point = self.trial(&moved, &mut Part::new(monitor, 0.7, 0.3))?;
+        let moved = point.map(|point| self.with_size(&moved, &point));
+        Ok(Some(std::iter::once(kept).chain(moved).collect()))
     }
 
     /// The coordinates with the thresholds that put the peaks of the spectrum where those of the record are; `None` where they

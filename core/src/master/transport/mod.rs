@@ -30,6 +30,7 @@ mod panels;
 mod path;
 mod ranked;
 mod rate_dependent;
+mod reattachment;
 mod required;
 mod response;
 mod seeds;

@@ -8,25 +8,35 @@
 //!
 //! F̂(iω) is the complex dynamic stiffness at the angular frequency ω. At small ω, F̂ ≈ iω ∫r dt = iω
 //! dF_k/dv.
+//!
+//! A time between breaking and re-forming would let r jump, and contacts that are alike would stay in phase for long. So r is
+//! that of contacts that re-form at once, with the response of their breaks, and the free time enters in closed form
+//! ([`Reattachment`]).
 
 use num_complex::Complex64;
 
-use super::Transport;
+use super::dense_output::RequestedReadings;
+use super::merging::MergingRule;
+use super::reattachment::Reattachment;
 use super::settled::ConstantRate;
-use crate::contacts::Contacts;
-use crate::history::{History, Piece};
+use super::{Transport, steady};
+use crate::contacts::{Contacts, FreeFriction, FreeTime, Rules};
+use crate::master::MasterEquation;
 use crate::monitor::{Aside, Monitor, Part};
 use crate::{Error, Result};
 
-/// The response of the force in steady sliding to a small step of the slider.
-#[derive(Debug, Clone, PartialEq)]
+/// The response of steady sliding to a small step of the slider.
+#[derive(Debug, Clone)]
 pub struct StepResponse {
     /// v.
     pub velocity: f64,
     /// Times t since the step, evenly spaced from 0.
     pub time: Vec<f64>,
-    /// r(t), force per length; taken as 0 after the last time.
+    /// r(t), force per length, if contacts re-form at once; taken as 0 after the last time.
     pub response: Vec<f64>,
+    /// Fraction of contacts that have broken until then because of the step, per length, if contacts re-form at once.
+    breaks: Vec<f64>,
+    reattachment: Option<Reattachment>,
 }
 
 /// Size of the step, in units of the length on which lives vary.
@@ -41,13 +51,16 @@ const FAST: f64 = 1e4;
 /// Largest number of times, in each of which all cohorts move.
 const MOST: f64 = 4_194_304.0;
 
-/// Refuses more times than can be followed: where contacts are free for very much longer than they hold.
+/// Frequencies evaluated per factor e.
+const PER_FOLD: f64 = 50.0;
+
+/// Refuses more times than can be followed.
 fn fits(velocity: f64, count: f64) -> Result<()> {
     if count <= MOST {
         return Ok(());
     }
     let expected = format!(
-        "one at which contacts are not free for very much longer than they hold: the response of steady sliding is followed in at most {MOST:.1e} steps"
+        "one at which lives are not very much longer than the stretch over which they end: the response of steady sliding is followed in at most {MOST:.1e} steps"
     );
     Err(Error::invalid("velocity", expected, format!("{velocity:e}, at which it takes {count:.1e}")))
 }
@@ -57,8 +70,8 @@ impl Transport {
     /// for time-independent contacts.
     ///
     /// # Errors
-    /// Those of [`Transport::steady`]; a number of lives that is not above 0; a velocity at which contacts
-    /// are free for very much longer than they hold; stopped by the monitor.
+    /// Those of [`Transport::steady`]; a number of lives that is not above 0; a delay after which all contacts stay in phase;
+    /// stopped by the monitor.
     pub fn step_response(
         contacts: &Contacts,
         velocity: f64,
@@ -68,52 +81,130 @@ impl Transport {
     ) -> Result<StepResponse> {
         super::positive("lives", lives)?;
         super::positive("velocity", velocity)?;
-        if !contacts.rules.are_time_dependent() {
-            // Then the force of steady sliding does not depend on how the slider moves on.
-            contacts.check(&super::steady::relaxed())?;
-            let time = vec![0.0, contacts.thresholds.mean() / velocity];
-            return Ok(StepResponse { velocity, response: vec![0.0; time.len()], time });
-        }
-        let viscosity = contacts.rules.free_friction.viscosity;
-        if viscosity > 0.0 {
+        contacts.check(&steady::relaxed())?;
+        let Rules { delay, free_friction, .. } = &contacts.rules;
+        if free_friction.viscosity > 0.0 {
             let expected =
                 "0 where the response of steady sliding is computed: a step has no limit with a viscosity";
-            return Err(Error::invalid("free_friction.viscosity", expected, viscosity));
+            return Err(Error::invalid("free_friction.viscosity", expected, free_friction.viscosity));
         }
-        let mut steady =
-            Self::steady_with(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;
-        (steady.rough, steady.constant) = (None, ConstantRate::unused());
-        let by = STEP * super::step_control::scale(contacts);
-        let during = by / (FAST * velocity);
-        let duration = lives / steady.breaking_rate();
-        let spacing = steady.pace.longest(velocity) / FINER;
-        let count = (duration / spacing).ceil().max(1.0);
-        fits(velocity, count)?;
-        let time: Vec<f64> = (0..=count as u32).map(|k| f64::from(k) / count * duration).collect();
-        let history = History::new(vec![Piece { velocity, duration }])?;
-        let mut displaced = steady.clone();
-        displaced.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
-        // Both solutions end steps at the times: their errors are then those of the same steps, and cancel.
-        let after = displaced.run(&history, &time, true, &mut Part::new(monitor, 0.0, 0.5))?;
-        let before = steady.run(&history, &time, true, &mut Part::new(monitor, 0.5, 0.5))?;
-        let response = after.force.iter().zip(&before.force).map(|(after, before)| (after - before) / by);
-        Ok(StepResponse { velocity, response: response.collect(), time })
+        let mut immediate = contacts.clone();
+        (immediate.rules.delay, immediate.rules.free_friction) =
+            (FreeTime::default(), FreeFriction::default());
+        let of = &mut Aside { fraction: 0.0, monitor };
+        let reattachment =
+            (!delay.is_none()).then(|| Reattachment::new(contacts, &immediate, velocity, of)).transpose()?;
+        let response = if immediate.rules.are_time_dependent() {
+            followed(&immediate, velocity, lives, tolerance, monitor)?
+        } else {
+            let equation = MasterEquation::reformed(immediate, None, of)?;
+            time_independent(&equation, velocity)
+        };
+        Ok(StepResponse { reattachment, ..response })
+    }
+
+    /// Force and fraction of broken contacts at the times, of steady sliding on.
+    fn readings(&mut self, velocity: f64, times: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<[f64; 2]>> {
+        let (begun, duration) = (self.time, times[times.len() - 1]);
+        let now =
+            |transport: &Self| [transport.stiffness * transport.reading().force, transport.broken.all()];
+        let mut readings = vec![now(self)];
+        self.mark_kink();
+        for ends in times.windows(2) {
+            let asked = (&mut RequestedReadings::default(), MergingRule::Never);
+            let part = |time: f64| ((time - begun) / duration).clamp(0.0, 1.0);
+            self.advance_steadily(velocity, ends[1] - ends[0], asked, &part, monitor)?;
+            self.time = begun + ends[1];
+            readings.push(now(self));
+        }
+        Ok(readings)
     }
 }
 
+/// Time-independent contacts: the force of steady sliding does not depend on how the slider moves on, and a step breaks as many
+/// contacts as the same distance of steady sliding.
+fn time_independent(equation: &MasterEquation, velocity: f64) -> StepResponse {
+    let steady = equation.steady_state();
+    let (time, broken) = (vec![0.0, steady.mean_life() / velocity], steady.breaking_rate());
+    StepResponse { velocity, time, response: vec![0.0; 2], breaks: vec![broken; 2], reattachment: None }
+}
+
+/// The response of contacts that re-form at once, from two solutions: of steady sliding with and without a step.
+fn followed(
+    contacts: &Contacts,
+    velocity: f64,
+    lives: f64,
+    tolerance: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<StepResponse> {
+    let aside = &mut Aside { fraction: 0.0, monitor };
+    let mut steady = Transport::steady_with(contacts, velocity, tolerance, aside)?;
+    (steady.rough, steady.constant) = (None, ConstantRate::unused());
+    let by = STEP * super::step_control::scale(contacts);
+    let during = by / (FAST * velocity);
+    let duration = lives / steady.breaking_rate();
+    let spacing = steady.pace.longest(velocity) / FINER;
+    let count = (duration / spacing).ceil().max(1.0);
+    fits(velocity, count)?;
+    let time: Vec<f64> = (0..=count as u32).map(|k| f64::from(k) / count * duration).collect();
+    let mut displaced = steady.clone();
+    displaced.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
+    // Both solutions end steps at the times: their errors are then those of the same steps, and cancel.
+    let after = displaced.readings(velocity, &time, &mut Part::new(monitor, 0.0, 0.5))?;
+    let before = steady.readings(velocity, &time, &mut Part::new(monitor, 0.5, 0.5))?;
+    let per_length =
+        |of: usize| after.iter().zip(&before).map(|(after, before)| (after[of] - before[of]) / by).collect();
+    let (response, breaks) = (per_length(0), per_length(1));
+    Ok(StepResponse { velocity, time, response, breaks, reattachment: None })
+}
+
 impl StepResponse {
-    /// F̂(s), Re s ≥ 0, with r linear between the times. Beyond the frequencies that these resolve it is r(0)
+    /// The response r at evenly spaced times from 0 of contacts that re-form at once.
+    pub fn new(velocity: f64, time: Vec<f64>, response: Vec<f64>) -> Self {
+        let breaks = vec![0.0; time.len()];
+        Self { velocity, time, response, breaks, reattachment: None }
+    }
+
+    /// F̂(s), Re s ≥ 0, with r linear between the times. Beyond the frequencies that these resolve, r is r(0)
     /// + ρ/s, as for |s| → ∞, with ρ from Im F̂ at the last resolved frequency.
     pub fn at(&self, s: Complex64) -> Complex64 {
+        self.joined(s, Reattachment::force)
+    }
+
+    /// F̂(s) where contacts do not return in phase.
+    pub(super) fn without_return(&self, s: Complex64) -> Complex64 {
+        self.joined(s, Reattachment::force_without_return)
+    }
+
+    /// The least real part of F̂ at the frequencies ω → ∞ at which its imaginary part is 0.
+    pub(super) fn least_at_once(&self) -> f64 {
+        match &self.reattachment {
+            None => self.response[0],
+            Some(free) => free.attached() * (self.response[0] + self.breaks[0] * free.least_force_at_once()),
+        }
+    }
+
+    fn joined(&self, s: Complex64, force: impl Fn(&Reattachment, Complex64) -> Complex64) -> Complex64 {
+        let [immediate, breaks] = self.if_immediate(s);
+        match &self.reattachment {
+            None => immediate,
+            Some(free) => free.attached() * (immediate + breaks * force(free, s)),
+        }
+    }
+
+    /// F̂₀(s) and β̂(s) of contacts that re-form at once.
+    fn if_immediate(&self, s: Complex64) -> [Complex64; 2] {
         if s.norm() <= self.resolved() {
-            return self.sum(s);
+            return self.sums(s);
         }
         let last = Complex64::new(0.0, self.resolved());
-        Complex64::from(self.response[0]) - last.im * self.sum(last).im / s
+        let first = [self.response[0], self.breaks[0]];
+        let sums = self.sums(last);
+        [0, 1].map(|i| Complex64::from(first[i]) - last.im * sums[i].im / s)
     }
 
     /// The highest frequency that the times resolve.
-    pub(super) fn resolved(&self) -> f64 {
+    fn resolved(&self) -> f64 {
         1.0 / self.time[1]
     }
 
@@ -122,21 +213,42 @@ impl StepResponse {
         self.time[self.time.len() - 1]
     }
 
-    fn sum(&self, s: Complex64) -> Complex64 {
-        let mut sum = Complex64::from(self.response[0]);
-        for (time, response) in self.time.windows(2).zip(self.response.windows(2)) {
+    /// Frequencies between which F̂ is smooth.
+    ///
+    /// # Errors
+    /// More than can be computed.
+    pub(super) fn frequencies(&self) -> Result<Vec<f64>> {
+        let (low, high) = (1.0 / self.known(), self.resolved());
+        if let Some(free) = &self.reattachment {
+            return free.frequencies(low, high, (1.0 / PER_FOLD).exp());
+        }
+        let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
+        Ok((0..=count as u32).map(|k| low * (high / low).powf(f64::from(k) / count)).collect())
+    }
+
+    /// Both responses transformed, linear between the times.
+    fn sums(&self, s: Complex64) -> [Complex64; 2] {
+        let mut sums = [self.response[0], self.breaks[0]].map(Complex64::from);
+        let responses = self.response.windows(2).zip(self.breaks.windows(2));
+        for (time, (response, breaks)) in self.time.windows(2).zip(responses) {
             let (half, middle) = (0.5 * (time[1] - time[0]), 0.5 * (time[0] + time[1]));
             let phase = s * half;
             let blur = if phase.norm() == 0.0 { Complex64::from(1.0) } else { phase.sinh() / phase };
-            sum += (response[1] - response[0]) * blur * (-s * middle).exp();
+            let factor = blur * (-s * middle).exp();
+            sums[0] += (response[1] - response[0]) * factor;
+            sums[1] += (breaks[1] - breaks[0]) * factor;
         }
-        sum
+        sums
     }
 
-    /// ∫r dt = dF_k/dv.
+    /// The derivative of F̂ at s = 0: dF_k/dv.
     pub fn integral(&self) -> f64 {
         let part =
             |(time, response): (&[f64], &[f64])| 0.5 * (time[1] - time[0]) * (response[0] + response[1]);
-        self.time.windows(2).zip(self.response.windows(2)).map(part).sum()
+        let immediate: f64 = self.time.windows(2).zip(self.response.windows(2)).map(part).sum();
+        let breaks = self.breaks[self.breaks.len() - 1];
+        self.reattachment
+            .as_ref()
+            .map_or(immediate, |free| free.attached() * (immediate + breaks * free.force_rate()))
     }
 }

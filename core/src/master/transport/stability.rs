@@ -41,20 +41,17 @@ struct Crossing {
     roots: i32,
 }
 
-/// Frequencies evaluated per factor e.
-const PER_FOLD: f64 = 50.0;
-
 impl StepResponse {
     /// K_c(v; M, γ) for a mass and a damping ≥ 0, above which steady sliding is stable, and the angular
     /// frequency of the oscillation that sets in there. Infinite if no spring makes steady sliding stable, as
     /// without damping whenever contacts feed high frequencies, Im F̂ < 0; its ω is then infinite, too.
     /// `None` if steady sliding is stable for every K > 0.
     ///
-    /// Without mass and damping the limit −r(0) at ω → ∞ counts as well: there a step lowers the force by
+    /// Without mass and damping the limit −F̂ at ω → ∞ counts as well: there a step lowers the force by
     /// more than it relaxes the spring.
     ///
     /// # Errors
-    /// Stopped by the monitor.
+    /// Free times so much longer than lives that the frequencies are too many; stopped by the monitor.
     pub fn critical_stiffness(
         &self,
         mass: f64,
@@ -63,7 +60,7 @@ impl StepResponse {
     ) -> Result<Option<(f64, f64)>> {
         let slider = Slider { stiffness: 0.0, mass, damping };
         let watch = Watch::new(monitor);
-        let crossings = self.crossings(&slider, 0.0, &watch).into_iter().map(|c| (c.stiffness, c.frequency));
+        let crossings = self.crossings(&slider, 0.0, &watch)?.into_iter().map(|c| (c.stiffness, c.frequency));
         let critical = crossings.filter(|crossing| crossing.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0));
         watch.check().map(|()| critical)
     }
@@ -71,10 +68,10 @@ impl StepResponse {
     /// How many roots of the characteristic equation have Re s > 0: 0 where steady sliding is stable.
     ///
     /// # Errors
-    /// Stopped by the monitor.
+    /// As [`Self::critical_stiffness`].
     pub fn unstable_roots(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<usize> {
         let watch = Watch::new(monitor);
-        let roots = self.right_of(slider, 0.0, &watch).max(0) as usize;
+        let roots = self.right_of(slider, 0.0, &watch)?.max(0) as usize;
         watch.check().map(|()| roots)
     }
 
@@ -82,11 +79,13 @@ impl StepResponse {
     /// e^{at}; `None` if steady sliding is stable.
     ///
     /// # Errors
-    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found;
-    /// stopped by the monitor.
+    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found; those of
+    /// [`Self::critical_stiffness`].
     pub fn growth(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<Option<Complex64>> {
         /// Bisections of the interval of rates before Newton's method.
         const HALVINGS: usize = 20;
+        /// Ratio of the rates at which the search for an upper limit asks.
+        const WIDER: f64 = 8.0;
         if !(slider.mass > 0.0 || slider.damping > 0.0) {
             return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
         }
@@ -94,15 +93,19 @@ impl StepResponse {
             return Ok(None);
         }
         let watch = Watch::new(monitor);
-        let (mut low, mut high) = (0.0, self.bound(slider));
+        // No root is on the right of a line that is far enough on the right.
+        let (mut low, mut high) = (0.0, 1.0 / self.known());
+        while self.right_of(slider, high, &watch)? > 0 {
+            (low, high) = (high, WIDER * high);
+        }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             // Of all roots, that of the fastest growth is the last one to the right of the line.
-            *(if self.right_of(slider, middle, &watch) > 0 { &mut low } else { &mut high }) = middle;
+            *(if self.right_of(slider, middle, &watch)? > 0 { &mut low } else { &mut high }) = middle;
         }
         let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
         let nearest =
-            self.crossings(slider, low, &watch).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            self.crossings(slider, low, &watch)?.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         watch.check()?;
         let guess = nearest.map(|crossing| Complex64::new(low, crossing.frequency));
         guess.and_then(|guess| self.polish(slider, guess)).map(Some).ok_or_else(|| {
@@ -117,32 +120,22 @@ impl StepResponse {
         (slider.mass * s + slider.damping) * s + self.at(s)
     }
 
-    /// An upper bound of |s| for roots with Re s ≥ 0: there |M s + γ| is at least M|s| and at least γ, and
-    /// |F̂| at most the total variation of r.
-    fn bound(&self, slider: &Slider) -> f64 {
-        let varies: f64 = self.response.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
-        let most = slider.stiffness + self.response[0].abs() + varies;
-        (most / slider.mass).sqrt().min(most / slider.damping)
-    }
-
     /// The number of roots with Re s > a.
-    fn right_of(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> i32 {
-        let crossings = self.crossings(slider, rate, watch).into_iter();
-        crossings
-            .filter(|crossing| crossing.stiffness > slider.stiffness)
-            .map(|crossing| crossing.roots)
-            .sum()
+    fn right_of(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<i32> {
+        let crossings = self.crossings(slider, rate, watch)?;
+        watch.check()?;
+        let before = crossings.iter().filter(|crossing| crossing.stiffness > slider.stiffness);
+        Ok(before.map(|crossing| crossing.roots).sum())
     }
 
     /// The crossings of the line Re s = a ≥ 0.
-    fn crossings(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Vec<Crossing> {
+    fn crossings(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<Vec<Crossing>> {
         let at = |frequency: f64| self.rest(slider, Complex64::new(rate, frequency));
         let imaginary = |frequency: f64| watch.value(|| at(frequency).im);
-        let (low, high) = (1.0 / self.known(), self.resolved());
-        let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
-        let grid = (0..=count as u32).map(|k| low * (high / low).powf(f64::from(k) / count));
-        let line: Vec<(f64, f64)> = grid.map(|frequency| (frequency, imaginary(frequency))).collect();
-        // Bracketed sign changes of Im D on a logarithmic grid.
+        let grid = self.frequencies()?;
+        let line: Vec<(f64, f64)> =
+            grid.into_iter().map(|frequency| (frequency, imaginary(frequency))).collect();
+        // Bracketed sign changes of Im D.
         let inside =
             line.windows(2).filter(|pair| (pair[0].1 > 0.0) != (pair[1].1 > 0.0)).filter_map(|pair| {
                 let frequency = brent_root(imaginary, pair[0].0, pair[1].0, 0.0)?;
@@ -150,33 +143,35 @@ impl StepResponse {
                 Some(Crossing { frequency, stiffness: -at(frequency).re, roots })
             });
         let mut crossings: Vec<Crossing> = inside.collect();
-        crossings.extend(self.beyond(slider, rate, line[line.len() - 1].1));
+        crossings.extend(self.beyond(slider, rate, line[line.len() - 1].0));
         if rate > 0.0 {
             // A real root: on the right of it Im D has the sign that it has at the lowest frequencies.
             let roots = if line[0].1 > 0.0 { 1 } else { -1 };
             crossings.push(Crossing { frequency: 0.0, stiffness: -at(0.0).re, roots });
         }
-        crossings
+        Ok(crossings)
     }
 
-    /// The crossing at a frequency that is not resolved, where Im D has the value `last` at the highest
-    /// resolved one.
-    fn beyond(&self, slider: &Slider, rate: f64, last: f64) -> Option<Crossing> {
+    /// The crossing beyond the frequency `high`, up to which all are known. Contacts do not return in phase there.
+    fn beyond(&self, slider: &Slider, rate: f64, high: f64) -> Option<Crossing> {
+        let viscous = |s: Complex64| (slider.mass * s + slider.damping) * s;
+        let edge = Complex64::new(rate, high);
+        let last = (viscous(edge) + self.without_return(edge)).im;
         let Slider { mass, damping, .. } = *slider;
         if mass == 0.0 && damping == 0.0 {
             let roots = if last > 0.0 { -1 } else { 1 };
-            return Some(Crossing { frequency: f64::INFINITY, stiffness: -self.response[0], roots });
+            return Some(Crossing { frequency: f64::INFINITY, stiffness: -self.least_at_once(), roots });
         }
         if last >= 0.0 {
             return None;
         }
-        let high = self.resolved();
         // Im D = (2Ma + γ)ω − ρω/(a² + ω²).
-        let viscous = 2.0 * mass * rate + damping;
-        let decay = (viscous * high - last) * (rate * rate + high * high) / high;
-        let frequency = (decay / viscous - rate * rate).sqrt();
+        let drag = 2.0 * mass * rate + damping;
+        let decay = (drag * high - last) * (rate * rate + high * high) / high;
+        let frequency = (decay / drag - rate * rate).sqrt();
         let stiffness = if frequency.is_finite() {
-            -self.rest(slider, Complex64::new(rate, frequency)).re
+            let s = Complex64::new(rate, frequency);
+            -(viscous(s) + self.without_return(s)).re
         } else {
             f64::INFINITY
         };
