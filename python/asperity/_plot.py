@@ -193,11 +193,10 @@ def ticks(axis: "Axis") -> None:
     class Inner(MaxNLocator):
         """Away from the ends, where numbers would meet those of the next panel."""
 
-        def tick_values(self, vmin: float, vmax: float) -> "NDArray[np.float64]":
+        def tick_values(self, vmin: float, vmax: float) -> "Sequence[float]":
             beside = 0.08 * (vmax - vmin)
             low, high = vmin + beside, vmax - beside
-            places = super().tick_values(low, high)
-            return places[(low <= places) & (places <= high)]
+            return [place for place in super().tick_values(low, high) if low <= place <= high]
 
     locator = Inner(nbins=4, steps=[1, 2, 5, 10])
 
