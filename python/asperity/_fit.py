@@ -90,16 +90,6 @@ def estimate(one: "Estimate") -> str:
         return f"{one.value:.6g}, at the end of its range"
     if not math.isfinite(one.error):
         return f"{one.value:.6g} ± {one.error}"
-    low, high = (rounded(end, one.error) for end in one.interval)
-    return f"{rounded(one.value, one.error)} ± {rounded(one.error, one.error)}, {low} to {high} (95 %)"
-
-
-def rounded(value: float, error: float) -> str:
-    """A number to the second digit of its error."""
-    if not math.isfinite(value):
-        return str(value)
-    places = 1 - math.floor(math.log10(error))
-    if 0 <= places <= 6:
-        return f"{value:.{places}f}"
-    digits = max(2, places + 1 + math.floor(math.log10(abs(value)))) if value else 2
-    return f"{value:.{digits}g}" if places > 0 else f"{round(value, places):.0f}"
+    ends = (one.value, one.error, *one.interval)
+    value, error, low, high = (_show.rounded(end, one.error) for end in ends)
+    return f"{value} ± {error}, {low} to {high} (95 %)"

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
     import numpy as np
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
@@ -87,25 +89,22 @@ def pull(
 
 def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) -> "tuple[Axes, ...]":
     """The expected force with a band of two standard deviations, the readings, and the whitened residuals."""
+    import numpy as np
+
     readings = fit.readings
     measured = "force" in readings
     panels = 2 if measured else 1
     axes = panels_or_new(axes, panels)
-    position, expected, reach = readings["position"], readings["expected"], 2 * readings["std"]
+    position, reach = readings["position"], 2 * readings["std"]
     above = axes[0]
     numbers = readings["curve"] if "curve" in readings else 0 * position
     for number in sorted(set(numbers.tolist())):
         of = numbers == number
-        (line,) = above.plot(position[of], expected[of], **style)
+        finely, force = between(fit, int(number), position[of])
+        (line,) = above.plot(finely, force, **style)
         style = {**style, "color": line.get_color()}
-        above.fill_between(
-            position[of],
-            (expected - reach)[of],
-            (expected + reach)[of],
-            color=line.get_color(),
-            alpha=0.2,
-            linewidth=0,
-        )
+        band = np.interp(finely, position[of], reach[of])
+        above.fill_between(finely, force - band, force + band, color=line.get_color(), alpha=0.2, linewidth=0)
     above.set_xlabel(axis("X", readings.labels["position"].units))
     above.set_ylabel(axis("F", readings.labels["expected"].units))
     if not measured:
@@ -120,28 +119,103 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
     return axes
 
 
+def between(
+    fit: "Estimates", curve: int, position: "NDArray[np.float64]"
+) -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
+    """The expected force at the readings and at 1001 positions: it may oscillate between readings."""
+    import numpy as np
+
+    finely = np.union1d(position, np.linspace(position[0], position[-1], 1001))
+    return finely, fit.predict(finely, curve).force
+
+
+PANEL, MARGIN, GAP = 2.0, (1.2, 1.0), 0.1
+"""In inches: the size of a panel of pairs, the room at the left and below them, and the gaps between them."""
+
+
 def corner(posterior: "Posterior") -> "NDArray[Any]":
     """Histograms of the numbers on the diagonal, and pairs of draws below it."""
     draws = {name: values.ravel() for name, values in posterior.draws.items()}
-    count = len(draws)
-    size = 2.2 * max(count, 2)
-    axes: NDArray[Any] = pyplot().subplots(count, count, sharex="col", squeeze=False, figsize=(size, size))[1]
+    figure, axes = squares(len(draws))
     for row, (below, heights) in enumerate(draws.items()):
         for column, (left, values) in enumerate(draws.items()):
             ax = axes[row, column]
             if column > row:
                 ax.set_axis_off()
                 continue
+            ticks(ax.xaxis)
             if column == row:
                 ax.hist(values, bins=30)
                 ax.set_yticks([])
             else:
                 ax.plot(values, heights, ".", markersize=1, alpha=0.4)
-                if column == 0:
-                    ax.set_ylabel(below)
-            if row == count - 1:
+                pair(ax, axes[row, 0], below)
+            if row == len(draws) - 1:
                 ax.set_xlabel(left)
+                ax.tick_params(axis="x", labelrotation=45, pad=2)
+                for label in ax.get_xticklabels():
+                    label.set(horizontalalignment="right", rotation_mode="anchor")
+    figure.align_labels()
     return axes
+
+
+def squares(count: int) -> "tuple[Figure, NDArray[Any]]":
+    """Square panels in rows and columns, close to each other: only the outer ones have numbers and names."""
+    width, height = (margin + count * (PANEL + GAP) for margin in MARGIN)
+    edges = {"left": MARGIN[0] / width, "bottom": MARGIN[1] / height}
+    far = {"right": 1 - GAP / width, "top": 1 - GAP / height}
+    figure, axes = pyplot().subplots(
+        count,
+        count,
+        sharex="col",
+        squeeze=False,
+        figsize=(width, height),
+        layout="none",
+        gridspec_kw={**edges, **far, "wspace": GAP / PANEL, "hspace": GAP / PANEL},
+    )
+    return figure, axes
+
+
+def pair(ax: "Axes", first: "Axes", name: str) -> None:
+    """The vertical axis of a panel of pairs is that of the first one of its row, with numbers and a name."""
+    if ax is first:
+        ticks(ax.yaxis)
+        ax.set_ylabel(name)
+    else:
+        ax.sharey(first)
+        ax.tick_params(axis="y", labelleft=False)
+
+
+def ticks(axis: "Axis") -> None:
+    """Few ticks, whose numbers have all digits: a part that stands apart would cover another panel."""
+    from matplotlib.ticker import Formatter, MaxNLocator
+
+    class Inner(MaxNLocator):
+        """Away from the ends, where numbers would meet those of the next panel."""
+
+        def tick_values(self, vmin: float, vmax: float) -> "Sequence[float]":
+            beside = 0.08 * (vmax - vmin)
+            low, high = vmin + beside, vmax - beside
+            return [place for place in super().tick_values(low, high) if low <= place <= high]
+
+    locator = Inner(nbins=4, steps=[1, 2, 5, 10])
+
+    def text(value: float, _: object) -> str:
+        places, size = locator(), max(map(abs, axis.get_view_interval()))
+        return Formatter.fix_minus(shown(value, size, places[1] - places[0]))
+
+    axis.set_major_locator(locator)
+    axis.set_major_formatter(text)
+
+
+def shown(value: float, size: float, step: float) -> str:
+    """A number on an axis whose numbers are at most of this size, with the digits of a step."""
+    # The step may be off by rounding.
+    decimals = -math.floor(math.log10(step) + 1e-6)
+    if 1e-4 <= size < 1e6:
+        # Not -0.
+        return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    return f"{value:.{max(decimals + math.floor(math.log10(size)), 0)}e}"
 
 
 def curve(record: "Record", ax: "Axes", names: dict[str, str], **style: Any) -> "Line2D":

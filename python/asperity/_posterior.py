@@ -4,7 +4,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from asperity import _show
-from asperity._fit import rounded
 
 if TYPE_CHECKING:
     from asperity._core import Posterior
@@ -36,7 +35,7 @@ def number(one: "PosteriorNumber") -> str:
     """Mean ± standard deviation, interval, r̂ and effective number of draws."""
     if not one.std > 0:
         return f"{one.mean:.6g} in all draws"
-    mean, std, low, high = (rounded(value, one.std) for value in (one.mean, one.std, *one.interval))
+    mean, std, low, high = (_show.rounded(value, one.std) for value in (one.mean, one.std, *one.interval))
     return f"{mean} ± {std}, {low} to {high} (95 %), r̂ = {one.r_hat:.3f}, ESS {one.ess:.0f}"
 
 

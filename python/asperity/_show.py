@@ -158,10 +158,24 @@ def healing(healing: "Healing") -> str:
 
 def estimate(found: "Estimate") -> str:
     """Value and error, with two digits of the error, and the interval."""
-    decimals = max(0, 1 - math.floor(math.log10(found.error))) if found.error > 0 else 6
-    low, high = found.interval
-    value = f"{found.value:.{decimals}f} ± {found.error:.{decimals}f}"
-    return f"{value} (95 %: {low:.{decimals}f} to {high:.{decimals}f})"
+    ends = (found.value, found.error, *found.interval)
+    value, error, low, high = (rounded(one, found.error) for one in ends)
+    return f"{value} ± {error} (95 %: {low} to {high})"
+
+
+DIGITS = 15
+"""The decimal digits that every double has."""
+
+
+def rounded(value: float, error: float) -> str:
+    """A number to the second digit of its error, or to six digits where the error is 0 or unknown."""
+    if not (math.isfinite(value) and 0 < error < math.inf):
+        return f"{value:.6g}"
+    places = 1 - math.floor(math.log10(error))
+    if 0 <= places <= 6:
+        return f"{value:.{places}f}"
+    digits = max(2, places + 1 + math.floor(math.log10(abs(value)))) if value else 2
+    return f"{value:.{min(digits, DIGITS)}g}" if places > 0 else f"{round(value, places):.0f}"
 
 
 def number(value: object) -> str:

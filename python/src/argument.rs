@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::PyClass;
-use pyo3::exceptions::{PyOverflowError, PyTypeError};
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::error::invalid;
@@ -27,6 +27,12 @@ enum Found {
 
 /// What is known of numbers by their names: values and errors.
 pub type Priors = BTreeMap<String, (f64, f64)>;
+
+/// The same as they are given, so that a wrong one is named.
+pub type GivenPriors = BTreeMap<String, Pair>;
+
+/// A value and its error, or what was found in their place.
+pub struct Pair(Result<(f64, f64), Found>);
 
 /// A number.
 pub type Real = Argument<f64>;
@@ -60,6 +66,16 @@ impl<T: Expected> Optional<T> for Option<Argument<T>> {
     fn get(self, key: &str) -> PyResult<Option<T>> {
         self.map(|argument| argument.get(key)).transpose()
     }
+}
+
+/// The argument `prior`, if there is one.
+pub fn priors(given: Option<Argument<GivenPriors>>) -> PyResult<Option<Priors>> {
+    let one = |(name, Pair(pair)): (String, Pair)| match pair {
+        Ok(pair) => Ok((name, pair)),
+        Err(found) => Err(found.refused(&format!("prior.{name}"), "a pair of numbers (value, error)")),
+    };
+    let given = given.get("prior")?;
+    given.map(|given| given.into_iter().map(one).collect()).transpose()
 }
 
 impl Found {
@@ -149,7 +165,24 @@ impl Expected for (Bound<'_, PyAny>, Bound<'_, PyAny>) {
     }
 }
 
-impl Expected for Priors {
+impl FromPyObject<'_, '_> for Pair {
+    type Error = PyErr;
+
+    argument_type!("tuple[float, float]");
+
+    fn extract(value: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        match value.extract() {
+            Ok(pair) => Ok(Self(Ok(pair))),
+            // A tuple of another length.
+            Err(error) if error.is_instance_of::<PyValueError>(value.py()) => {
+                Ok(Self(Err(Found::Type(format!("{} of {} items", value.get_type().name()?, value.len()?)))))
+            }
+            Err(error) => Found::of(&value, error).map(|found| Self(Err(found))),
+        }
+    }
+}
+
+impl Expected for GivenPriors {
     fn expected() -> String {
         "a dict of pairs (value, error) by name".into()
     }

@@ -232,7 +232,7 @@ impl Estimates {
     /// Raises
     /// ------
     /// ValueError
-    ///     If no number of the thresholds was free.
+    ///     If no number of the thresholds was free, and for a planned measurement.
     #[pyo3(
         signature = (kernels = Whole::new(36), *, progress: "_Progress" = None),
         text_signature = "(self, kernels=36, *, progress=None)"
@@ -291,7 +291,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For a name that is none of `params`, and values that are nan.
+    ///     For a name that is none of `params`, values that are nan, and a planned measurement.
     #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
     fn profile<'py>(
         &self,
@@ -342,7 +342,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For a name that is none of `params`.
+    ///     For a name that is none of `params`, and for a planned measurement.
     #[pyo3(signature = (name, *, progress: "_Progress" = None))]
     fn interval_by_profile(
         &self,
@@ -375,7 +375,7 @@ impl Estimates {
     /// TypeError
     ///     For an argument of another type, which the message names.
     /// ValueError
-    ///     For another number of values than of `params`.
+    ///     For another number of values than of `params`, and for a planned measurement.
     #[pyo3(signature = (values: "ArrayLike"))]
     fn log_likelihood<'py>(
         &self,

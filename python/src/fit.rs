@@ -7,7 +7,7 @@ use asperity::scenario;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
+use crate::argument::{self, Argument, GivenPriors, Optional as _, Priors, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert;
 use crate::error;
@@ -29,8 +29,10 @@ use crate::watch::watched;
 ///
 /// Parameters
 /// ----------
-/// contacts, initial, start, velocity
+/// contacts, initial, velocity
 ///     As for MasterEquation; their free numbers are first values.
+/// start
+///     "conditional" or "relaxed", as for MasterEquation; the pull of a fit does not begin in steady sliding.
 /// position
 ///     Positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
 ///     lists for several curves, whose noise is that of different contacts.
@@ -126,7 +128,7 @@ pub fn fit(
     offset: Real,
     trend: Real,
     origin: Real,
-    prior: Option<Argument<Priors>>,
+    prior: Option<Argument<GivenPriors>>,
     average: Whole,
     laws: Argument<Vec<String>>,
     progress: Option<Bound<'_, PyAny>>,
@@ -141,7 +143,7 @@ pub fn fit(
     let offset = offset.get("offset")?;
     let trend = trend.get("trend")?;
     let origin = origin.get("origin")?;
-    let prior = prior.get("prior")?;
+    let prior = argument::priors(prior)?;
     let laws = laws.get("laws")?;
     let given = Given {
         contacts: contacts.clone(),

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::argument::{Argument, Optional as _, Priors, Real, Whole};
+use crate::argument::{self, Argument, GivenPriors, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert::{self, Seed};
 use crate::equation::MasterEquation;
@@ -97,7 +97,7 @@ pub fn fit_steady(
     velocity: Option<Real>,
     reading: Option<Real>,
     offset: Real,
-    prior: Option<Argument<Priors>>,
+    prior: Option<Argument<GivenPriors>>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<SteadyEstimates> {
     let contacts = &contacts.get("contacts")?;
@@ -107,7 +107,7 @@ pub fn fit_steady(
     let velocity = velocity.get("velocity")?;
     let reading = reading.get("reading")?;
     let offset = offset.get("offset")?;
-    let prior = prior.get("prior")?;
+    let prior = argument::priors(prior)?;
     let interface = interface(contacts, initial.get("initial")?, &start)?;
     let background = interface.contacts.background().map_err(error::core)?;
     if background > 0.0 {

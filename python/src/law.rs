@@ -91,7 +91,7 @@ impl Law {
         values::atoms(py, &self.built.atoms())
     }
 
-    /// The density p(x) without point masses, per length; 0 for x < 0.
+    /// The density p(x) without point masses, per length; 0 for x < 0. Both ends of the support belong to it.
     ///
     /// Parameters
     /// ----------
@@ -109,7 +109,9 @@ impl Law {
     ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn pdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
+        evaluate("x", x, &Domain::NUMBERS, |x| {
+            self.built.density(law::within_support(self.built.as_ref(), x))
+        })
     }
 
     /// The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small.
@@ -175,7 +177,7 @@ impl Law {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
     }
 
-    /// ln p(x), accurate also where p underflows; -inf where p is 0.
+    /// ln p(x), accurate also where p underflows; -inf where p is 0. Both ends of the support belong to it.
     ///
     /// Parameters
     /// ----------
@@ -193,10 +195,12 @@ impl Law {
     ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logpdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("x", x, &Domain::NUMBERS, |x| law::ln_density(self.built.as_ref(), x))
+        evaluate("x", x, &Domain::NUMBERS, |x| {
+            self.built.ln_density(law::within_support(self.built.as_ref(), x))
+        })
     }
 
-    /// ln P(ξ ≤ x); -inf where P is 0.
+    /// ln P(ξ ≤ x), accurate also where P underflows; -inf where P is 0.
     ///
     /// Parameters
     /// ----------
@@ -214,10 +218,7 @@ impl Law {
     ///     If x is neither a number nor an array of numbers.
     #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logcdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        evaluate("x", x, &Domain::NUMBERS, |x| {
-            let below = self.built.cumulative(x);
-            if below < 0.5 { below.ln() } else { (-self.built.survival(x)).ln_1p() }
-        })
+        evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_cumulative(x))
     }
 
     /// The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement

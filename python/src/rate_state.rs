@@ -395,7 +395,8 @@ impl Healing {
 /// ------
 /// ValueError
 ///     For fewer than 4 holds or 3 different ones, holds that are not above 0, another number of forces than of holds,
-///     forces that are not finite or all the same, and forces that grow in proportion to the hold time.
+///     forces that are not finite or all the same, and forces that grow in proportion to the hold time, or not beyond their
+///     scatter.
 ///
 /// Examples
 /// --------

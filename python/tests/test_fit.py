@@ -440,6 +440,22 @@ def test_wrong_input_is_refused(call: Callable[[], object], message: str) -> Non
         call()
 
 
+@pytest.mark.parametrize(
+    ("prior", "message"),
+    [
+        ({"count": 1.0}, r"prior\.count: expected a pair of numbers \(value, error\), got float"),
+        ({"count": (1.0, 2.0, 3.0)}, r"prior\.count: expected a pair of numbers .*, got tuple of 3 items"),
+        ({"count": ("a", 2.0)}, r"prior\.count: expected a pair of numbers .*, got tuple"),
+        ([1.0], r"prior: expected a dict of pairs \(value, error\) by name, got list"),
+    ],
+)
+def test_a_prior_that_is_no_pair_is_named(prior: Any, message: str) -> None:
+    with pytest.raises(TypeError, match=f"^{message}$"):
+        asp.fit(GUESS, POSITION, SIMULATED, free=["count"], prior=prior)
+    with pytest.raises(TypeError, match=f"^{message}$"):
+        asp.fit_steady(GUESS, 0.01, SIMULATED, free=["count"], prior=prior)
+
+
 def test_what_is_no_list_of_numbers_is_refused() -> None:
     wrong: list[Callable[[], object]] = [
         lambda: asp.fit(GUESS, POSITION, "no", free=["count"]),
@@ -516,7 +532,8 @@ def test_a_plot_shows_readings_band_and_whitened_residuals() -> None:
     pytest.importorskip("matplotlib")
     above, below = FOUND.plot(color="k")
     expected, readings = (np.array(line.get_xydata()) for line in above.lines)
-    np.testing.assert_array_equal(expected, np.column_stack([POSITION, FOUND.readings["expected"]]))
+    at = np.searchsorted(expected[:, 0], POSITION)
+    np.testing.assert_array_equal(expected[at], np.column_stack([POSITION, FOUND.readings["expected"]]))
     np.testing.assert_array_equal(readings, np.column_stack([POSITION, SIMULATED]))
     (band,) = above.collections
     edges = np.asarray(band.get_paths()[0].vertices)
@@ -574,6 +591,19 @@ def test_several_curves_share_their_numbers_but_for_those_of_one_curve() -> None
         found.predict([2.0], 2)
     with pytest.raises(ValueError, match=r"^force: expected the forces of 2 curves, got those of 1"):
         asp.fit(GUESS, [POSITION, longer], pull(POSITION), free=("count",))
+
+
+def test_a_plot_shows_what_the_curve_does_between_readings() -> None:
+    pytest.importorskip("matplotlib")
+    # Readings as far apart as the contacts slide in one period of the force: they hardly see it.
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.03))
+    position = np.arange(0.5, 15.0, 0.99)
+    pull = asp.MasterEquation(contacts).pull(15.0)
+    fit = asp.fit(contacts, position, pull(position), free=["stiffness"], noise="white", reading=1e-3)
+    line = np.array(fit.plot()[0].lines[0].get_xydata())
+    assert np.ptp(line[5:, 1]) > 2 * np.ptp(pull(position))
+    # The force of the contacts whose numbers the readings give exactly.
+    np.testing.assert_allclose(line[:, 1], pull(line[:, 0]), atol=1e-6)
 
 
 def test_a_plot_shows_each_of_several_curves() -> None:

@@ -120,6 +120,59 @@ def test_the_lower_tail_keeps_its_digits() -> None:
     )
 
 
+def mixed(weights: list[float], parts: list[Any]) -> Any:
+    """The logarithm of a weighted sum, with 40 digits."""
+    return mpmath.log(
+        mpmath.fsum(mpmath.mpf(w) * mpmath.exp(part) for w, part in zip(weights, parts, strict=True))
+    )
+
+
+@pytest.mark.parametrize("x", [1e-20, 1e-8, 0.01, 0.1, 0.5])
+def test_logarithms_do_not_underflow_in_the_lower_tail(x: float) -> None:
+    with mpmath.workdps(40):
+        at, shape = mpmath.mpf(x), 1 / mpmath.mpf(0.03) ** 2
+        spread = mpmath.log1p(mpmath.mpf(0.3) ** 2)
+        z = (mpmath.log(at) + spread / 2) / mpmath.sqrt(spread)
+        lognormal = -(z**2) / 2 - mpmath.log(at * mpmath.sqrt(2 * mpmath.pi * spread))
+        weibull = mpmath.log(30) + 29 * mpmath.log(at) - at**30
+        gamma = mpmath.log(shape) * shape + (shape - 1) * mpmath.log(at) - shape * at - mpmath.loggamma(shape)
+        half = 1 / mpmath.mpf(0.02)
+        width = mpmath.log(mpmath.mpf(0.02) * mpmath.sqrt(2 * mpmath.pi) * mpmath.ncdf(half))
+        gaussian = -(((at - 1) * half) ** 2) / 2 - width
+        expected = {
+            asp.Gaussian(1.0, 0.02): gaussian,
+            asp.Lognormal(1.0, 0.3): lognormal,
+            asp.Weibull(30.0, 1.0): weibull,
+            asp.Gamma(1.0, 0.03): gamma,
+            asp.Mixture([(0.25, asp.Gaussian(1.0, 0.02)), (0.75, asp.Lognormal(1.0, 0.3))]): mixed(
+                [0.25, 0.75], [gaussian, lognormal]
+            ),
+        }
+        cumulative = {
+            asp.Lognormal(1.0, 0.3): mpmath.log(mpmath.erfc(-z / mpmath.sqrt(2)) / 2),
+            asp.Weibull(30.0, 1.0): mpmath.log(-mpmath.expm1(-(at**30))),
+            asp.Gamma(1.0, 0.03): shape * mpmath.log(shape * at)
+            - shape * at
+            - mpmath.loggamma(shape + 1)
+            + mpmath.log(mpmath.hyp1f1(1, shape + 1, shape * at)),
+        }
+    for law, value in expected.items():
+        # Some roundings of terms that cancel to a tenth.
+        assert law.logpdf(x) == pytest.approx(float(value), rel=1e-14, abs=1e-13)
+    for law, value in cumulative.items():
+        assert law.logcdf(x) == pytest.approx(float(value), rel=1e-14, abs=1e-13)
+
+
+def test_both_ends_of_a_sample_are_possible_where_it_is_most_likely() -> None:
+    sample = [0.6, 1.0, 1.4]
+    law = asp.Rectangular.fit(sample)
+    reference = stats.uniform(0.6, 1.4 - 0.6)
+    x = [*sample, 0.59, 1.41]
+    np.testing.assert_allclose(law.pdf(x), reference.pdf(x), rtol=CLOSE)
+    np.testing.assert_allclose(law.logpdf(x), reference.logpdf(x), rtol=CLOSE)
+    assert asp.Tabulated(samples=sample, exact=True).logpdf(1.4) == pytest.approx(np.log(1.25))
+
+
 # Samplers, and the distribution functions of what they sample, not by asperity.
 SAMPLERS: dict[str, tuple[asp.Law, Any]] = {name: (law, ref.cdf) for name, (law, ref) in PAIRS.items()} | {
     "cut": (asp.Gaussian(0.2, 0.5), stats.truncnorm(-0.4, np.inf, 0.2, 0.5).cdf),

@@ -3,8 +3,9 @@
 import json
 import pickle
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import asperity as asp
@@ -143,14 +144,65 @@ def test_pairs_of_numbers_are_plotted() -> None:
     assert not axes[0, 2].axison
 
 
+def numbers(axis: Any) -> list[str]:
+    """The numbers that are shown at an axis."""
+    return [tick.label1.get_text() for tick in axis.get_major_ticks() if tick.label1.get_visible()]
+
+
+@pytest.mark.parametrize(("place", "width"), [(0.002, 3e-6), (1.0, 0.1), (3e8, 1e5), (0.0, 1e-9)])
+def test_numbers_beside_pairs_do_not_meet(place: float, width: float) -> None:
+    pytest.importorskip("matplotlib")
+    from asperity._plot import corner
+
+    random = np.random.default_rng(4)
+    draws = {name: place + width * random.standard_normal((2, 300)) for name in "abcde"}
+    axes = corner(SimpleNamespace(draws=draws))  # type: ignore[arg-type]
+    figure = axes[0, 0].figure
+    figure.canvas.draw()
+    below = [text for column in range(5) for text in numbers(axes[4, column].xaxis)]
+    beside = [text for row in range(1, 5) for text in numbers(axes[row, 0].yaxis)]
+    assert min(len(below), len(beside)) >= 8
+    # Texts are the numbers: of as many digits as tell them apart, and nothing is added to them.
+    axis = axes[4, 0].xaxis
+    places = axis.get_majorticklocs()
+    read = [float(text.replace("\N{MINUS SIGN}", "-")) for text in numbers(axis)]
+    np.testing.assert_allclose(read, places, rtol=1e-12, atol=1e-9 * np.diff(places)[0])
+    assert axis.get_offset_text().get_text() == ""
+    for row, column in [(1, 1), (2, 1), (3, 2)]:
+        assert numbers(axes[row, column].xaxis) == numbers(axes[row, column].yaxis) == []
+    # Lines aslant by 45° are apart by less than their places; a line is 1.2 times as high as its letters.
+    assert_apart([label for ax in axes[4] for label in ax.get_xticklabels()], 0, 1.2 * np.sqrt(2))
+    for row in range(1, 5):
+        assert_apart(axes[row, 0].get_yticklabels(), 1, 1.2)
+
+
+def assert_apart(labels: list[Any], along: int, lines: float) -> None:
+    """The places of texts differ by as many heights of letters, and the texts are within the figure."""
+    figure = labels[0].figure
+    places = [label.get_transform().transform(label.get_position())[along] for label in labels]
+    assert np.diff(places).min() > lines * labels[0].get_fontsize() * figure.dpi / 72
+    for label in labels:
+        box = label.get_window_extent()
+        assert box.min.min() >= 0
+        assert (box.max <= figure.bbox.max).all()
+
+
 def test_wrong_input_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^draws: expected 4 draws or more of each chain, got 3"):
         FIT.sample(draws=3)
     with pytest.raises(ValueError, match=r"^chains: expected 1 chain or more, got 0"):
         FIT.sample(chains=0)
     planned = asp.fit(TRUE, POSITION, None, free=NAMES, noise="white", reading=5.0)
-    with pytest.raises(ValueError, match=r"^force: expected measured forces"):
-        planned.sample()
+    refused: list[Callable[[], object]] = [
+        planned.sample,
+        planned.free_form,
+        lambda: planned.profile("count"),
+        lambda: planned.interval_by_profile("count"),
+        lambda: planned.log_likelihood([1.0, 0.2, 1000.0]),
+    ]
+    for call in refused:
+        with pytest.raises(ValueError, match=r"^force: expected measured forces: .* only planned"):
+            call()
 
 
 def test_progress_rises_to_one() -> None:

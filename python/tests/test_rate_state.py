@@ -1,6 +1,7 @@
 """Rate-and-state parameters of measured curves, against known ones and those of curve_fit of scipy."""
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -121,6 +122,16 @@ def test_healing_gives_the_numbers_of_scipy() -> None:
     np.testing.assert_allclose(healing.fitted, law(hold, *values), atol=1e-6)
     np.testing.assert_array_equal(healing(hold), healing.fitted)
     assert "per_decade" in repr(healing)
+
+
+def test_healing_shows_no_more_digits_than_numbers_have() -> None:
+    hold = np.logspace(0.0, 3.0, 7)
+    for force in (0.6 + 0.01 * np.log10(hold), -math.log(10.0) + 0.01 * np.log1p(hold)):
+        digits = re.findall(r"[1-9][\d.]*", repr(asp.read_healing(hold, force)))
+        # 15 digits, and a point.
+        assert max(map(len, digits)) <= 16
+    with pytest.raises(ValueError, match="got no growth beyond their scatter"):
+        asp.read_healing(hold, np.random.default_rng(1).normal(size=7))
 
 
 def test_plots() -> None:

@@ -134,10 +134,10 @@ impl Estimates {
     /// independent errors of unknown size the rise is ν ln(1 + t²/ν), with Student's t for ν = n − p.
     ///
     /// # Errors
-    /// A name that was not free; errors of the solver; stopped by the monitor.
+    /// A name that was not free; a measurement that is only planned; errors of the solver; stopped by the monitor.
     pub fn interval_by_profile(&self, name: &str, monitor: &mut dyn Monitor) -> Result<[f64; 2]> {
         let number = self.number(name)?;
-        let Ended { likelihood, optimum } = &self.ended;
+        let Ended { likelihood, optimum } = self.measured()?;
         let parameter = &likelihood.free[number];
         let slope = parameter.slope(optimum.coordinates[number]);
         let error = self.parameters[number].error / slope;
@@ -151,7 +151,7 @@ impl Estimates {
     /// As [`Self::interval_by_profile`]; a value that is not finite, or not above 0 for a number that is.
     pub fn profile(&self, name: &str, value: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         let number = self.number(name)?;
-        let Ended { likelihood, optimum } = &self.ended;
+        let Ended { likelihood, optimum } = self.measured()?;
         let u = likelihood.free[number].coordinate(value);
         if !u.is_finite() {
             let above = if likelihood.free[number].logarithmic { " above 0" } else { "" };
@@ -186,9 +186,9 @@ impl Estimates {
     /// 0. The covariance of the noise of contacts is that of the estimates, scaled by N⟨k⟩².
     ///
     /// # Errors
-    /// As many values as free numbers; errors of the solver; stopped by the monitor.
+    /// Another number of values than of free numbers; a measurement that is only planned; errors of the solver; stopped by the monitor.
     pub fn log_likelihood(&self, values: &[f64], monitor: &mut dyn Monitor) -> Result<(f64, Vec<f64>)> {
-        let likelihood = &self.ended.likelihood;
+        let likelihood = &self.measured()?.likelihood;
         if values.len() != likelihood.free.len() {
             let expected = format!("{} values, one for each free number", likelihood.free.len());
             return Err(Error::invalid("values", expected, values.len()));
@@ -209,6 +209,11 @@ impl Estimates {
         };
         let slope = |k: usize| -halved[(k, 0)] / likelihood.free[k].slope(coordinates[k]);
         Ok((-0.5 * deviance, (0..values.len()).map(slope).collect()))
+    }
+
+    /// The search, which has found the highest likelihood of measured forces.
+    pub(super) fn measured(&self) -> Result<&Ended> {
+        self.ended.likelihood.fit.refuse_planned().map(|()| &self.ended)
     }
 
     fn number(&self, name: &str) -> Result<usize> {

@@ -76,8 +76,9 @@ impl Fit {
     /// beforehand and V the covariance of the estimates. Errors hold at this λ.
     ///
     /// # Errors
-    /// Fewer than 12 coefficients; thresholds that are not free; those of [`Fit::run`].
+    /// Fewer than 12 coefficients; thresholds that are not free; a measurement that is only planned; those of [`Fit::run`].
     pub fn free_form(&self, found: &Estimates, count: usize, monitor: &mut dyn Monitor) -> Result<FreeForm> {
+        self.refuse_planned()?;
         if count < 12 {
             return Err(Error::invalid("kernels", "12 or more", count));
         }

@@ -142,6 +142,16 @@ impl Fit {
         self.curves.iter().all(|curve| curve.forces.is_empty())
     }
 
+    /// Refuses a measurement that is only planned: without forces there are no residuals, and what a likelihood would be is that of
+    /// forces of 0.
+    fn refuse_planned(&self) -> Result<()> {
+        if self.is_planned() {
+            let expected = "measured forces: a measurement that is only planned has no posterior";
+            return Err(Error::invalid("force", expected, "none"));
+        }
+        Ok(())
+    }
+
     /// The largest force: the scale of forces.
     fn scale(&self) -> f64 {
         self.curves.iter().map(Measurement::scale).fold(0.0, f64::max)

@@ -50,11 +50,7 @@ impl Estimates {
     /// # Errors
     /// A measurement that is only planned; no number with an error.
     pub fn standardised(&self) -> Result<Standardised<'_>> {
-        let Ended { likelihood, optimum } = &self.ended;
-        if self.misfit.is_none() {
-            let expected = "measured forces: a measurement that is only planned has no posterior";
-            return Err(Error::invalid("force", expected, "none"));
-        }
+        let Ended { likelihood, optimum } = self.measured()?;
         Standardised::new((likelihood, &optimum.coordinates), (&self.parameters, &self.covariance))
     }
 }

@@ -53,6 +53,10 @@ impl Law for Exponential {
         if x < 0.0 { 0.0 } else { self.survival(x) / self.mean }
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        if x < 0.0 { f64::NEG_INFINITY } else { -x / self.mean - self.mean.ln() }
+    }
+
     fn survival(&self, x: f64) -> f64 {
         self.ln_survival(x).exp()
     }

@@ -93,12 +93,21 @@ impl Law for Gamma {
         if x == 0.0 { self.density_at_zero() } else { self.at(x).kernel() / x }
     }
 
+    /// ln D − ln x with D = p(x) x.
+    fn ln_density(&self, x: f64) -> f64 {
+        if x <= 0.0 { self.density(x).ln() } else { self.at(x).ln_kernel() - x.ln() }
+    }
+
     fn survival(&self, x: f64) -> f64 {
         if x <= 0.0 { 1.0 } else { self.at(x).upper() }
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
         if x <= 0.0 { 0.0 } else { self.at(x).ln_upper() }
+    }
+
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        if x <= 0.0 { f64::NEG_INFINITY } else { self.at(x).ln_lower() }
     }
 
     fn hazard(&self, x: f64) -> f64 {

@@ -53,10 +53,15 @@ impl Gaussian {
     /// P(ξ ≤ x) for 0 ≤ x ≤ max(μ, σ). Near 0 the difference of two Φ would cancel; the density varies there
     /// by a factor of order e, and Gauss quadrature is exact to rounding.
     fn below(&self, x: f64) -> f64 {
-        if x * self.alpha.max(1.0) < self.std {
+        if self.is_near_zero(x) {
             return RULE.integrate(0.0, x, |t| self.density(t));
         }
         (normal::survival(-self.standard(x)) - normal::survival(self.alpha)) / self.above
+    }
+
+    /// Whether a difference of two Φ would cancel in P(ξ ≤ x).
+    fn is_near_zero(&self, x: f64) -> bool {
+        x * self.alpha.max(1.0) < self.std
     }
 }
 
@@ -97,6 +102,13 @@ impl Law for Gaussian {
         normal::density(self.standard(x)) / (self.std * self.above)
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        if x < 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        normal::ln_density(self.standard(x)) - self.std.ln() - self.ln_above
+    }
+
     fn survival(&self, x: f64) -> f64 {
         if x <= 0.0 {
             return 1.0;
@@ -112,6 +124,23 @@ impl Law for Gaussian {
             return (-self.below(x)).ln_1p();
         }
         normal::ln_survival(self.standard(x)) - self.ln_above
+    }
+
+    /// ln Φ(z) + ln(1 − Φ(−α)/Φ(z)) − ln Φ(α) at z = (x − μ)/σ; near 0 the quadrature of [`Self::below`], relative to p(x).
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        if x <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        if x >= self.bulk() {
+            return (-self.survival(x)).ln_1p();
+        }
+        if self.is_near_zero(x) {
+            let ln_density = self.ln_density(x);
+            return RULE.integrate(0.0, x, |t| (self.ln_density(t) - ln_density).exp()).ln() + ln_density;
+        }
+        let ln_below = normal::ln_survival(-self.standard(x));
+        let cut = (normal::ln_survival(self.alpha) - ln_below).exp();
+        ln_below + (-cut).ln_1p() - self.ln_above
     }
 
     fn hazard(&self, x: f64) -> f64 {

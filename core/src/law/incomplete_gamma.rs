@@ -74,6 +74,19 @@ impl IncompleteGamma {
         self.kernel
     }
 
+    /// ln D(a, x).
+    pub(super) fn ln_kernel(&self) -> f64 {
+        self.ln_kernel
+    }
+
+    /// ln P(a, x).
+    pub(super) fn ln_lower(&self) -> f64 {
+        match self.tail {
+            Tail::Lower(ratio) => self.ln_kernel + ratio.ln(),
+            Tail::Upper(ratio) => (-self.kernel * ratio).ln_1p(),
+        }
+    }
+
     /// Q(a, x).
     pub(super) fn upper(&self) -> f64 {
         match self.tail {

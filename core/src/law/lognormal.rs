@@ -89,12 +89,24 @@ impl Law for Lognormal {
         if x <= 0.0 { 0.0 } else { normal::density(self.standard(x)) / (self.spread * x) }
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        if x <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        normal::ln_density(self.standard(x)) - self.spread.ln() - x.ln()
+    }
+
     fn survival(&self, x: f64) -> f64 {
         if x <= 0.0 { 1.0 } else { normal::survival(self.standard(x)) }
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
         if x <= 0.0 { 0.0 } else { normal::ln_survival(self.standard(x)) }
+    }
+
+    /// ln Φ(z).
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        if x <= 0.0 { f64::NEG_INFINITY } else { normal::ln_survival(-self.standard(x)) }
     }
 
     fn hazard(&self, x: f64) -> f64 {

@@ -165,11 +165,11 @@ impl Sample<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::{Exponential, Gamma, Lognormal, SharedLaw, Weibull, ln_density, shared};
+    use crate::law::{Exponential, Gamma, Lognormal, SharedLaw, Weibull, shared};
     use crate::random::{Purpose, Stream};
 
     fn likelihood(law: &SharedLaw, samples: &[f64]) -> f64 {
-        samples.iter().map(|&x| ln_density(law.as_ref(), x)).sum()
+        samples.iter().map(|&x| law.ln_density(x)).sum()
     }
 
     /// The likelihood is highest at the estimate: lower at parameters moved either way, and not below that of the

@@ -42,6 +42,18 @@ impl Mixture {
         self.components.iter().map(|(weight, law)| weight * value(law.as_ref())).sum()
     }
 
+    /// ln Σ w_i e^l of the logarithms l of the components, relative to the largest term, so that nothing underflows.
+    fn ln_sum(&self, ln: impl Fn(&dyn Law) -> f64) -> f64 {
+        let terms: Vec<_> =
+            self.components.iter().map(|(weight, law)| weight.ln() + ln(law.as_ref())).collect();
+        let top = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // All terms are 0, or one is infinite, as a density may be at 0.
+        if top.is_infinite() {
+            return top;
+        }
+        top + terms.iter().map(|term| (term - top).exp()).sum::<f64>().ln()
+    }
+
     /// The mixture with the weight of component `index` replaced and the others scaled.
     fn with_weight(&self, index: usize, value: f64) -> Result<Self> {
         let rest = 1.0 - self.components[index].0;
@@ -122,6 +134,10 @@ impl Law for Mixture {
         self.sum(|law| law.density(x))
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        self.ln_sum(|law| law.ln_density(x))
+    }
+
     fn survival(&self, x: f64) -> f64 {
         self.sum(|law| law.survival(x))
     }
@@ -133,6 +149,13 @@ impl Law for Mixture {
         }
         let (top, survivors) = self.survivors(x);
         top + survivors.iter().map(|(weight, _)| weight).sum::<f64>().ln()
+    }
+
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        if self.sum(|law| law.cumulative(x)) < 0.5 {
+            return self.ln_sum(|law| law.ln_cumulative(x));
+        }
+        (-self.survival(x)).ln_1p()
     }
 
     /// The mean of the hazard rates, weighted by survival.

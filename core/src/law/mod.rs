@@ -42,7 +42,7 @@ mod ziggurat;
 
 pub use critical_coupling::critical_coupling;
 pub(crate) use derivative::EIGHTH_ORDER;
-pub use expectation::{entropy, expectation, ln_density};
+pub use expectation::{entropy, expectation, within_support};
 pub use exponential::Exponential;
 pub use gamma::Gamma;
 pub use gaussian::Gaussian;
@@ -169,6 +169,17 @@ pub trait Law: Debug + Send + Sync {
     /// Density p(x) of the part without point masses, per unit length; 0 for x < 0.
     fn density(&self, x: f64) -> f64;
 
+    /// ln p(x), also where p underflows; −∞ where p is 0. Without a closed form it is taken from the hazard rate and ln S, neither
+    /// of which underflows in the upper tail.
+    fn ln_density(&self, x: f64) -> f64 {
+        let (density, ln_survival) = (self.density(x), self.ln_survival(x));
+        // The hazard is infinite beyond the support.
+        if density > f64::MIN_POSITIVE || ln_survival == f64::NEG_INFINITY {
+            return density.ln();
+        }
+        self.hazard(x).ln() + ln_survival
+    }
+
     /// Survival function S(x) = P(ξ > x): 1 for x < 0, continuous from the right.
     fn survival(&self, x: f64) -> f64;
 
@@ -178,6 +189,13 @@ pub trait Law: Debug + Send + Sync {
     /// Distribution function P(ξ ≤ x) = 1 − S(x), without cancellation where it is small.
     fn cumulative(&self, x: f64) -> f64 {
         -self.ln_survival(x).exp_m1()
+    }
+
+    /// ln P(ξ ≤ x), accurate in both tails; −∞ where P is 0. Distributions whose lower tail has no end on x > 0 override this, so
+    /// that it does not underflow there.
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        let below = self.cumulative(x);
+        if below < 0.5 { below.ln() } else { (-self.survival(x)).ln_1p() }
     }
 
     /// Hazard rate p(x)/S(x) of the part without point masses, accurate far into the tail; ∞ where S = 0.

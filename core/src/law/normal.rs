@@ -8,9 +8,17 @@ use puruspe::{erfcx, faddeeva};
 /// √(2/π).
 const SQRT_2_OVER_PI: f64 = 0.797_884_560_802_865_4;
 
+/// ln √(2π).
+const LN_SQRT_TAU: f64 = 0.918_938_533_204_672_7;
+
 /// φ(z) = exp(−z²/2)/√(2π).
 pub(super) fn density(z: f64) -> f64 {
     (-0.5 * z * z).exp() / TAU.sqrt()
+}
+
+/// ln φ(z).
+pub(super) fn ln_density(z: f64) -> f64 {
+    -0.5 * z * z - LN_SQRT_TAU
 }
 
 /// P(Z > z) = ½ erfc(z/√2).

@@ -231,6 +231,11 @@ impl Law for Renormalised {
         self.thresholds().density(stretch) / self.map.slope(stretch)
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        let stretch = self.stretch(x);
+        self.thresholds().ln_density(stretch) - self.map.slope(stretch).ln()
+    }
+
     fn survival(&self, x: f64) -> f64 {
         self.thresholds().survival(self.stretch(x))
     }
@@ -241,6 +246,10 @@ impl Law for Renormalised {
 
     fn cumulative(&self, x: f64) -> f64 {
         self.thresholds().cumulative(self.stretch(x))
+    }
+
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        self.thresholds().ln_cumulative(self.stretch(x))
     }
 
     fn hazard(&self, x: f64) -> f64 {

@@ -195,12 +195,23 @@ impl Law for Root {
         self.per_stretch(x, |area| self.areas.density(area))
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        if x <= 0.0 || x == f64::INFINITY {
+            return self.density(x).ln();
+        }
+        self.areas.ln_density(self.area(x)) + self.slope(x).ln()
+    }
+
     fn survival(&self, x: f64) -> f64 {
         self.at_area(x, |area| self.areas.survival(area))
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
         self.at_area(x, |area| self.areas.ln_survival(area))
+    }
+
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        self.at_area(x, |area| self.areas.ln_cumulative(area))
     }
 
     fn hazard(&self, x: f64) -> f64 {

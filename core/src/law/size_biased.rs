@@ -47,6 +47,10 @@ impl Law for SizeBiased {
         if x > 0.0 { x * self.law.density(x) / self.mean } else { 0.0 }
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        if x > 0.0 { x.ln() + self.law.ln_density(x) - self.mean.ln() } else { f64::NEG_INFINITY }
+    }
+
     fn survival(&self, x: f64) -> f64 {
         self.upper_moment(0, x)
     }

@@ -73,6 +73,10 @@ impl Law for Truncated {
         if x < self.highest { self.law.density(x) / self.kept } else { 0.0 }
     }
 
+    fn ln_density(&self, x: f64) -> f64 {
+        if x < self.highest { self.law.ln_density(x) - self.kept.ln() } else { f64::NEG_INFINITY }
+    }
+
     fn survival(&self, x: f64) -> f64 {
         if x < self.highest { (self.law.survival(x) - self.left_out).max(0.0) / self.kept } else { 0.0 }
     }
@@ -85,6 +89,10 @@ impl Law for Truncated {
 
     fn cumulative(&self, x: f64) -> f64 {
         if x < self.highest { (self.law.cumulative(x) / self.kept).min(1.0) } else { 1.0 }
+    }
+
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        if x < self.highest { (self.law.ln_cumulative(x) - self.kept.ln()).min(0.0) } else { 0.0 }
     }
 
     fn hazard(&self, x: f64) -> f64 {

@@ -104,12 +104,31 @@ impl Law for Weibull {
         if survival == 0.0 { 0.0 } else { self.hazard(x) * survival }
     }
 
+    /// ln(k/λ) + (k − 1) ln(x/λ) − y.
+    fn ln_density(&self, x: f64) -> f64 {
+        let (exponent, ratio) = (self.exponent(x), x / self.scale);
+        if ratio <= 0.0 || exponent == f64::INFINITY {
+            return self.density(x).ln();
+        }
+        (self.shape / self.scale).ln() + (self.shape - 1.0) * ratio.ln() - exponent
+    }
+
     fn survival(&self, x: f64) -> f64 {
         (-self.exponent(x)).exp()
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
         -self.exponent(x)
+    }
+
+    /// ln(1 − e^{−y}); ln y = k ln(x/λ) where y underflows.
+    fn ln_cumulative(&self, x: f64) -> f64 {
+        let exponent = self.exponent(x);
+        if x > 0.0 && exponent < f64::MIN_POSITIVE {
+            return self.shape * (x / self.scale).ln();
+        }
+        let below = -(-exponent).exp_m1();
+        if below < 0.5 { below.ln() } else { (-self.survival(x)).ln_1p() }
     }
 
     /// (k/λ)(x/λ)^{k−1}.

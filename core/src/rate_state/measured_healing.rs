@@ -39,7 +39,8 @@ impl MeasuredHealing {
     ///
     /// # Errors
     /// Fewer than 4 holds or 3 different hold times, hold times that are not above 0, numbers of different length; forces
-    /// that are all the same, and growth that is not logarithmic, since the longest hold is not longer than the cutoff time.
+    /// that are all the same, and forces whose growth is not logarithmic: in proportion to the hold time, since the longest hold
+    /// is not longer than the cutoff time, or not beyond their scatter.
     pub fn read(hold: &[f64], force: &[f64]) -> Result<Self> {
         Self::read_with(hold, force, &mut ())
     }
@@ -66,7 +67,7 @@ impl MeasuredHealing {
         let fit = GeneralisedFit::new(&curve, false, monitor)?.ok_or_else(undetermined)?;
         if fit.scale >= longest {
             let expected = "forces that grow with the logarithm of the hold time";
-            return Err(Error::invalid("force", expected, "growth in proportion to the hold time"));
+            return Err(Error::invalid("force", expected, growth(hold, force)));
         }
         let after_one =
             |cutoff: f64| (vec![1.0, (1.0 / cutoff).ln_1p()], vec![0.0, -1.0 / (cutoff * (cutoff + 1.0))]);
@@ -91,6 +92,16 @@ impl MeasuredHealing {
     pub fn force_at(&self, hold: f64) -> f64 {
         let cutoff = self.cutoff.map_or(0.0, |cutoff| cutoff.value);
         self.at_one.value + self.per_decade.value * ((hold + cutoff) / (1.0 + cutoff)).log10()
+    }
+}
+
+/// How forces change that do not grow with the logarithm of the hold time, by the interval of the slope of a straight line over it.
+fn growth(hold: &[f64], force: &[f64]) -> &'static str {
+    let columns = vec![vec![1.0; hold.len()], hold.to_vec()];
+    match straight(columns, force).map(|([_, slope], _)| [slope.low, slope.high]) {
+        Some([Some(low), _]) if low > 0.0 => "growth in proportion to the hold time",
+        Some([_, Some(high)]) if high < 0.0 => "a fall in proportion to the hold time",
+        _ => "no growth beyond their scatter",
     }
 }
 

@@ -114,10 +114,12 @@ fn widths_beyond_ten_means_are_not_tried() {
         let thresholds = Arc::new(Lognormal::new(1.0, given).unwrap());
         let guess = Contacts::new(thresholds, Arc::new(Point::new(0.0).unwrap()));
         let guess = MasterEquation::new(guess, &Initial::default()).unwrap();
-        let planned = Fit::new(guess, Measurement::new(positions(20, 2.0), Vec::new()));
+        let positions = positions(20, 2.0);
+        let forces = positions.iter().map(|&x| guess.pull(2.0).unwrap().force(x)).collect();
         let white = ErrorModel { contacts: false, reading: Some(0.01), drift: None };
-        let planned = planned.free(["thresholds.mean", "thresholds.std"]).errors(white).run().unwrap();
-        planned.log_likelihood(&[1.0, width], &mut ()).unwrap().0.is_finite()
+        let fit = Fit::new(guess, Measurement::new(positions, forces));
+        let found = fit.free(["thresholds.mean", "thresholds.std"]).errors(white).run().unwrap();
+        found.log_likelihood(&[1.0, width], &mut ()).unwrap().0.is_finite()
     };
     assert_eq!([9.9, 10.1].map(|width| possible(0.5, width)), [true, false]);
     assert_eq!([23.8, 24.2].map(|width| possible(12.0, width)), [true, false]);
@@ -533,6 +535,25 @@ fn a_planned_measurement_has_the_errors_of_one_that_is_made() {
         // Errors go with the square root of the number of contacts, which is estimated to 10 %.
         assert!((planned.error / made.error - 1.0).abs() < 0.3, "{planned:?} {made:?}");
     }
+}
+
+#[test]
+fn a_planned_measurement_has_no_likelihood() {
+    let guess = MasterEquation::new(contacts(1.0, [1.0, 0.12], spread()), &Initial::default()).unwrap();
+    let white = ErrorModel { contacts: false, reading: Some(0.001), drift: None };
+    let free = ["thresholds.mean", "thresholds.std"];
+    let planned = Fit::new(guess, Measurement::new(positions(40, 3.0), Vec::new())).free(free).errors(white);
+    let found = planned.run().unwrap();
+    let refused = [
+        found.profile("thresholds.mean", 1.0, &mut ()).unwrap_err(),
+        found.interval_by_profile("thresholds.mean", &mut ()).unwrap_err(),
+        found.log_likelihood(&[1.0, 0.12], &mut ()).unwrap_err(),
+        planned.free_form(&found, 36, &mut ()).unwrap_err(),
+        found.standardised().unwrap_err(),
+    ];
+    let expected =
+        "force: expected measured forces: a measurement that is only planned has no posterior, got none";
+    assert_eq!(refused.map(|error| error.to_string()), [expected; 5]);
 }
 
 #[test]

@@ -329,7 +329,21 @@ fn wrong_input_is_refused() {
     };
     healing(&[1.0, 2.0, 3.0], &[0.6; 3], "hold: expected at least 4 holds, got 3");
     healing(&[0.0, 1.0, 2.0, 3.0], &[0.6; 4], "hold.0: expected a time above 0");
-    healing(&[1.0, 10.0, 100.0, 1e3], &[0.6, 0.61, 0.7, 1.6], "logarithm of the hold time");
+    let times = [1.0, 10.0, 100.0, 1e3];
+    healing(
+        &times,
+        &[0.6, 0.61, 0.7, 1.6],
+        "logarithm of the hold time, got growth in proportion to the hold time",
+    );
+    healing(
+        &times,
+        &[1.6, 1.59, 1.5, 0.6],
+        "logarithm of the hold time, got a fall in proportion to the hold time",
+    );
+    // Normal deviates.
+    let scatter = [0.345_584, 0.821_618, 0.330_437, -1.303_157, 0.905_356, 0.446_375, -0.536_953];
+    let half_decades: Vec<f64> = (0..7).map(|i| 10.0_f64.powf(0.5 * f64::from(i))).collect();
+    healing(&half_decades, &scatter, "logarithm of the hold time, got no growth beyond their scatter");
     healing(
         &[1.0, 1.0, 9.0, 9.0],
         &[0.6, 0.61, 0.62, 0.63],
