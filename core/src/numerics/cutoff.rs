@@ -84,20 +84,20 @@ fn fit(mut values: Vec<f64>, half: f64) -> Option<CutOff> {
 struct CutoffDistribution {
     exponent: f64,
     rate: f64,
-    values: Values,
+    values: PossibleValues,
 }
 
 /// The possible values of y.
 #[derive(Debug, Clone, Copy)]
-struct Values {
+struct PossibleValues {
     /// Their distance: 0 for real numbers.
     spacing: f64,
     /// How many of them are summed one by one.
     single: usize,
 }
 
-impl Values {
-    /// Values x/`low` from the smallest, `first`, on.
+impl PossibleValues {
+    /// PossibleValues x/`low` from the smallest, `first`, on.
     fn new(first: f64, low: f64) -> Self {
         let spacing = 2.0 * (first - low) / low;
         Self { spacing, single: if spacing > 0.0 { (WHOLE - first).max(0.0) as usize } else { 0 } }
@@ -127,7 +127,7 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     }
     let mean = |of: fn(f64) -> f64| tail.iter().map(|x| of(x / low)).sum::<f64>() / count as f64;
     let means = [mean(f64::ln), mean(|y| y)];
-    let law = CutoffDistribution::with_means(means, Values::new(tail[0], low))?;
+    let law = CutoffDistribution::with_means(means, PossibleValues::new(tail[0], low))?;
     // u and y are the sufficient statistics, so that their covariance is the Fisher information per
     // datum.
     let [own, mixed, other] = law.moments().covariance();
@@ -143,7 +143,7 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
 impl CutoffDistribution {
     /// The distribution with the given means of ln y and y: damped Newton iteration on the log-likelihood,
     /// which is concave.
-    fn with_means(means: [f64; 2], values: Values) -> Option<Self> {
+    fn with_means(means: [f64; 2], values: PossibleValues) -> Option<Self> {
         let pure = Self::without_end(means[0], values);
         if pure.has_no_larger_mean(means[1]) {
             return Some(pure);
@@ -171,7 +171,7 @@ impl CutoffDistribution {
 
     /// The maximum-likelihood estimate (Hill, 1975) without a cut-off, ξ = ∞, from the mean of u: Newton iteration on the
     /// log-likelihood, which is concave. For real numbers its start, τ = 1 + 1/⟨u⟩, is exact.
-    fn without_end(mean: f64, values: Values) -> Self {
+    fn without_end(mean: f64, values: PossibleValues) -> Self {
         let mut exponent = 1.0 + mean.recip();
         for _ in 0..ITERATIONS {
             let law = Self { exponent, rate: 0.0, values };
