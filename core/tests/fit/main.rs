@@ -4,6 +4,7 @@
 mod common;
 
 mod averaged_readings;
+mod edges;
 mod gradient;
 mod pulls;
 mod steady;
