@@ -69,8 +69,9 @@ impl Pull {
     /// This form needs no derivative of a density. S_θ has a closed form for parameters of the distributions of
     /// time-independent contacts of equal stiffness ([`crate::law::Law::survival_derivative`]); the lives of others are
     /// differenced, F never is, with an error of some 1e-10 of the largest derivative. Where the lives have kinks that move
-    /// with θ, as those of thresholds with edges, they are differenced in coordinates that move with the kinks. A change of the advance w for which contacts are free shifts the
-    /// life, so that Γ∗S_θ = Γ∗φ = Γ − φ_i and Γ∗m_θ = −(F − m_i)', without differences. F is proportional to count and
+    /// with θ, as those of thresholds with edges, they are differenced in coordinates that move with the kinks. A change of
+    /// the advance w for which contacts are free shifts the life, so that Γ∗S_θ = Γ∗φ = Γ − φ_i and Γ∗m_θ = −(F − m_i)',
+    /// without differences. F is proportional to count and
     /// stiffness; with temperature, the stiffness also changes the lives.
     ///
     /// # Errors

@@ -235,8 +235,8 @@ impl MasterEquation {
         }
     }
 
-    /// An advance at which lives are not smooth for other values of a parameter, but are for this one. There the derivative is not
-    /// smooth, and no cell ends.
+    /// An advance at which lives are not smooth for other values of a parameter, but are for this one. There the derivative is
+    /// not smooth, and no cell ends.
     fn appeared(&self, varied: &Varied) -> Option<f64> {
         /// How far it is from all edges, as a fraction of the mean life: farther than edges move.
         const FAR: f64 = 1e-3;

@@ -13,6 +13,9 @@ const SIXTH_ORDER: [f64; 3] = [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0];
 
 const LENGTH: f64 = 3.0;
 
+/// F_s, F_k, X* and K_c, and the pull.
+type Solved = ([f64; 4], Pull);
+
 /// F_s, F_k, X* and K_c of a pull.
 fn friction(pull: &Pull, equation: &MasterEquation) -> [f64; 4] {
     [
@@ -38,7 +41,7 @@ fn apart(equation: &MasterEquation, name: &str, step: f64) -> [f64; 5] {
         (friction(&pull, &varied), pull)
     };
     let pairs = [1.0, 2.0, 3.0].map(|k| [at(k), at(-k)]);
-    let difference = |of: &dyn Fn(&([f64; 4], Pull)) -> f64| -> f64 {
+    let difference = |of: &dyn Fn(&Solved) -> f64| -> f64 {
         let term = |(weight, [a, b]): (f64, &[_; 2])| weight * (of(a) - of(b)) / step;
         SIXTH_ORDER.into_iter().zip(&pairs).map(term).sum()
     };
@@ -126,7 +129,7 @@ fn edges_of_thresholds_with_temperature_move() {
     agree(&cases, 1e-3, CLOSE);
     let mut cold = elastic();
     cold.temperature = Some(Temperature::new(0.002, 1.0));
-    // The force bends over the length T/k x̄ = 0.002 before the edge: shorter steps, of which the slope K_c has lost one digit more.
+    // The force bends over the length T/k x̄ = 0.002 before the edge: shorter steps, which cost K_c one digit more.
     agree(&[("cold", of(&edged, &zero, cold), 0.01, both)], 1e-4, [1e-8, 1e-9, 1e-5]);
 }
 
