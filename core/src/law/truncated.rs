@@ -5,7 +5,8 @@ use std::convert::Infallible;
 use num_complex::Complex64;
 
 use super::{
-    Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, expectation, invert_ln_survival, shared, unknown,
+    Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, expectation, invert_ln_survival,
+    shared, unknown,
 };
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -67,6 +68,17 @@ impl Law for Truncated {
             return Err(unknown(self, name));
         }
         shared(Self::new(self.law.with_parameter(name, value)?, self.highest))
+    }
+
+    /// With l = P(ξ ≥ b), S is (S_P − l)/(1 − l), and ∂S/∂θ is (∂S_P/∂θ − ∂l/∂θ (1 − S))/(1 − l), also where edges of P move.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let whole = self.law.survival_derivative(name)?;
+        let (law, left_out) = (self.clone(), whole(self.highest.next_down()));
+        Ok(Box::new(
+            move |x| {
+                if x < law.highest { (whole(x) - left_out * law.cumulative(x)) / law.kept } else { 0.0 }
+            },
+        ))
     }
 
     fn density(&self, x: f64) -> f64 {

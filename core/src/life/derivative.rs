@@ -1,6 +1,7 @@
 //! How the life of contacts changes with a parameter.
 
 use super::Life;
+use super::advance_map::AdvanceMap;
 use super::cells::{BULK, CELL, edges, scale, threshold_atoms, with_atoms};
 use super::layer::{Layer, PointMass};
 use super::start_quadrature::StartQuadrature;
@@ -48,25 +49,39 @@ impl LifeDerivative {
         &self.force
     }
 
-    /// From the curves of survival and force on cells that end where the breaking density is not smooth.
+    /// From the curves of survival and force on cells that end where the life is not smooth.
     fn of_curves(life: &Life, curves: [Piecewise; 2]) -> Self {
-        let breakpoints = life.breaking().breakpoints().iter();
-        // A breakpoint that moves with θ keeps the order that it has in the breaking density.
-        let kept = |b: &Breakpoint| if b.is_atom() { Breakpoint { exponent: 0.0, ..*b } } else { *b };
-        let breakpoints: Vec<_> = breakpoints.map(kept).collect();
+        // The derivative at a point that moves with θ is one order less smooth than the life; jumps are left out.
+        let rougher = |b: &Breakpoint| Breakpoint {
+            exponent: if b.exponent == 0.0 { 0.0 } else { b.exponent - 1.0 },
+            ..*b
+        };
+        let of = |kernel: &Kernel| kernel.breakpoints().iter().map(rougher).collect();
         let [survival, force] = curves;
-        let mut kinked: Vec<_> = breakpoints.iter().copied().chain(life.kinks_of_stiffness()).collect();
-        Breakpoint::sort(&mut kinked);
-        Self { survival: Kernel::new(survival, breakpoints), force: Kernel::new(force, kinked) }
+        Self {
+            survival: Kernel::new(survival, of(life.survival())),
+            force: Kernel::new(force, of(life.force())),
+        }
     }
 
-    /// By differences of lives: Σ weight × (above − below) on the cells of `life`.
-    pub(crate) fn by_differences(life: &Life, pairs: &[(f64, &Life, &Life)]) -> Self {
+    /// By differences of lives on the cells of `life`.
+    ///
+    /// With ψ the map of advances that follows the points at which lives are not smooth, S_θ = ∂/∂θ \[S(ψ(u))\] − S' ∂ψ/∂θ. Both
+    /// derivatives by θ are differences of smooth functions, also where an edge passes the advance u.
+    pub(crate) fn by_differences(life: &Life, pairs: &[LifePair<'_>]) -> Self {
         let curve = life.survival().curve();
-        let differences = |of: fn(&Life) -> &Kernel| {
+        let differences = |of: fn(&Life) -> &Kernel, slope: &dyn Fn(f64) -> f64| {
             let value = |u: f64| {
-                let at = |life: &Life| of(life).curve().value(u);
-                pairs.iter().map(|(weight, above, below)| weight * (at(above) - at(below))).sum::<f64>()
+                let (mut change, mut shift) = (0.0, 0.0);
+                for LifePair { weight, lives, maps } in pairs {
+                    let [above, below] = [0, 1].map(|side| {
+                        let moved = maps[side].at(u);
+                        (of(lives[side]).curve().value(moved), moved)
+                    });
+                    change += weight * (above.0 - below.0);
+                    shift += weight * (above.1 - below.1);
+                }
+                change - slope(u) * shift
             };
             let cell = |cell: usize| {
                 let (middle, half) = curve.cell(cell);
@@ -75,8 +90,17 @@ impl LifeDerivative {
             let coefficients = (0..curve.coefficients.len()).map(cell).collect();
             Piecewise { boundaries: curve.boundaries.clone(), coefficients }
         };
-        Self::of_curves(life, [differences(Life::survival), differences(Life::force)])
+        let (breaking, slope) = (life.breaking().curve(), life.force().curve().derivative());
+        let survival = differences(Life::survival, &|u| -breaking.value(u));
+        Self::of_curves(life, [survival, differences(Life::force, &|u| slope.value(u))])
     }
+}
+
+/// Lives with a larger and a smaller value of a parameter, with the weight of their difference and the maps of advances to them.
+pub(crate) struct LifePair<'a> {
+    pub(crate) weight: f64,
+    pub(crate) lives: [&'a Life; 2],
+    pub(crate) maps: &'a [AdvanceMap; 2],
 }
 
 /// The derivatives ∂S/∂θ of two distributions by some of their parameters.

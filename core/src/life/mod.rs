@@ -4,6 +4,7 @@
 //! All solvers use only these curves. They are the same type for every kind of contact, athermal or time-dependent.
 
 mod additive;
+mod advance_map;
 mod athermal;
 mod births;
 mod breaking;
@@ -27,6 +28,7 @@ mod thermal_hazard;
 mod timed;
 mod waits;
 
+pub(crate) use advance_map::{AdvanceMap, FAINT, points};
 pub use athermal::athermal;
 pub(crate) use athermal::cells_of;
 use athermal::jumps;
@@ -34,7 +36,7 @@ pub(crate) use births::Births;
 pub(crate) use cells::{ORDERS, threshold_atoms};
 use cohorts::Cohorts;
 pub(crate) use continuation::Continuation;
-pub(crate) use derivative::{LawDerivatives, LifeDerivative, StartingContacts};
+pub(crate) use derivative::{LawDerivatives, LifeDerivative, LifePair, StartingContacts};
 pub(crate) use layer::Layer;
 use layer::PointMass;
 pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};

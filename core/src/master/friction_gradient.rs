@@ -143,18 +143,18 @@ impl Pull {
         Some(gradient.value_in(cell, position) + slope * moved)
     }
 
-    /// The derivative of the steepest slope of F, per unit stiffness: F'_θ there and, where it is at a kink, F'' on this
-    /// side times the derivative of the position of the kink.
+    /// The derivative of the steepest slope of F, per unit stiffness: F'_θ there and, where it is at a kink of F or of F', F'' on
+    /// this side times the derivative of the position of the kink.
     fn slope_change(&self, gradient: &Piecewise) -> f64 {
         let (cell, position, _) = self.steepest_fall();
         let force = &self.renewal.force;
-        let moved = if position == force.boundaries[cell] {
-            self.kink_change(gradient, cell)
-        } else if position == force.boundaries[cell + 1] {
-            self.kink_change(gradient, cell + 1)
-        } else {
-            0.0
-        };
+        let ends = [cell, cell + 1];
+        let moved = ends.into_iter().find(|&end| force.boundaries[end] == position).map_or(0.0, |end| {
+            match self.kink_change(gradient, end) {
+                0.0 => self.corner_change(gradient, end),
+                moved => moved,
+            }
+        });
         let ([_, _, curvature], [_, by_slope]) =
             (force.jet_in::<3>(cell, position), gradient.jet_in::<2>(cell, position));
         by_slope + curvature * moved
@@ -165,18 +165,38 @@ impl Pull {
     fn kink_change(&self, gradient: &Piecewise, cell: usize) -> f64 {
         /// A change of F', per unit stiffness, that is a kink and not an error of polynomials.
         const KINK: f64 = 1e-6;
-        let force = &self.renewal.force;
-        if cell == 0 || cell == force.coefficients.len() {
-            return 0.0;
-        }
-        let place = force.boundaries[cell];
-        let [before, after] = [cell - 1, cell].map(|side| force.jet_in::<2>(side, place));
-        let [jump, bend] = [after[0] - before[0], after[1] - before[1]];
         let least = KINK * self.renewal.reformed.stiffness();
+        let Some(([jump, bend, _], [change, _])) = self.jumps(gradient, cell) else { return 0.0 };
         if bend.abs() < least || jump.abs() > least * self.renewal.reformed.mean() {
             return 0.0;
         }
-        (gradient.value_in(cell - 1, place) - gradient.value_in(cell, place)) / bend
+        -change / bend
+    }
+
+    /// The same of a kink of F' where F' stays continuous: F'_θ + F'' dX/dθ is the same on both sides.
+    fn corner_change(&self, gradient: &Piecewise, cell: usize) -> f64 {
+        /// A change of F'' per mean life, and of F', that is more than errors of polynomials.
+        const CORNER: f64 = 1e-3;
+        const KINK: f64 = 1e-6;
+        let (stiffness, mean) = (self.renewal.reformed.stiffness(), self.renewal.reformed.mean());
+        let Some(([_, bend, turn], [_, change])) = self.jumps(gradient, cell) else { return 0.0 };
+        if bend.abs() > KINK * stiffness || turn.abs() * mean < CORNER * stiffness {
+            return 0.0;
+        }
+        -change / turn
+    }
+
+    /// The jumps of F, F' and F'', and of F_θ and F'_θ, at the lower end of a cell.
+    fn jumps(&self, gradient: &Piecewise, cell: usize) -> Option<([f64; 3], [f64; 2])> {
+        let force = &self.renewal.force;
+        if cell == 0 || cell == force.coefficients.len() {
+            return None;
+        }
+        let place = force.boundaries[cell];
+        let [before, after] = [cell - 1, cell].map(|side| force.jet_in::<3>(side, place));
+        let [lower, upper] = [cell - 1, cell].map(|side| gradient.jet_in::<2>(side, place));
+        let apart = std::array::from_fn(|order| after[order] - before[order]);
+        Some((apart, std::array::from_fn(|order| upper[order] - lower[order])))
     }
 }
 

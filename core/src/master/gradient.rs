@@ -68,14 +68,15 @@ impl Pull {
     ///
     /// This form needs no derivative of a density. S_θ has a closed form for parameters of the distributions of
     /// time-independent contacts of equal stiffness ([`crate::law::Law::survival_derivative`]); the lives of others are
-    /// differenced, F never is, with an error of some 1e-10 of the largest derivative. Thresholds with edges are less
-    /// accurate there: the lives have kinks that move. A change of the advance w for which contacts are free shifts the
-    /// life, so that Γ∗S_θ = Γ∗φ = Γ − φ_i and Γ∗m_θ = −(F − m_i)', without differences. F is proportional to count and
+    /// differenced, F never is, with an error of some 1e-10 of the largest derivative. Where the lives have kinks that move
+    /// with θ, as those of thresholds with edges, they are differenced in coordinates that move with the kinks. A change of
+    /// the advance w for which contacts are free shifts the life, so that Γ∗S_θ = Γ∗φ = Γ − φ_i and Γ∗m_θ = −(F − m_i)',
+    /// without differences. F is proportional to count and
     /// stiffness; with temperature, the stiffness also changes the lives.
     ///
     /// # Errors
     /// An unknown parameter; a parameter without a derivative, such as the position of a point mass; the delay of contacts
-    /// that break simultaneously.
+    /// that break simultaneously; lives that are differenced where edges of distributions cancel each other.
     pub fn gradients(&self, parameters: &[&str]) -> Result<Vec<Gradient>> {
         self.gradients_with(parameters, &mut ())
     }

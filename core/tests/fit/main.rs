@@ -4,6 +4,7 @@
 mod common;
 
 mod averaged_readings;
+mod edges;
 mod first_values;
 mod gradient;
 mod pulls;
