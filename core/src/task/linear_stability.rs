@@ -1,10 +1,9 @@
 //! Linear stability of steady sliding, with the mass and the damping of the slider.
 
-use crate::block::Slip;
 use crate::contacts::Contacts;
 use crate::master::{Slider, Transport};
 use crate::monitor::{Monitor, Part};
-use crate::{Error, Result, scenario};
+use crate::{Result, scenario};
 
 /// Sliding distance over which the response of steady sliding is computed, in mean lives of a contact.
 const LIVES: f64 = 30.0;
@@ -47,10 +46,6 @@ pub fn stability(
 
 /// Stiffness, mass and damping of a block.
 fn slider(block: &scenario::Block) -> Result<Slider> {
-    if block.slip == Slip::Reset {
-        let expected = "damped or inertial, since a growth rate needs a damping or a mass (without a block, the critical stiffness is that of a slider without both)";
-        return Err(Error::invalid("block.slip", expected, "reset, the default"));
-    }
     let (mass, damping) = block.inertia_and_drag()?;
     Ok(Slider { stiffness: block.stiffness, mass, damping })
 }

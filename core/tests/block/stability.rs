@@ -201,6 +201,20 @@ fn the_critical_stiffness_with_a_delay_is_that_of_the_renewal_equation() {
     }
 }
 
+#[test]
+fn contacts_that_are_all_alike_stay_in_phase_beside_one_delay() {
+    let rules = |delay: FreeTime| Rules { delay, ..Rules::default() };
+    let response = |delay: FreeTime| {
+        let alike = Contacts { rules: rules(delay), ..contacts(&point(1.0), &point(0.0)) };
+        Transport::step_response(&alike, 0.5, 30.0, 1e-5, &mut ())
+    };
+    assert!(
+        response(3.0.into()).unwrap_err().to_string().starts_with("thresholds: expected lives that differ")
+    );
+    // Free times that differ put them out of phase.
+    assert!(response(FreeTime::Distributed(Arc::new(Exponential::new(3.0).unwrap()))).is_ok());
+}
+
 /// The same with ageing and the friction of free contacts, where the response of contacts that re-form at once is followed in time.
 #[test]
 fn ageing_with_a_delay_has_the_dynamic_stiffness_of_the_renewal_equation() {

@@ -39,6 +39,8 @@ const SHARP: f64 = 8.0;
 const SHORT: f64 = 40.0;
 /// Largest step of the phase of d̂ between frequencies, in radians.
 const PHASE: f64 = 0.25;
+/// Mean lives over which contacts dephase that rounding does not tell from for ever.
+const IN_PHASE: f64 = 1e8;
 /// |d̂| below which its phase has no influence.
 const FADED: f64 = 1e-3;
 /// Most frequencies.
@@ -58,7 +60,7 @@ impl Reattachment {
         let equation = MasterEquation::reformed(immediate.clone(), Some(velocity), monitor)?;
         let steady = equation.steady_state();
         let delay = contacts.rules.delay.clone();
-        if matches!(delay, FreeTime::Fixed(_)) && !steady.dephasing_length().is_finite() {
+        if matches!(delay, FreeTime::Fixed(_)) && steady.dephasing_length() > IN_PHASE * steady.mean_life() {
             let expected = "lives that differ beside one delay: contacts that are alike stay in phase, and no spring makes sliding stable";
             let found = format!("a life of {} of every contact", steady.mean_life());
             return Err(Error::invalid("thresholds", expected, found));
