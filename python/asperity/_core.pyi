@@ -446,7 +446,7 @@ class Block(Description):
             A Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
             oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
             deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
-            all contacts.
+            all contacts, or of itself where it is larger.
 
         Raises
         ------
@@ -1250,7 +1250,7 @@ class Estimates:
         Raises
         ------
         ValueError
-            If no number of the thresholds was free.
+            If no number of the thresholds was free, and for a planned measurement.
         """
 
     def friction(self, /) -> FrictionEstimates:
@@ -1286,7 +1286,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For a name that is none of `params`.
+            For a name that is none of `params`, and for a planned measurement.
         """
 
     @property
@@ -1315,7 +1315,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For another number of values than of `params`.
+            For another number of values than of `params`, and for a planned measurement.
         """
 
     @property
@@ -1402,7 +1402,7 @@ class Estimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For a name that is none of `params`, and values that are nan.
+            For a name that is none of `params`, values that are nan, and a planned measurement.
         """
 
     @property
@@ -2494,7 +2494,7 @@ class Law(Description):
     def isf(self, /, q: ArrayLike) -> _Array: ...
     @overload
     def logcdf(self, /, x: float) -> float:
-        """ln P(ξ ≤ x); -inf where P is 0.
+        """ln P(ξ ≤ x), accurate also where P underflows; -inf where P is 0.
 
         Parameters
         ----------
@@ -2516,7 +2516,7 @@ class Law(Description):
     def logcdf(self, /, x: ArrayLike) -> _Array: ...
     @overload
     def logpdf(self, /, x: float) -> float:
-        """ln p(x), accurate also where p underflows; -inf where p is 0.
+        """ln p(x), accurate also where p underflows; -inf where p is 0. Both ends of the support belong to it.
 
         Parameters
         ----------
@@ -2596,7 +2596,7 @@ class Law(Description):
 
     @overload
     def pdf(self, /, x: float) -> float:
-        """The density p(x) without point masses, per length; 0 for x < 0.
+        """The density p(x) without point masses, per length; 0 for x < 0. Both ends of the support belong to it.
 
         Parameters
         ----------
@@ -5233,8 +5233,10 @@ def fit(
 
     Parameters
     ----------
-    contacts, initial, start, velocity
+    contacts, initial, velocity
         As for MasterEquation; their free numbers are first values.
+    start
+        "conditional" or "relaxed", as for MasterEquation; the pull of a fit does not begin in steady sliding.
     position
         Positions y of the n readings, rising: of the slider, or of the drive if compliance is not 0. A list of such
         lists for several curves, whose noise is that of different contacts.
@@ -5600,7 +5602,8 @@ def read_healing(hold: ArrayLike, force: ArrayLike) -> Healing:
     ------
     ValueError
         For fewer than 4 holds or 3 different ones, holds that are not above 0, another number of forces than of holds,
-        forces that are not finite or all the same, and forces that grow in proportion to the hold time.
+        forces that are not finite or all the same, and forces that grow in proportion to the hold time, or not beyond their
+        scatter.
 
     Examples
     --------
