@@ -288,7 +288,7 @@ def test_steps_of_a_laboratory(
     # The numbers of docs/time.md, to the digits that it shows.
     if weakens:
         assert [round(one.value, 4) for one in (found.a, found.b, found.a_minus_b)] == [
-            0.0074,
+            0.0075,
             0.0075,
             -0.0001,
         ]
