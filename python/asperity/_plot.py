@@ -190,15 +190,14 @@ def ticks(axis: "Axis") -> None:
     """Few ticks, whose numbers have all digits: a part that stands apart would cover another panel."""
     from matplotlib.ticker import Formatter, MaxNLocator
 
-    class Inner(MaxNLocator):
+    def tick_values(self: MaxNLocator, vmin: float, vmax: float) -> "Sequence[float]":
         """Away from the ends, where numbers would meet those of the next panel."""
+        beside = 0.08 * (vmax - vmin)
+        low, high = vmin + beside, vmax - beside
+        return [place for place in MaxNLocator.tick_values(self, low, high) if low <= place <= high]
 
-        def tick_values(self, vmin: float, vmax: float) -> "Sequence[float]":
-            beside = 0.08 * (vmax - vmin)
-            low, high = vmin + beside, vmax - beside
-            return [place for place in super().tick_values(low, high) if low <= place <= high]
-
-    locator = Inner(nbins=4, steps=[1, 2, 5, 10])
+    inner: Any = type("Inner", (MaxNLocator,), {"tick_values": tick_values})
+    locator = inner(nbins=4, steps=[1, 2, 5, 10])
 
     def text(value: float, _: object) -> str:
         places, size = locator(), max(map(abs, axis.get_view_interval()))

@@ -126,7 +126,7 @@ impl Law for Gaussian {
         normal::ln_survival(self.standard(x)) - self.ln_above
     }
 
-    /// ln Φ(z) + ln(1 − Φ(−α)/Φ(z)) − ln Φ(α) at z = (x − μ)/σ; near 0 the quadrature of [`Self::below`], relative to p(x).
+    /// ln Φ(z) + ln(1 − Φ(−α)/Φ(z)) − ln Φ(α) at z = (x − μ)/σ; near 0 a quadrature relative to p(x).
     fn ln_cumulative(&self, x: f64) -> f64 {
         if x <= 0.0 {
             return f64::NEG_INFINITY;
