@@ -5,12 +5,12 @@ use super::background::coefficient;
 use super::grid::Grid;
 use super::summary::{Extended, FrictionDerivative, PullNumbers};
 use super::{COMPARED, Output, add_atoms, compare, distribution, ensemble, fits, friction};
-use crate::Result;
 use crate::law::Parameter;
 use crate::master::{FrictionGradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part, report};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
+use crate::{Error, Result};
 
 /// Positions evaluated between two reports to the monitor.
 const ROUND: usize = 1024;
@@ -198,6 +198,10 @@ pub fn record_pull(
 /// # Errors
 /// Contacts without such derivatives; a stop by the monitor.
 fn derivatives(pull: &Pull, monitor: &mut dyn Monitor) -> Result<Vec<FrictionDerivative>> {
+    if cfg!(not(feature = "fits")) {
+        let expected = "false in a program that was compiled without the feature fits";
+        return Err(Error::invalid("pull.derivatives", expected, true));
+    }
     let parameters = pull.parameters();
     let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_ref()).collect();
     let found = pull.friction_gradients_with(&names, monitor)?;
