@@ -125,6 +125,8 @@ test("the engine of a page refuses a fit, with the reason", () => {
   const text = `contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
     fit = { free = ["contacts.count"], position = [0.2, 0.4, 0.6, 0.8], force = [0.2, 0.4, 0.6, 0.8] }`;
   assert.deepEqual(webAssembly()({ text, parts: ["task"] }).failures, ["the task: fit: expected a program with fits, such as the command asperity, got one without them"]);
+  const derivatives = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\npull = { distance = 2.0, derivatives = true }";
+  assert.deepEqual(webAssembly()({ text: derivatives, parts: ["task"] }).failures, ["the task: pull.derivatives: expected false, or a program with fits, such as the command asperity, got true"]);
 });
 
 /** Runs `use` on the page at an address, and fails where the page reports an error or asks others for anything. */

@@ -26,7 +26,7 @@ const PREFERRED: f64 = 4.0;
 const NEAR: f64 = 1.5;
 /// Part of the squared residuals at the first values that a factor has to leave at most.
 const BETTER: f64 = 0.5;
-/// Most first values besides the given ones.
+/// Most first values with other lengths.
 const MOST: usize = 3;
 /// Readings of a curve that are enough to compare it.
 const ENOUGH: usize = 200;
@@ -48,7 +48,8 @@ struct ScaledLengths {
 
 impl Fit {
     /// The coordinates from which to search, and the number of solutions that they took: those given, and those that make the
-    /// curves more probable with all lengths of the thresholds multiplied by one factor, and another compliance if it is free.
+    /// curves more probable with all lengths of the thresholds multiplied by one factor, and another compliance if it is free; each
+    /// also with wider thresholds, if these are narrower than the readings are apart.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.

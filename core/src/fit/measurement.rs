@@ -83,7 +83,7 @@ impl Measurement {
     /// The same with every `count` neighbouring readings replaced by their mean, of positions and of forces; the last readings,
     /// where they are fewer, too.
     ///
-    /// Independent errors become smaller by √count. Groups that are longer than what the curve shows have less of it.
+    /// Independent errors become smaller by √count. Means over more than a feature of the curve hide it.
     ///
     /// # Errors
     /// A count of 0; positions that do not rise; numbers that are not finite; a force for each position, or none.

@@ -111,10 +111,10 @@ pub(super) struct Optimum<P = LikelihoodPoint> {
 }
 
 /// Minimises the deviance from each of `starts`, until a step would be `short`, in standard errors squared, and returns the
-/// lowest minimum.
+/// lowest minimum. A start from which the solver fails is left out if there is another one.
 ///
 /// # Errors
-/// No start where the likelihood is defined; errors of the solver; stopped by the monitor.
+/// No start where the likelihood is defined, or errors of the solver from all of them; stopped by the monitor.
 pub(super) fn search_each<O: Objective>(
     likelihood: &O,
     starts: &[Vec<f64>],
@@ -123,13 +123,19 @@ pub(super) fn search_each<O: Objective>(
 ) -> Result<Optimum<O::Point>> {
     let (mut best, mut solutions, share): (Option<Optimum<O::Point>>, _, _) =
         (None, 0, 1.0 / starts.len() as f64);
+    let mut failed = None;
     for (k, start) in starts.iter().enumerate() {
         let part = &mut Part::new(monitor, k as f64 * share, share);
         solutions += 1;
-        let Some(trial) = likelihood.trial(start, &mut Aside { fraction: 0.0, monitor: part })? else {
-            continue;
+        let found = match search_at(likelihood, start, short, part) {
+            Ok(Some(found)) => found,
+            Ok(None) => continue,
+            Err(Error::Stopped) => return Err(Error::Stopped),
+            Err(error) => {
+                failed = failed.or(Some(error));
+                continue;
+            }
         };
-        let found = search_from(likelihood, (start, trial), (&vec![false; start.len()], short), part)?;
         solutions += found.solutions;
         let deviance = |one: &Optimum<O::Point>| O::deviance(&one.trial);
         best = Some(match best {
@@ -137,13 +143,27 @@ pub(super) fn search_each<O: Objective>(
             _ => found,
         });
     }
-    let mut best = best.ok_or_else(|| {
+    let undefined = || {
         let expected =
             "first values from which a curve follows; where the machine has a compliance, one without a slip";
         Error::invalid("free", expected, "none at the first values")
-    })?;
+    };
+    let mut best = best.ok_or_else(|| failed.unwrap_or_else(undefined))?;
     best.solutions = solutions;
     Ok(best)
+}
+
+/// The search from one start; `None` where the likelihood is not defined there.
+fn search_at<O: Objective>(
+    likelihood: &O,
+    start: &[f64],
+    short: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<Optimum<O::Point>>> {
+    let Some(trial) = likelihood.trial(start, &mut Aside { fraction: 0.0, monitor })? else {
+        return Ok(None);
+    };
+    search_from(likelihood, (start, trial), (&vec![false; start.len()], short), monitor).map(Some)
 }
 
 /// The same from a start where the likelihood is known, with the numbers that are `held` fixed.

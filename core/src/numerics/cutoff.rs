@@ -97,7 +97,7 @@ struct PossibleValues {
 }
 
 impl PossibleValues {
-    /// PossibleValues x/`low` from the smallest, `first`, on.
+    /// Values x/`low` from the smallest, `first`, on.
     fn new(first: f64, low: f64) -> Self {
         let spacing = 2.0 * (first - low) / low;
         Self { spacing, single: if spacing > 0.0 { (WHOLE - first).max(0.0) as usize } else { 0 } }

@@ -199,7 +199,7 @@ pub fn record_pull(
 /// Contacts without such derivatives; a stop by the monitor.
 fn derivatives(pull: &Pull, monitor: &mut dyn Monitor) -> Result<Vec<FrictionDerivative>> {
     if cfg!(not(feature = "fits")) {
-        let expected = "false in a program that was compiled without the feature fits";
+        let expected = "false, or a program with fits, such as the command asperity";
         return Err(Error::invalid("pull.derivatives", expected, true));
     }
     let parameters = pull.parameters();

@@ -378,6 +378,18 @@ fn averages_have_the_same_parameters() {
     }
 }
 
+/// Means over half of D_c are compared with those of the curve: the curve at their mean positions would bias a and b.
+#[test]
+fn intervals_of_averages_over_half_of_the_distance_hold_the_truth() {
+    let noisy = Noisy { white: 1e-4, drift: &[] };
+    let reading = StepReading { average: 4, drift: false, ..KNOWN_PEAK };
+    let [_, a, b, _, distance] = coverage(&noisy, TRUTH, reading);
+    println!("a, b, D_c: {a:.2} {b:.2} {distance:.2}");
+    for held in [a, b, distance] {
+        assert!((0.88..=0.99).contains(&held), "{held}");
+    }
+}
+
 #[test]
 fn intervals_of_healing_hold_the_truth_with_few_holds() {
     let hold: Vec<f64> = (0..9).map(|i| 10.0_f64.powf(0.5 * f64::from(i))).collect();

@@ -39,7 +39,7 @@ const SHARP: f64 = 8.0;
 const SHORT: f64 = 40.0;
 /// Largest step of the phase of d̂ between frequencies, in radians.
 const PHASE: f64 = 0.25;
-/// Mean lives over which contacts dephase that rounding does not tell from for ever.
+/// Contacts that dephase over more mean lives than this are alike, to rounding.
 const IN_PHASE: f64 = 1e8;
 /// |d̂| below which its phase has no influence.
 const FADED: f64 = 1e-3;
@@ -72,6 +72,11 @@ impl Reattachment {
         Ok(Self { equation, velocity, delay, friction, held, highest })
     }
 
+    /// Fraction of contacts that breaks per length in steady sliding, if they re-form at once.
+    pub(super) fn breaks_per_length(&self) -> f64 {
+        self.equation.steady_state().breaking_rate()
+    }
+
     /// A, the attached fraction.
     pub(super) fn attached(&self) -> f64 {
         self.held / (self.held + self.delay.mean())
@@ -79,10 +84,10 @@ impl Reattachment {
 
     /// N_c s (1 − d̂)(f H − P)/(1 − d̂ φ̂), a force.
     pub(super) fn force(&self, s: Complex64) -> Complex64 {
-        let (left, [survival, force]) = (self.left(s), self.transforms(s));
+        let (free, [survival, force]) = (self.free(s), self.transforms(s));
         // 1 − d̂ φ̂ without a difference of nearly equal numbers.
-        let apart = left + (1.0 - left) * s * survival;
-        s * left * (self.friction * survival - force) / apart
+        let denominator = free + (1.0 - free) * s * survival;
+        s * free * (self.friction * survival - force) / denominator
     }
 
     /// The same where d̂ = 0.
@@ -122,7 +127,7 @@ impl Reattachment {
         let mut frequencies = vec![frequency];
         while frequency < high {
             let mut step = (factor - 1.0) * frequency;
-            if (1.0 - self.left(Complex64::new(0.0, frequency))).norm() > FADED {
+            if (1.0 - self.free(Complex64::new(0.0, frequency))).norm() > FADED {
                 step = step.min(PHASE / delay);
             }
             frequency = (frequency + step).min(high);
@@ -139,8 +144,8 @@ impl Reattachment {
         Ok(frequencies)
     }
 
-    /// 1 − d̂(s).
-    fn left(&self, s: Complex64) -> Complex64 {
+    /// 1 − d̂(s), the transform of the fraction that is still free.
+    fn free(&self, s: Complex64) -> Complex64 {
         let mean = self.delay.mean();
         if s.norm() * mean < 1e-8 {
             return s * mean;

@@ -21,7 +21,6 @@ use super::reattachment::Reattachment;
 use super::settled::ConstantRate;
 use super::{Transport, steady};
 use crate::contacts::{Contacts, FreeFriction, FreeTime, Rules};
-use crate::master::MasterEquation;
 use crate::monitor::{Aside, Monitor, Part};
 use crate::{Error, Result};
 
@@ -97,8 +96,7 @@ impl Transport {
         let response = if immediate.rules.are_time_dependent() {
             followed(&immediate, velocity, lives, tolerance, monitor)?
         } else {
-            let equation = MasterEquation::reformed(immediate, None, of)?;
-            time_independent(&equation, velocity)
+            time_independent(contacts, velocity, reattachment.as_ref())
         };
         Ok(StepResponse { reattachment, ..response })
     }
@@ -123,10 +121,11 @@ impl Transport {
 
 /// Time-independent contacts: the force of steady sliding does not depend on how the slider moves on, and a step breaks as many
 /// contacts as the same distance of steady sliding.
-fn time_independent(equation: &MasterEquation, velocity: f64) -> StepResponse {
-    let steady = equation.steady_state();
-    let (time, broken) = (vec![0.0, steady.mean_life() / velocity], steady.breaking_rate());
-    StepResponse { velocity, time, response: vec![0.0; 2], breaks: vec![broken; 2], reattachment: None }
+fn time_independent(contacts: &Contacts, velocity: f64, free: Option<&Reattachment>) -> StepResponse {
+    let time = vec![0.0, contacts.thresholds.mean() / velocity];
+    // Without a free time no response depends on breaks.
+    let breaks = vec![free.map_or(0.0, Reattachment::breaks_per_length); 2];
+    StepResponse { velocity, time, response: vec![0.0; 2], breaks, reattachment: None }
 }
 
 /// The response of contacts that re-form at once, from two solutions: of steady sliding with and without a step.
