@@ -11,6 +11,7 @@ mod force_after_break;
 mod friction_gradient;
 mod gradient;
 mod life_change;
+mod life_differences;
 mod limits;
 mod loading;
 mod master_population;
