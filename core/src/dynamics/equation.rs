@@ -64,10 +64,25 @@ impl EquationOfMotion {
         if self.mass == 0.0 {
             return 0.0;
         }
-        let pull = self.connection(j, cell) * (drive - cell.position) + coupling;
+        let pull = self.pull(j, cell, drive, coupling);
         let free = (pull - cell.force - self.viscosity(cell) * cell.velocity) / self.mass(cell);
-        let stands = self.arrest == Arrest::Stand && cell.velocity == 0.0 && !cell.known.may_turn;
-        if stands { free.max(0.0) } else { free }
+        if self.stands(cell) { free.max(0.0) } else { free }
+    }
+
+    /// Friction force on cell j: the force of its contacts, or, where it stands although they would pull it back, what balances its
+    /// spring and the force `coupling` of the others.
+    pub fn friction(&self, j: usize, cell: &SlidingCell, drive: f64, coupling: f64) -> f64 {
+        if self.stands(cell) { cell.force.min(self.pull(j, cell, drive, coupling)) } else { cell.force }
+    }
+
+    /// Force of the spring of cell j and of the other cells.
+    fn pull(&self, j: usize, cell: &SlidingCell, drive: f64, coupling: f64) -> f64 {
+        self.connection(j, cell) * (drive - cell.position) + coupling
+    }
+
+    /// Whether a cell is at rest, and stays there if its contacts would pull it back.
+    fn stands(&self, cell: &SlidingCell) -> bool {
+        self.arrest == Arrest::Stand && cell.velocity == 0.0 && !cell.known.may_turn
     }
 
     /// The highest velocity √(Ẋ² + MẌ²/K) that a cell reaches as it swings about where forces balance, with the stiffness K of its

@@ -264,9 +264,16 @@ impl RateDependentInterface {
         self.motion.cells.iter().map(|cell| cell.velocity).collect()
     }
 
-    /// Friction force F_j of each cell, row by row; their sum is [`RateDependentInterface::force`].
+    /// Friction force F_j of each cell, row by row: the force of its contacts, or, of a cell that stands although they would pull it
+    /// back, what balances its spring and the coupling. The sum is [`RateDependentInterface::force`].
     pub fn forces(&self) -> Vec<f64> {
-        self.motion.cells.iter().map(|cell| cell.force).collect()
+        self.frictions().collect()
+    }
+
+    fn frictions(&self) -> impl Iterator<Item = f64> {
+        let SliderMotion { equation, cells, drive, .. } = &self.motion;
+        let cells = cells.iter().zip(&self.coupling_forces).enumerate();
+        cells.map(|(j, (cell, &coupling))| equation.friction(j, cell, *drive, coupling))
     }
 
     /// The attached contacts of a cell as intervals of stretch; [`crate::rate_dependent::binned`] converts them to a density.
@@ -282,7 +289,7 @@ impl RateDependentInterface {
 
     /// Friction force ΣF_j of all cells.
     pub fn force(&self) -> f64 {
-        self.motion.cells.iter().map(|cell| cell.force).sum()
+        self.frictions().sum()
     }
 
     /// Fraction of detached contacts.
@@ -512,8 +519,10 @@ impl RateDependentInterface {
         let SliderMotion { equation, cells, energies, time, drive, .. } = &self.motion;
         let seen = |(j, (cell, &viscous)): (usize, (&SlidingCell, &f64))| {
             let ContactEnergies { lost, broken, .. } = cell.energies();
-            let &SlidingCell { position, velocity, force, .. } = cell;
-            let acceleration = equation.acceleration(j, cell, *drive, self.coupling_forces[j]);
+            let &SlidingCell { position, velocity, .. } = cell;
+            let coupling = self.coupling_forces[j];
+            let acceleration = equation.acceleration(j, cell, *drive, coupling);
+            let force = equation.friction(j, cell, *drive, coupling);
             let speed = equation.speed(j, cell, acceleration);
             Seen { position, velocity, speed, force, lost, broken, viscous }
         };

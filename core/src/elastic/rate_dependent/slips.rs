@@ -96,11 +96,13 @@ struct Started {
 impl Seen {
     fn between(&self, next: &Self, share: f64) -> Self {
         let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
+        // Friction jumps where a cell comes to rest: what holds it there is less than its contacts bear as they slide.
+        let force = if next.velocity == 0.0 { next.force } else { between(|s| s.force) };
         Self {
             position: between(|s| s.position),
             velocity: between(|s| s.velocity),
             speed: between(|s| s.speed),
-            force: between(|s| s.force),
+            force,
             lost: between(|s| s.lost),
             broken: between(|s| s.broken),
             viscous: between(|s| s.viscous),
