@@ -5,6 +5,7 @@ use crate::record::{Quantity, Record};
 
 /// A slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Event {
     /// State X_1, F_1 at the loss of stability.
     pub before: Point,
@@ -34,6 +35,7 @@ impl Event {
 
 /// Events of about the same size.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Size {
     /// Their number.
     pub events: u64,

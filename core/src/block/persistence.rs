@@ -20,6 +20,7 @@ const DOUBLINGS: usize = 4;
 
 /// The stiffness at which persistent stick-slip ends, enclosed by two stiffnesses.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PersistenceLimit {
     /// The largest stiffness, below [`Self::ended`], at which stick-slip was found to persist; 0 if there was none.
     pub persists: f64,

@@ -6,6 +6,7 @@ use super::trace::{End, Point};
 
 /// The kind of sliding since the last turn of the drive. Its text gives the reason in words.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Regime {
     /// No slip over a long distance.
     Smooth {
@@ -45,6 +46,7 @@ pub enum Regime {
 
 /// The reason why a regime is undecided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Missing {
     /// No slip yet, but the sliding distance is too short.
     Distance,

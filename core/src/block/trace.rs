@@ -19,6 +19,7 @@ pub struct Point {
 
 /// The end of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum End {
     /// The drive reached its last value.
     Reached,

@@ -108,6 +108,7 @@ impl Rules {
 /// How the stretches at X = 0 and the thresholds go together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Start {
     /// The stretches are those of contacts that hold: thresholds are conditional on x_s > x, and nothing breaks at X = 0.
     #[default]

@@ -7,6 +7,7 @@ use crate::record::{Quantity, Record};
 /// A connected set of cells that slipped in one slide; with time-dependent contacts, from when the first of them begins to
 /// slip until none slips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Event {
     /// Load-point displacement X_T, a length.
     pub drive: f64,
@@ -46,6 +47,7 @@ pub struct Event {
 
 /// A cell that slipped in an event.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Slipped {
     /// Number of the cell, row by row.
     pub cell: usize,

@@ -30,6 +30,7 @@ const AHEAD: usize = 8;
 
 /// Results of an ensemble followed in time; contacts that break at a given time have broken.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct EnsembleTrace {
     /// The times t.
     pub time: Vec<f64>,

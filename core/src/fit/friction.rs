@@ -8,6 +8,7 @@ use crate::monitor::{Monitor, Part};
 
 /// A value with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct WithError {
     /// The value.
     pub value: f64,

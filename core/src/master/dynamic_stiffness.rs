@@ -67,6 +67,7 @@ struct AtAge {
 
 /// The motion after a small change of the velocity of the load point, per change of the velocity.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SpringResponse {
     /// δX/δV, a time: the change of the position of the slider relative to its steady motion.
     pub position: Vec<f64>,

@@ -16,6 +16,7 @@ use crate::numerics::volterra::Kernel;
 
 /// The derivatives of friction by a parameter θ; NaN where a quantity is not finite or not known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct FrictionGradient {
     /// ∂F_s/∂θ; `None` if the static friction is not reached.
     pub static_friction: Option<f64>,

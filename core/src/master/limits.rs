@@ -11,6 +11,7 @@ use crate::numerics::roots::brent_root;
 
 /// The limits of F_k(v), where they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Limits {
     /// F_k as v → ∞: that of fresh contacts without time dependence; with a delay of re-forming that of free contacts, N_c f, 0 by
     /// default, and infinite if their friction has a viscosity.

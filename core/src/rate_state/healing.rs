@@ -16,6 +16,7 @@ use super::separable::{GROWTH, StepFit, gradient, linear};
 /// assert!((found.per_decade - 0.01).abs() < 1e-6);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Healing {
     /// Healing rate β ln 10, per factor of ten in hold time in the logarithmic regime, a force.
     pub per_decade: f64,

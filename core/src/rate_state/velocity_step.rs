@@ -17,6 +17,7 @@ use super::separable::{DECAY, StepFit};
 /// assert!((found.distance - 5.0).abs() < 1e-3);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct VelocityStep {
     /// Direct effect a: the force at the peak above F₀, per ln(v/v₀).
     pub direct: f64,

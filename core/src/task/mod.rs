@@ -80,6 +80,7 @@ use summary::{
 
 /// The results of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Output<N> {
     /// The numbers of the task.
     pub numbers: N,

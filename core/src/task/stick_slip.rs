@@ -24,6 +24,7 @@ const SOFTEST: f64 = 1e-3;
 
 /// Whether a slider sticks and slips, and behind which springs it does.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct StickSlipStability {
     /// Stiffness K of the spring of the block.
     pub stiffness: f64,

@@ -514,6 +514,9 @@ fn what_cannot_be_followed_is_refused() {
     still.set_velocity(0.0).unwrap();
     assert_eq!(still.next_time(), f64::INFINITY);
     assert!(still.next_event_with(&mut ()).is_err() && still.run(Until::Drive(1.0), &mut |_| ()).is_err());
+    for end in [f64::INFINITY, f64::NAN].into_iter().flat_map(|end| [Until::Drive(end), Until::Time(end)]) {
+        assert!(timeless(plain.clone()).unwrap().run(end, &mut |_| ()).is_err(), "{end:?}");
+    }
     assert!(still.restore(timeless(plain).unwrap().state()).is_err());
 }
 

@@ -53,9 +53,9 @@ impl Plain {
         let mut draws: Vec<_> = (0..size).map(draws).collect();
         let start = |contact| Draws::new(&initial.law, Purpose::Initial, contact).next();
         let forces: Vec<f64> = (0..size).map(start).collect();
-        let threshold = |contact: usize| match initial.start {
-            Start::Conditional => draws[contact][0].above(forces[contact]),
-            Start::Relaxed => draws[contact][0].next(),
+        let threshold = |contact: usize| {
+            let own = &mut draws[contact][0];
+            if initial.start == Start::Relaxed { own.next() } else { own.above(forces[contact]) }
         };
         let thresholds = (0..size).map(threshold).collect();
         Self { coupling, thresholds, drive: 0.0, draws, forces }

@@ -46,6 +46,7 @@ impl CreepState {
 
 /// The way of a slider under an imposed force.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CreepPath {
     /// States at rising times, the first at t = 0, the last at the end of the duration or at failure.
     pub states: Vec<CreepState>,

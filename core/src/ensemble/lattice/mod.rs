@@ -260,7 +260,7 @@ impl Lattice {
     /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
-    /// A time without a velocity, and a drive at rest.
+    /// An end that is not finite; a time without a velocity, and a drive at rest.
     pub fn run(&mut self, until: Until, each: &mut dyn FnMut(&Avalanche)) -> Result<()> {
         self.run_with(until, &mut (), each)
     }

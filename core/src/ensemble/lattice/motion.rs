@@ -6,7 +6,7 @@ use super::grid::ContactGrid;
 use super::{Lattice, LatticeCoupling, Minima, Until, stiffness};
 use crate::contacts::{Contacts, Initial, Rules};
 use crate::ensemble::{Disorder, Ensemble};
-use crate::error::not_negative;
+use crate::error::{finite, not_negative};
 use crate::monitor::{Monitor, fits, report};
 use crate::shape::Shape;
 use crate::{Error, Result};
@@ -213,14 +213,15 @@ impl Lattice {
         self.advance_to(key.max(clocks.progress(self.drive)));
     }
 
-    /// Refuses a time of a lattice without one, and a drive that is not reached at rest.
+    /// Refuses an end that is not finite, a time of a lattice without one, and a drive that is not reached at rest.
     pub(super) fn reaches(&self, until: Until) -> Result<()> {
         match (until, self.velocity()) {
             (Until::Time(time), None) => Err(no_time("until", time)),
             (Until::Drive(drive), Some(0.0)) => {
                 Err(Error::invalid("until", "a time, as the drive is at rest", drive))
             }
-            _ => Ok(()),
+            (Until::Drive(end) | Until::Time(end), _) => finite("until", end).map(drop),
+            (Until::Events(_), _) => Ok(()),
         }
     }
 }

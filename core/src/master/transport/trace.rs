@@ -7,6 +7,7 @@ use crate::master::Tolerance;
 
 /// Results at given times. At simultaneous breaks the force is that after the break.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Trace {
     /// Time t.
     pub time: Vec<f64>,

@@ -23,6 +23,7 @@ pub struct Solid {
 /// The direction of sliding on a lattice of rows and columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum SlidingDirection {
     /// Along the columns, from row to row; along a chain.
     #[default]
