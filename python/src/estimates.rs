@@ -125,6 +125,13 @@ impl Estimates {
         self.reported.converged
     }
 
+    /// Whether the readings are farther apart than a third of the mean life of the fitted contacts. Contacts whose lives are
+    /// longer or shorter by a factor may then have the same forces there, and the search may have found them.
+    #[getter]
+    fn sparse(&self) -> bool {
+        self.reported.sparse
+    }
+
     /// The number of solutions of the master equation that the search took.
     #[getter]
     fn solutions(&self) -> usize {

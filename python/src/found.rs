@@ -22,6 +22,8 @@ pub struct FittedNumbers {
     pub correlations: Vec<fit::Correlation>,
     /// Whether the search has converged.
     pub converged: bool,
+    /// Whether the readings are so far apart that other contacts may have the same forces there.
+    pub sparse: bool,
     /// Solutions of the master equation that it took.
     pub solutions: usize,
     /// How well the measurement is described.
@@ -44,6 +46,7 @@ impl FittedNumbers {
             covariance: found.covariance.clone(),
             correlations: found.correlations(),
             converged: found.converged,
+            sparse: found.is_sparse(),
             solutions: found.solutions,
             misfit: found.misfit,
             fixed: found.fixed(),
@@ -60,6 +63,7 @@ impl FittedNumbers {
             covariance: found.covariance.clone(),
             correlations: found.correlations(),
             converged: found.converged,
+            sparse: false,
             solutions: found.solutions,
             misfit: Some(found.misfit),
             fixed: found.fixed(),

@@ -124,6 +124,17 @@ impl Estimates {
         &self.ended.optimum.trial.curves[curve].readings
     }
 
+    /// Whether the readings of all curves are on average farther apart than a third of the mean life of the estimated contacts.
+    /// Contacts whose lives are longer or shorter by a factor may then have the same forces at the readings (aliasing), and the
+    /// search may have found them.
+    pub fn is_sparse(&self) -> bool {
+        /// Readings in a mean life, over which the force rises and falls once.
+        const ENOUGH: f64 = 3.0;
+        let lives =
+            self.ended.optimum.trial.curves.iter().map(|c| c.readings.contacts.equation.life().mean());
+        self.curves().iter().zip(lives).all(|(curve, life)| ENOUGH * curve.spacing() > life)
+    }
+
     /// Coefficients above 0.5, without sign, between the errors of two estimates.
     pub fn correlations(&self) -> Vec<Correlation> {
         correlations(&self.parameters, &self.covariance)

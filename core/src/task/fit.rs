@@ -154,7 +154,12 @@ pub(super) fn found(
         posterior: None,
         sources: task.curves().into_iter().filter_map(|curve| curve.source).collect(),
     };
-    let warnings = not_converged(found.converged);
+    let mut warnings = not_converged(found.converged);
+    if found.is_sparse() {
+        let text = "fit: the readings are farther apart than a third of a mean life: contacts of longer or shorter lives \
+                    may have the same forces there";
+        warnings.push(text.into());
+    }
     let accuracy = ForceAccuracy::new(model, found.pull(0).error_estimate(), found.equation().life().mean());
     let output = Output { warnings, ..Output::new(model, FitNumbers { fit: summary }, record) };
     let output = accuracy.of(model, "the force of the fit", output)?;
