@@ -227,6 +227,12 @@ impl Pictures {
         }
     }
 
+    /// Whether an option says how pictures are drawn.
+    fn are_asked_for(&self) -> bool {
+        let numbers = [self.figure_width, self.figure_height, self.figure_font_size, self.figure_dpi];
+        self.figures.is_some() || numbers.iter().any(Option::is_some) || self.figure_grey || self.no_title
+    }
+
     /// The same, with no picture at all if `none`.
     fn unless(&self, none: bool, scenario: &Figure) -> Figure {
         let style = self.style(scenario);
@@ -246,6 +252,7 @@ fn format() -> impl TypedValueParser<Value = FigureFormat> {
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if f64::is_finite(value) && value > 0.0 => Ok(value),
+        Ok(f64::INFINITY) => Err("expected a finite number above 0".into()),
         _ => Err("expected a number above 0".into()),
     }
 }
@@ -254,6 +261,17 @@ impl Run {
     /// How pictures are drawn.
     pub fn style(&self, scenario: &Figure) -> Figure {
         self.pictures.unless(self.no_figures || !self.writes("figures"), scenario)
+    }
+
+    /// What contradicts itself in the options, if anything does.
+    pub fn contradiction(&self) -> Option<&'static str> {
+        let (asked, all) = (self.pictures.are_asked_for(), self.only.is_empty());
+        match self.writes("figures") {
+            false if asked => Some("options of pictures beside --only without figures"),
+            true if self.no_figures && !all => Some("--no-figures beside --only with figures"),
+            true if self.no_figures && asked => Some("options of pictures beside --no-figures"),
+            _ => None,
+        }
     }
 
     /// Which files of results are written.

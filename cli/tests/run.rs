@@ -147,11 +147,14 @@ fn pictures_are_those_that_are_asked_for() {
     for (options, expected) in [
         (&["--figures", "eps"][..], "possible values: svg, png, pdf"),
         (&["--figure-width=-3"], "expected a number above 0"),
-        (&["--figure-dpi", "inf"], "expected a number above 0"),
+        (&["--figure-dpi", "inf"], "expected a finite number above 0"),
         (&["--figure-dpi", "1e6"], "figure.dpi: expected at most 20000 dots along a side"),
         (&["--figure-width", "20", "--figure-font-size", "12"], "figure: expected a picture at least"),
         (&["--set", "figure.width=-3"], "figure.width: expected a number above 0"),
         (&["--figures", "pdf", "--no-figures"], "cannot be used with"),
+        (&["--no-title", "--no-figures"], "options of pictures beside --no-figures"),
+        (&["--only", "csv", "--figure-dpi", "300"], "options of pictures beside --only without figures"),
+        (&["--only", "nc,figures", "--no-figures"], "--no-figures beside --only with figures"),
     ] {
         let output = folder.run(&[&["run", "quick.toml", "-o", "none"], options].concat());
         assert_eq!(output.status.code(), Some(2), "{options:?}");

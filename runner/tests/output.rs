@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
 use asperity::task::summary::{Extended, Friction, Numbers, PullNumbers, StaticFriction, Summary};
-use asperity_runner::output::{self, Attachment, Error, Outcome};
+use asperity_runner::output::{self, Attachment, Error, Only, Outcome};
 use netcdf_reader::NcFile;
 use netcdf_writer::{NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
 
@@ -201,6 +201,29 @@ fn files_that_were_changed_get_another_name() {
         assert_eq!(output::read(&dir).unwrap(), outcome(1));
     }
     assert_eq!(fs::read_to_string(dir.join("summary.json.kept")).unwrap(), "edited");
+}
+
+#[test]
+fn files_that_were_changed_do_not_stay_beside_results_without_them() {
+    let (_base, dir) = place();
+    output::write(&dir, &outcome(1), &[]).unwrap();
+    fs::write(dir.join("force.csv"), "edited").unwrap();
+    let only = Only { csv: false, ..Only::ALL };
+    let renamed = output::write_only(&dir, (&outcome(2), None), &[], only).unwrap().renamed;
+    assert_eq!(renamed.len(), 1);
+    assert!(!dir.join("force.csv").exists());
+    assert_eq!(fs::read_to_string(dir.join("force.csv.kept")).unwrap(), "edited");
+}
+
+#[test]
+fn results_without_what_is_read_say_so() {
+    let (_base, dir) = place();
+    for only in [Only { json: false, ..Only::ALL }, Only { netcdf: false, ..Only::ALL }] {
+        output::write_only(&dir, (&outcome(1), None), &[], only).unwrap();
+        let refused = output::read(&dir).unwrap_err().to_string();
+        let file = if only.json { "result.nc" } else { "summary.json" };
+        assert!(refused.contains(&format!("{file}: cannot read: not in this folder")), "{refused}");
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asperity::task::summary::Numbers;
 use asperity_runner::input;
 use asperity_runner::output::{self, Outcome};
 
@@ -162,6 +163,45 @@ fn a_protocol_is_reported_step_by_step_and_both_solvers_agree() {
     assert_eq!(table.lines().next(), Some(header));
     assert!(!dir.join("events.csv").exists() && !dir.join("force.csv").exists());
     assert_eq!(output::read(&dir).unwrap(), outcome);
+}
+
+/// Forces along a ramp of contacts with ageing, delays and friction of free contacts, by an integration of second order of the
+/// equation of cohorts along X = 0.05 t + 0.0475 t², extrapolated; its own error is 3e-5.
+#[test]
+fn the_error_of_a_force_along_a_ramp_is_that_of_its_pieces_too() {
+    let scenario = |more: &str| {
+        format!(
+            "{more}
+             [contacts]
+             thresholds.gaussian = {{ mean = 1.2, std = 0.25 }}
+             stiffness_per_threshold = 1.4
+             count = 5.0
+             ageing.frozen_rank = {{ mature.gaussian = {{ mean = 0.8, std = 0.1 }}, time = 4.0 }}
+             delay.rectangular = {{ min = 0.5, max = 2.0 }}
+             free_friction = {{ force = 0.2 }}
+             [initial]
+             point.at = 0.1
+             [[protocol]]
+             velocity = 0.05
+             velocity_to = 1.0
+             duration = 10.0
+             points = 21"
+        )
+    };
+    for (more, pieces, largest) in [("", 64, 2e-3), ("master_equation.tolerance = 1e-5", 256, 2e-4)] {
+        let outcome = run(&scenario(more));
+        let Numbers::Protocol(numbers) = &outcome.summary.numbers else { panic!("a protocol") };
+        assert!(numbers.force_error < largest, "{}", numbers.force_error);
+        assert_eq!((numbers.steps[0].pieces, numbers.steps[0].velocity_from), (Some(pieces), Some(0.05)));
+        let [position, force] = ["position", "force"].map(|name| outcome.record.values(name).unwrap());
+        for (t, expected) in
+            [(1.5, 2.120955), (3.0, 4.656155), (4.0, 2.426260), (6.0, 4.042702), (8.0, 2.069205)]
+        {
+            let point = (2.0 * t) as usize;
+            near(position[point], 0.05 * t + 0.0475 * t * t, 1e-12);
+            near(force[point], expected, numbers.force_error + 3e-5);
+        }
+    }
 }
 
 /// Two velocity steps of a synthetic record: the force before the second one is that after the transient of the first.

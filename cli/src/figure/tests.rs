@@ -673,6 +673,7 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
         position: 20.0,
         duration: 20.0,
         pieces: None,
+        velocity_from: None,
         force: 0.45,
         peak: Peak { force: 0.5, position: 20.0 },
         kinetic_friction: Some(0.45),

@@ -59,7 +59,14 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
     }
     if let (Some(breaks), Some(slip)) = (catalogue.dissipated_breaks, catalogue.dissipated_slip) {
         let energy = |number| value(number, Quantity::Energy);
-        lines.push(("dissipated", format!("{} in breaks, {} in slips", energy(breaks), energy(slip))));
+        lines.push((
+            "dissipated",
+            format!(
+                "{} in breaks, {} in the slider, at the cells that slipped",
+                energy(breaks),
+                energy(slip)
+            ),
+        ));
     }
     lines
 }

@@ -82,10 +82,13 @@ fn stable(summary: &Summary, found: &SlidingStability) -> String {
 fn step_text(summary: &Summary, step: &ProtocolStep) -> String {
     let time = value(summary, step.duration, Quantity::Time);
     let force = value(summary, step.force, Quantity::Force);
-    let motion = if step.velocity == 0.0 {
-        format!("hold of {time}")
-    } else {
-        format!("v = {} for {time}", value(summary, step.velocity, Quantity::Velocity))
+    let velocity = |number| value(summary, number, Quantity::Velocity);
+    let motion = match (step.velocity_from, step.pieces.unwrap_or(1)) {
+        (Some(from), pieces) => {
+            format!("v from {} to {} for {time}, in {pieces} pieces", velocity(from), velocity(step.velocity))
+        }
+        (None, _) if step.velocity == 0.0 => format!("hold of {time}"),
+        (None, _) => format!("v = {} for {time}", velocity(step.velocity)),
     };
     let peak = value(summary, step.peak.force, Quantity::Force);
     let steady = step

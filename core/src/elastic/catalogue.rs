@@ -26,8 +26,8 @@ pub(super) struct FinishedSlide<'a> {
     pub after: &'a Configuration,
     /// Mean forces of drive and slider on the cells during the slide, see [`InterfaceModel::mean_pulls`].
     pub pulls: &'a [f64],
-    /// Friction force now.
-    pub force: f64,
+    /// Forces on all cells before and after it: what pulls them at this drive, and their friction.
+    pub forces: [f64; 2],
 }
 
 impl FinishedSlide<'_> {
@@ -94,7 +94,7 @@ impl FinishedSlide<'_> {
     }
 
     fn event(&self, slipped: &[Slipped]) -> Event {
-        let Self { slide, model, after, pulls, force } = *self;
+        let Self { slide, model, after, pulls, forces: [force_before, force_after] } = *self;
         let all = |of: &dyn Fn(usize) -> f64| slipped.iter().map(|s| of(s.cell)).sum::<f64>();
         let areas = model.springs.areas();
         let slipped_area = all(&|cell| areas.of(cell));
@@ -117,8 +117,8 @@ impl FinishedSlide<'_> {
             front_speed_right,
             position_before: mean(&|cell| slide.before.positions[cell]),
             position_after: mean(&|cell| after.positions[cell]),
-            force_before: slide.force,
-            force_after: force,
+            force_before,
+            force_after,
             broken_fraction: all(&|cell| model.cells.since_mark(cell).broken) / areas.total(model.len()),
             dissipated_breaks: all(&|cell| model.cells.since_mark(cell).lost),
             dissipated_slip: all(&|cell| pulls[cell] * self.slip(cell) - model.cells.since_mark(cell).work),

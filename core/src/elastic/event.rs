@@ -32,7 +32,8 @@ pub struct Event {
     pub position_before: f64,
     /// Mean position of these cells after the event.
     pub position_after: f64,
-    /// Friction force of the whole interface before the slide.
+    /// Friction force of the whole interface before the slide; without time, the pull of drive and slider at this drive, before
+    /// cells move.
     pub force_before: f64,
     /// Friction force of the whole interface after the slide.
     pub force_after: f64,

@@ -49,6 +49,7 @@ pub use state::State;
 
 pub use crate::energy::EnergyBalance;
 
+use self::batch::sum;
 use self::catalogue::FinishedSlide;
 use self::configuration::{Advances, Configuration};
 use self::creep::{CreepPace, Stride};
@@ -413,7 +414,10 @@ impl Interface {
         };
         model.cells.reattach();
         let (force, dissipated) = (model.force(), slide.dissipated(model, &configuration.positions, &pulls));
-        let finished = FinishedSlide { slide: &slide, model, after: configuration, pulls: &pulls, force };
+        // Pulls are linear in positions. The drive has gone beyond the last balance by the tolerance at most, and with the pull at
+        // its place before and after the slide the drop is that at a fixed drive.
+        let forces = [2.0 * sum(pulls.len(), |cell| pulls[cell]) - force, force];
+        let finished = FinishedSlide { slide: &slide, model, after: configuration, pulls: &pulls, forces };
         let events = finished.events();
         model.cells.unmark();
         energy.add_slide(model, configuration, coupling, dissipated);

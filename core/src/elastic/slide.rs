@@ -23,8 +23,6 @@ pub(super) struct SlideRecord {
     pub parameters: InterfaceParameters,
     /// Where cells were before.
     pub before: Configuration,
-    /// Friction force before.
-    pub force: f64,
     /// Work done on the contacts before, since the beginning.
     pub work: f64,
     /// Cells that became unstable, in this order.
@@ -47,7 +45,6 @@ impl SlideRecord {
         Self {
             parameters,
             before: configuration.clone(),
-            force: model.force(),
             work: model.cells.energies().work,
             unstable: Vec::with_capacity(model.len()),
             starts: vec![f64::NAN; model.len()],

@@ -24,7 +24,7 @@ pub struct Drive {
     pub distance: Option<f64>,
     /// Successive load-point positions X_T for driving back and forth; instead of `drive.distance`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-dimension" = "length"))]
+    #[schemars(length(min = 1), extend("x-dimension" = "length"))]
     pub turning_points: Option<Vec<f64>>,
     /// Imposed force, increased up to this value; instead of `drive.distance`, without `[block]`.
     #[serde(skip_serializing_if = "Option::is_none")]

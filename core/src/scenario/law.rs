@@ -72,7 +72,7 @@ macro_rules! define_law {
                 cut: f64,
             },
             /// A weighted sum of distributions; point masses and densities may be mixed.
-            Mixture(Vec<Component>),
+            Mixture(#[schemars(length(min = 1))] Vec<Component>),
             /// Thresholds as functions of the drive where every break stretches all other contacts, relaxed at first.
             Renormalised {
                 /// Distribution of the thresholds, without point masses.

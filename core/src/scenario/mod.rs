@@ -347,11 +347,8 @@ fn sentence((argument, share, highest): (&str, f64, f64)) -> String {
 
 /// `value` if it is finite and above 0.
 fn positive(key: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(Error::invalid(key, "a number above 0", value))
-    }
+    let expected = if value > 0.0 { "a finite number above 0" } else { "a number above 0" };
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(Error::invalid(key, expected, value)) }
 }
 
 /// Checks that exactly one of the alternatives for `key` is given.

@@ -107,6 +107,22 @@ impl Step {
         (0..count).map(|i| Piece { velocity: first + (last - first) * middle(i), duration }).collect()
     }
 
+    /// When the pieces arrive at the position that the step has at the time `t` since its beginning: on a ramp they are ahead of
+    /// it between their ends.
+    fn arrival(&self, t: f64) -> f64 {
+        let ((first, last), pieces) = (self.velocities(), self.pieces());
+        if pieces.len() == 1 || first == last {
+            return t;
+        }
+        let Piece { duration, .. } = pieces[0];
+        let piece = ((t / duration) as usize).min(pieces.len() - 1);
+        let (begin, velocity) = (piece as f64 * duration, pieces[piece].velocity);
+        let slope = (last - first) / self.duration();
+        // The ramp moves by v δ + a δ²/2 in the piece, in which v is that at its beginning.
+        let inside = t - begin;
+        begin + inside * (first + slope * (begin + 0.5 * inside)) / velocity
+    }
+
     /// Checks every value.
     ///
     /// # Errors
@@ -214,13 +230,29 @@ impl Protocol {
         std::iter::once(0.0).chain(ends.collect::<Vec<_>>()).collect()
     }
 
-    /// The times of the trace, in increasing order; the first point of a step is the last one of the step before.
+    /// The same protocol with this number of pieces in each ramp, from the one that it has; `None` without ramps.
+    pub(crate) fn with_pieces(&self, number: impl Fn(usize) -> usize) -> Option<Self> {
+        let changed = |step: &Step| match step.velocity_to {
+            Some(_) => Step { pieces: Some(number(step.pieces().len())), ..step.clone() },
+            None => step.clone(),
+        };
+        let ramps = self.0.iter().any(|step| step.velocity_to.is_some());
+        ramps.then(|| Self(self.0.iter().map(changed).collect()))
+    }
+
+    /// Whether the number of pieces of all ramps is the default one, which may be raised.
+    pub(crate) fn has_default_pieces(&self) -> bool {
+        self.0.iter().all(|step| step.pieces.is_none())
+    }
+
+    /// The times of the trace, in increasing order; the first point of a step is the last one of the step before. Points in a ramp
+    /// are where the ramp is at evenly spaced times, and the times are those at which its pieces arrive there.
     pub fn times(&self) -> Vec<f64> {
         let knots = self.knots();
         let mut times = vec![0.0];
         for (step, ends) in self.0.iter().zip(knots.windows(2)) {
             let last = step.points - 1;
-            let inside = |i: usize| ends[0] + (ends[1] - ends[0]) * (i as f64 / last as f64);
+            let inside = |i: usize| ends[0] + step.arrival((ends[1] - ends[0]) * (i as f64 / last as f64));
             times.extend((1..last).map(inside).chain([ends[1]]));
         }
         times

@@ -173,6 +173,11 @@ fn a_ramp_is_where_it_should_be_at_the_end_of_each_piece() {
     let times = protocol.times();
     assert_eq!((times.len(), times[200], times[400]), (401, 2.5, 4.5));
     assert!(times.is_sorted_by(|a, b| a < b));
+    // Points are on the ramp at evenly spaced times, also inside of pieces.
+    for (i, &time) in times[200..].iter().enumerate() {
+        let since = 0.01 * i as f64;
+        assert!((history.position(time) - 5.0 - since - 0.5 * since * since).abs() < 1e-13, "{time}");
+    }
 }
 
 fn warnings(scenario: &Scenario) -> Vec<String> {

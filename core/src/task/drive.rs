@@ -156,7 +156,7 @@ fn at_a_velocity(
         Some(block) => in_time::behind(model, protocol, block, part)
             .map(|(sliding, record, accuracy)| (Some(sliding), record, accuracy))?,
         None => {
-            let (trace, record) = in_time::rigid(model, protocol, part)?;
+            let (_, trace, record) = in_time::rigid(model, protocol, part)?;
             (None, record, Some(ForceAccuracy::in_time(model, trace.error)))
         }
     };

@@ -9,7 +9,7 @@ use crate::Result;
 use crate::block::{Block, Slide};
 use crate::contacts::{Contacts, Rules, Stiffness};
 use crate::history::{History, Piece};
-use crate::master::{Trace, Transport};
+use crate::master::{Tolerance, Trace, Transport};
 use crate::monitor::{Aside, Monitor, Part, Preparation};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
@@ -68,7 +68,8 @@ pub(super) fn check_size(protocol: &scenario::Protocol, model: &Model, monitor: 
     fits("protocol", points * WIDTH * traces, || format!("a trace of {points} points"), monitor)
 }
 
-/// Moves a rigid slider. Returns its trace, and the variables of the trace and of the force of the ensemble.
+/// Moves a rigid slider. Returns the protocol in the pieces that were followed, its trace, and the variables of the trace and of the
+/// force of the ensemble.
 ///
 /// # Errors
 /// Errors of the solvers, a stop by the monitor.
@@ -76,15 +77,11 @@ pub(super) fn rigid(
     model: &Model,
     protocol: &scenario::Protocol,
     monitor: &mut dyn Monitor,
-) -> Result<(Trace, Record)> {
+) -> Result<(scenario::Protocol, Trace, Record)> {
     let Model { contacts, initial, .. } = model;
-    let (history, times) = (protocol.build()?, protocol.times());
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
-    let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
-    let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
-    let (accuracy, part) =
-        ((tolerance, model.master_equation.tolerance), &mut Part::new(monitor, 0.0, master));
-    let mut trace = Transport::follow_as_required(&mut build, (&history, &times), accuracy, part)?;
+    let (protocol, mut trace) = followed(model, protocol, &mut Part::new(monitor, 0.0, master))?;
+    let (history, times) = (protocol.build()?, protocol.times());
     let mut record = trace_record(&trace, !contacts.rules.delay.is_none());
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
@@ -96,7 +93,51 @@ pub(super) fn rigid(
     trace.force.iter_mut().for_each(|force| *force += model.background);
     model.add_background(&FORCES, &mut record);
     model.add_coefficient(FORCE.name, &mut record);
-    Ok((trace, record))
+    Ok((protocol, trace, record))
+}
+
+/// Follows a rigid slider. What the pieces of ramps change is of second order in their number: the difference from the motion in half
+/// as many, some three times that, is part of the error. Where more accuracy is required than the default number gives, it is
+/// doubled. Returns the protocol in the pieces that were followed.
+///
+/// # Errors
+/// Errors of the solver; an accuracy that is not reached; stopped by the monitor.
+fn followed(
+    model: &Model,
+    protocol: &scenario::Protocol,
+    monitor: &mut dyn Monitor,
+) -> Result<(scenario::Protocol, Trace)> {
+    /// Doublings of the default number of pieces: the cost of many pieces rises with its square.
+    const DOUBLINGS: u32 = 4;
+    let required = model.master_equation.tolerance;
+    let accuracy = (model.master_equation.tolerance_in_time(&model.contacts.rules), required);
+    let follow = |protocol: &scenario::Protocol, part: &mut dyn Monitor| {
+        let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
+        Transport::follow_as_required(&mut build, (&protocol.build()?, &protocol.times()), accuracy, part)
+    };
+    let Some(coarse) = protocol.with_pieces(|count| count.div_ceil(2)) else {
+        return Ok((protocol.clone(), follow(protocol, monitor)?));
+    };
+    let mut rough = follow(&coarse, &mut Part::new(monitor, 0.0, 0.3))?;
+    let (mut protocol, mut left) = (protocol.clone(), 0.7);
+    let mut doublings = if required.is_some() && protocol.has_default_pieces() { DOUBLINGS } else { 0 };
+    let unit = model.stiffness() * model.contacts.thresholds.mean();
+    loop {
+        let share = if doublings == 0 { left } else { 0.5 * left };
+        let mut trace = follow(&protocol, &mut Part::new(monitor, 1.0 - left, share))?;
+        left -= share;
+        let differences = trace.force.iter().zip(&rough.force).map(|(fine, rough)| (fine - rough).abs());
+        let error = trace.error + differences.fold(0.0, f64::max);
+        if doublings == 0 || required.is_some_and(|required| error / unit <= required) {
+            let what = || "the force along ramps in pieces of constant velocity".to_owned();
+            required.map_or(Ok(()), |required| Tolerance::from(required).allows(error / unit, what))?;
+            trace.error = error;
+            return Ok((protocol, trace));
+        }
+        doublings -= 1;
+        protocol = protocol.with_pieces(|count| 2 * count).unwrap_or(protocol);
+        rough = trace;
+    }
 }
 
 /// The contacts at the start, solved by transport.

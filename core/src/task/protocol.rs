@@ -60,8 +60,8 @@ pub(super) fn run(
         return Err(Error::invalid("interface", "none: Protocol::run_interface moves an interface", "one"));
     }
     in_time::check_size(task, model, monitor)?;
-    let (trace, mut record) = in_time::rigid(model, task, monitor)?;
-    let steps = steps(model, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
+    let (task, trace, mut record) = in_time::rigid(model, task, monitor)?;
+    let steps = steps(model, &task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
     let compare = model.compare.as_ref().map(|curve| compared(curve, &trace, &mut record));
     let numbers = ProtocolNumbers { force_error: trace.error, steps, compare };
     let accuracy = ForceAccuracy::in_time(model, trace.error);
@@ -147,6 +147,7 @@ fn steps(
         };
         steps.push(ProtocolStep {
             velocity,
+            velocity_from: step.velocity_to.map(|_| step.velocities().0),
             position: position[0],
             duration: step.duration(),
             pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
@@ -203,6 +204,7 @@ fn steps_behind(
         }
         steps.push(ProtocolStep {
             velocity,
+            velocity_from: step.velocity_to.map(|_| step.velocities().0),
             position: drive[first],
             duration: step.duration(),
             pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),

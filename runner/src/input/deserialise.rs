@@ -49,6 +49,9 @@ impl<'de> Deserializer<'de> for Reader<'_> {
             Kind::Float(number) if (0.0..=LARGEST_WHOLE).contains(&number) && number.fract() == 0.0 => {
                 visitor.visit_u64(number as u64)
             }
+            Kind::Float(number) if number > LARGEST_WHOLE => {
+                self.refuse("a whole number in digits, below 2^63")
+            }
             _ => self.refuse("a whole number, 0 or above"),
         }
     }

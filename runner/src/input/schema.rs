@@ -149,6 +149,7 @@ fn combinations() -> Vec<Value> {
             key("interface.disorder.std"),
             any(["interface.disorder.file", "interface.disorder.scale"].map(key)),
         ),
+        refuses(key("interface.disorder.file"), key("interface.disorder.scale")),
         implies(
             all([
                 key("renormalisation"),
@@ -205,6 +206,11 @@ fn combinations() -> Vec<Value> {
         without(&key("contacts.ageing.smoluchowski.mature.point")),
         refuses(steady, any([key("initial"), quenched.clone()])),
         refuses(key("spectrum"), quenched),
+        refuses(
+            key("compare.file"),
+            any(["compare.position", "compare.velocity", "compare.hold", "compare.force"].map(key)),
+        ),
+        implies(key("sweep"), any(["sweep.over", "sweep.repeat"].map(key))),
         // What a fit is given.
         refuses(
             key("fit.steady"),

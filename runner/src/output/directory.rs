@@ -75,7 +75,7 @@ pub(super) fn add(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     for name in files.iter().map(|file| file.name.as_str()) {
         let to = folder.join(name);
         if to.symlink_metadata().is_ok() && !before.is_of_ours(&to) {
-            let kept = free_name(&folder, name, to.clone());
+            let kept = free_name(&folder, name);
             fs::rename(&to, &kept).map_err(Error::system(&to, "rename"))?;
             renamed.push(Renamed { from: to.clone(), to: kept });
         }
@@ -117,16 +117,17 @@ fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<Vec<_>>>()
     });
     let mut paths = entries.map_err(Error::system(old, "read the folder"))?;
+    // A result that was changed does not stay under its name beside other results.
+    let is_renamed = |name: &OsStr| former.has(name) || dir.join(name).symlink_metadata().is_ok();
     // Files that keep their names move first, so that a new name cannot collide with one of theirs.
-    let is_taken = |path: &PathBuf| dir.join(path.file_name().unwrap_or_default()).symlink_metadata().is_ok();
-    paths.sort_by_cached_key(is_taken);
+    paths.sort_by_cached_key(|path| is_renamed(path.file_name().unwrap_or_default()));
     for path in paths {
         let name = path.file_name().unwrap_or_default();
         if name == MARKER || former.is_of_ours(&path) {
             fs::remove_file(&path).map_err(Error::system(&path, "remove"))?;
             continue;
         }
-        let to = free_name(dir, &name.to_string_lossy(), dir.join(name));
+        let to = if is_renamed(name) { free_name(dir, &name.to_string_lossy()) } else { dir.join(name) };
         fs::rename(&path, &to).map_err(Error::system(&path, "move back into the folder of results"))?;
         if to.file_name() != Some(name) {
             renamed.push(Renamed { from: dir.join(name), to });
@@ -136,12 +137,11 @@ fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
     Ok(renamed)
 }
 
-/// `wanted` if that path is free, otherwise the first free one of `NAME.kept`, `NAME.kept2`, ….
-fn free_name(dir: &Path, name: &str, wanted: PathBuf) -> PathBuf {
-    let others = (1_u64..)
-        .map(|i| dir.join(format!("{name}.kept{}", if i == 1 { String::new() } else { i.to_string() })));
-    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
-    std::iter::once(wanted).chain(others).find(is_free).expect("numbers do not end")
+/// The first free path of `NAME.kept`, `NAME.kept2`, ….
+fn free_name(dir: &Path, name: &str) -> PathBuf {
+    let number = |i: u64| if i == 1 { String::new() } else { i.to_string() };
+    let mut names = (1..).map(|i| dir.join(format!("{name}.kept{}", number(i))));
+    names.find(|path| fs::symlink_metadata(path).is_err()).expect("numbers do not end")
 }
 
 /// A hidden folder next to the destination, which is removed when dropped.

@@ -2,6 +2,7 @@
 //! changed since, belongs to someone else.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -39,6 +40,11 @@ impl Listing {
             Some((parts.next()?.to_owned(), (size, sum)))
         };
         lines.map(file).collect::<Option<_>>().map(Self)
+    }
+
+    /// Whether a file of this name is listed.
+    pub fn has(&self, name: &OsStr) -> bool {
+        name.to_str().is_some_and(|name| self.0.contains_key(name))
     }
 
     /// Whether the file at `path` is listed and unchanged.

@@ -1,6 +1,7 @@
 //! Reading of a result folder.
 
 use std::fs::{self, File};
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,8 +33,19 @@ pub fn read_drawn(dir: &Path, most: u64) -> Result<Outcome> {
 fn read_with(dir: &Path, record: impl FnOnce(&Path) -> Result<Record>) -> Result<Outcome> {
     let path = dir.join("summary.json");
     let scenario = without_schema(text(&dir.join("scenario.toml"))?);
+    let both = [path.clone(), dir.join("result.nc")];
+    both.iter().try_for_each(|path| is_written(path))?;
     let summary = summary(&text(&path)?).map_err(Error::malformed(&path))?;
-    Ok(Outcome { scenario, summary, record: record(&dir.join("result.nc"))? })
+    Ok(Outcome { scenario, summary, record: record(&both[1])? })
+}
+
+/// Refuses a file of the results that is not there, as a run may leave it out.
+fn is_written(path: &Path) -> Result<()> {
+    if path.exists() {
+        return Ok(());
+    }
+    let what = "not in this folder; results that are read again need `--only nc,json`, or all files";
+    Err(Error::system(path, "read")(io::Error::new(io::ErrorKind::NotFound, what)))
 }
 
 /// The key that identifies each task in a summary without `task`, as written by earlier versions.

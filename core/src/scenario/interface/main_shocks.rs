@@ -17,8 +17,8 @@ pub struct MainShocks {
     /// Length of the window on each side of a main shock, in mean intervals between events, above 0.
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "1"))]
     pub window: f64,
-    /// Largest distance of the epicentres of other events from that of the main shock, along rows and along columns, in cells;
-    /// without it all events count.
+    /// Largest distance of the epicentres of other events from that of the main shock, along rows and along columns, in cells:
+    /// beyond it an event is not compared with the main shock and not counted around it; without it all events are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<usize>,
 }

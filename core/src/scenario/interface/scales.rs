@@ -55,10 +55,11 @@ impl Scales {
 
     /// Checks the values for this number of cells.
     fn check(&self, cells: usize) -> Result<()> {
-        let given = [("std", self.std.is_some()), ("file", self.file.is_some() || self.scale.is_some())];
-        exactly_one("", "either std or file", &given)?;
+        let Self { std, file, scale, .. } = self;
+        let given = [("std", std.is_some()), ("file", file.is_some()), ("scale", scale.is_some())];
+        exactly_one("", "one of std, file and scale", &given)?;
         if let (Some(seed), None) = (self.seed, self.std) {
-            return Err(Error::invalid("seed", "none beside file: nothing is drawn", seed));
+            return Err(Error::invalid("seed", "none without std: nothing is drawn", seed));
         }
         self.std.map(|std| not_negative("std", std)).transpose()?;
         // TOML has no whole numbers above this.

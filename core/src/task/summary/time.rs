@@ -13,8 +13,11 @@ use super::Extended;
 /// A step of a protocol.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ProtocolStep {
-    /// Velocity at its end; 0 in a hold.
+    /// Velocity, of a ramp at its end; 0 in a hold.
     pub velocity: f64,
+    /// Velocity at the beginning of a ramp.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_from: Option<f64>,
     /// Position X at its start; of the load point beside a `[block]`.
     pub position: f64,
     /// Duration of the step.
