@@ -227,6 +227,16 @@ fn results_without_what_is_read_say_so() {
 }
 
 #[test]
+fn an_empty_folder_is_taken() {
+    let (base, dir) = place();
+    fs::create_dir_all(&dir).unwrap();
+    output::check(&dir).unwrap();
+    assert_eq!(output::write(&dir, &outcome(1), &[]).unwrap().renamed, []);
+    assert_eq!(output::read(&dir).unwrap(), outcome(1));
+    assert_eq!(fs::read_dir(base.path().join("out")).unwrap().count(), 1);
+}
+
+#[test]
 fn a_folder_that_does_not_list_its_files_is_refused() {
     let (base, dir) = place();
     fs::create_dir_all(&dir).unwrap();

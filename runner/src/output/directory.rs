@@ -87,16 +87,23 @@ pub(super) fn add(dir: &Path, files: &[NewFile<'_>]) -> Result<Vec<Renamed>> {
     Ok(renamed)
 }
 
-/// The folder itself, with links resolved, and whether it is already one of ours.
+/// Whether a folder has nothing in it, so that nothing is lost with it.
+fn is_empty(dir: &Path) -> bool {
+    fs::read_dir(dir).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// The folder itself, with links resolved, and whether it is there, empty or one of ours.
 fn destination(dir: &Path) -> Result<(PathBuf, bool)> {
     let foreign = |what| Err(Error::Foreign { path: dir.to_owned(), what });
     match fs::metadata(dir) {
         Ok(found) if !found.is_dir() => foreign("not a folder"),
-        Ok(_) if !dir.join(MARKER).is_file() => foreign("a folder that asperity did not make"),
-        Ok(_) if listing(dir).is_none() => {
+        Ok(_) if is_empty(dir) || listing(dir).is_some() => {
+            Ok((dir.canonicalize().map_err(Error::system(dir, "resolve"))?, true))
+        }
+        Ok(_) if dir.join(MARKER).is_file() => {
             foreign("a folder whose .asperity does not list what asperity wrote")
         }
-        Ok(_) => Ok((dir.canonicalize().map_err(Error::system(dir, "resolve"))?, true)),
+        Ok(_) => foreign("a folder that asperity did not make"),
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::system(dir, "look at")(error)),
         Err(_) if dir.is_symlink() => foreign("a link to nothing"),
         Err(_) if dir.file_name().is_none() => foreign("not a name for a folder"),

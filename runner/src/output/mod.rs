@@ -86,9 +86,9 @@ impl Only {
 /// Writes `outcome` and `attachments` as the folder `dir`.
 ///
 /// The files are written to a hidden folder next to `dir`, which then takes its place. After any error
-/// `dir` is unchanged, and nothing is left next to it. An existing folder is replaced only if
-/// it holds the file `.asperity`, which lists what asperity wrote. Other files in it, and files changed
-/// since, are kept; those with the name of a result are renamed and returned.
+/// `dir` is unchanged, and nothing is left next to it. An existing folder is replaced only if it is empty or
+/// holds the file `.asperity`, which lists what asperity wrote. Other files in it, and results changed since,
+/// are kept; those that were changed, or have the name of a result, are renamed and returned.
 ///
 /// # Errors
 /// `dir` was not made by asperity or cannot be written.

@@ -97,7 +97,8 @@ impl Seen {
     fn between(&self, next: &Self, share: f64) -> Self {
         let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
         // Friction jumps where a cell comes to rest: what holds it there is less than its contacts bear as they slide.
-        let force = if next.velocity == 0.0 { next.force } else { between(|s| s.force) };
+        let stops = self.velocity > 0.0 && next.velocity == 0.0;
+        let force = if stops { next.force } else { between(|s| s.force) };
         Self {
             position: between(|s| s.position),
             velocity: between(|s| s.velocity),
@@ -382,7 +383,8 @@ mod tests {
         let starts: Vec<f64> = events[1].1.iter().map(|slipped| slipped.start).collect();
         assert_eq!(starts, [0.0, 1.0, 2.0]);
         let Event { moment, force_before, force_after, broken_fraction, .. } = events[1].0;
-        assert_eq!((moment, force_before, force_after), (3.0 + 2.0 + 1.0, -4.5, -31.5));
+        // Two cells come to rest in the last step, and have the friction of its end.
+        assert_eq!((moment, force_before, force_after), (3.0 + 2.0 + 1.0, -4.5, 7.0 * -3.5 + 2.0 * -4.0));
         assert_eq!(broken_fraction, 6.0 / 9.0);
         assert_eq!(events.len(), 2);
     }
