@@ -43,7 +43,7 @@ pub struct Step {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "time"))]
     pub hold: Option<f64>,
-    /// Points of the trace in the step, evenly spaced in time, including both ends.
+    /// Points of the trace in the step, evenly spaced in time, on a ramp where it is at such times, including both ends.
     #[schemars(extend("minimum" = 2))]
     pub points: usize,
     /// In the first step only: `"conditional"` or `"relaxed"`, as `pull.start`, or `"steady"`: steady sliding at the `velocity`
