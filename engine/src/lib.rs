@@ -10,6 +10,7 @@ mod engine;
 mod law_change;
 mod limits;
 pub mod page;
+mod replace;
 pub mod request;
 mod solved;
 mod width_curve;
