@@ -185,7 +185,7 @@ mod tests {
     fn a_polygon_is_drawn_by_hand() {
         let key = "contacts.thresholds";
         let text = reshaped(TEXT, key, LawChange::Family("tabulated".into())).unwrap();
-        let text = reshaped(&text, key, LawChange::Move { node: 4, stretch: 1.01, density: 9.0 }).unwrap();
+        let text = reshaped(&text, key, LawChange::Move { handle: 4, stretch: 1.01, density: 9.0 }).unwrap();
         let text = reshaped(&text, key, LawChange::Add(None)).unwrap();
         let text = reshaped(&text, key, LawChange::Remove(0)).unwrap();
         let scenario = input::parse_complete(&text, "scenario").unwrap().scenario;

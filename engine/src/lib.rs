@@ -7,6 +7,7 @@
 pub mod answer;
 mod edit;
 mod engine;
+mod handles;
 mod law_change;
 mod limits;
 pub mod page;
