@@ -882,6 +882,22 @@ test("words at axes and legends are not cut", () =>
     assert.ok(found > 66, String(found));
   }));
 
+test("nothing is cut on paper", async () => {
+  await inBrowser(async (tab) => {
+    await tab.setViewportSize({ width: 1800, height: 900 });
+    await tab.waitForFunction(() => charts.force.plot.width > 400);
+    // While a page is printed, nothing is drawn anew.
+    await tab.evaluate(() => (Chart.prototype.size = function () { return { width: this.plot.width, height: this.plot.height }; }));
+    await tab.emulateMedia({ media: "print" });
+    await tab.setViewportSize({ width: 718, height: 1000 });
+    await tab.waitForTimeout(200);
+    assert.deepEqual(await cut(tab), []);
+    assert.equal(await tab.evaluate(() => document.documentElement.scrollWidth), 718);
+    const [height, all] = await tab.$eval("#text", (area) => [area.clientHeight, area.scrollHeight]);
+    assert.ok(height >= all, `${height} of ${all}`);
+  });
+});
+
 test("the rule of slip is shown, whatever it is", () =>
   inBrowser(async (tab) => {
     const rule = tab.locator('[id="block.slip"]');
