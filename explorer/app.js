@@ -31,7 +31,7 @@ function put(what, change) {
 const change = (key, value) => put(key, { key, value });
 
 /** @param {string} key @param {LawChange} law */
-const reshape = (key, law) => put(`${key} ${Object.keys(law)[0]} ${law.move?.node ?? law.weight?.part}`, { key, law });
+const reshape = (key, law) => put(`${key} ${Object.keys(law)[0]} ${law.move?.handle ?? law.weight?.part}`, { key, law });
 
 /** @param {number} x */
 function scrub(x) {
@@ -58,7 +58,11 @@ function receive(answer, request, milliseconds) {
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
   }
   if (invalid) byId("status").textContent = "not valid: the last valid scenario is shown";
-  if (invalid || !answer.scenario) return;
+  if (invalid || !answer.scenario) {
+    // A value that was refused leaves its field.
+    if (request.changes.length && state.shown.scenario) show(request.preview);
+    return;
+  }
   // What was computed last is shown until the new is there, but not on another sheet.
   const sheet = sheetOf(answer.scenario);
   if (sheet !== byId("plots").dataset.sheet) state.shown = {};
@@ -94,16 +98,24 @@ const editors = LAWS.map(({ name, key }) => {
 /** The numbers that have a slider, where the scenario has them. @type {[string, string][]} */
 const NUMBERS = [
   ["block.stiffness", "<i>K</i>"], ["contacts.count", "<i>N</i><sub>c</sub>"], ["contacts.stiffness", "⟨<i>k</i>⟩"], ["drive.distance", "distance"], ["drive.velocity", "velocity"],
+  ["block.slip.damped.damping", "<i>γ</i>"], ["block.slip.inertial.mass", "<i>M</i>"], ["block.slip.inertial.damping", "<i>γ</i>"],
   ["contacts.temperature.energy", "<i>T</i>"], ["contacts.ageing.logarithmic.growth", "ageing"],
   ["interface.connection", "<i>K</i><sub>0</sub>"], ["interface.coupling.neighbours.stiffness", "<i>K</i><sub>int</sub>"], ["interface.disorder.std", "disorder"],
 ];
 const rows = NUMBERS.map(([key, label]) => ({ key, row: new NumberRow(byId("slider"), key, label) }));
 const slip = element("select", { id: "block.slip" });
-slip.append(...options(["reset", "overdamped", "arrest"]));
 slip.onchange = () => change("block.slip", JSON.stringify(slip.value));
 const slipRow = element("div", { class: "row wide" }, '<label for="block.slip">slip rule</label>');
 slipRow.append(slip);
 byId("slider").append(slipRow);
+
+/** Shows the rule of slip. One that has parameters is begun in the text. @param {string | Record<string, any> | undefined} rule */
+function showSlip(rule) {
+  slipRow.hidden = !rule;
+  const name = typeof rule === "string" ? rule : Object.keys(rule ?? {})[0];
+  slip.replaceChildren(...options([...new Set(["reset", "overdamped", "arrest", name])]));
+  slip.value = name;
+}
 
 /** A number with the digits that are right, and its unit. @param {Extended | undefined | null} value @param {number} error relative @param {string} quantity */
 function digits(value, error, quantity) {
@@ -135,8 +147,9 @@ function show(preview) {
   const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
   for (const { key, editor } of editors) editor.show(valueAt(key));
   for (const { key, row } of rows) row.show(valueAt(key));
-  slipRow.hidden = !scenario.block?.slip;
-  slip.value = scenario.block?.slip;
+  showSlip(scenario.block?.slip);
+  charts.force.element.hidden = !force;
+  charts.laws.element.hidden = charts.stretches.element.hidden = !stretches;
   charts.force.set(force ? [force.position, force.force, force.position.map(() => force.kinetic_friction)] : [[], [], []]);
   charts.laws.set(stretches ? [stretches.law_stretch, ...LAWS.map(({ name }) => stretches[name].values)] : [[], [], [], []]);
   charts.stretches.set(stretches ? [stretches.stretch, stretches.density.values, stretches.steady.values] : [[], [], []]);
@@ -189,7 +202,7 @@ function begin(text, example = -1, note = "") {
 chosen.onchange = () => begin(examples[chosen.selectedIndex - 1].text, chosen.selectedIndex - 1);
 
 /** The sheet of a scenario. @param {any} scenario */
-const sheetOf = (scenario) => (scenario.interface ? "chain" : scenario.velocity_curve || scenario.hold_curve || scenario.protocol ? "time" : "slider");
+const sheetOf = (scenario) => (scenario.interface ? "chain" : scenario.velocity_curve || scenario.hold_curve || scenario.protocol || scenario.creep ? "time" : "slider");
 /** The last text of each sheet. @type {Record<string, string>} */
 const texts = {};
 const sheets = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#sheets button"))];
@@ -216,18 +229,26 @@ byId("link").onclick = () => {
 const quoted = (text) => text.replace(/\\|'''/g, (found) => found.replace(/./g, "\\$&"));
 byId("python").onclick = () => copy(`import asperity as asp\n\nresult = asp.run('''\n${quoted(state.text)}''')\nprint(result)\nresult.plot()\n`, "Python");
 
+/** Shows readings, or none. @param {typeof state.measured} readings */
+function showReadings(readings) {
+  state.measured = readings;
+  byId("forget").hidden = !readings;
+  fail("", "file");
+  charts.force.plot.redraw(false);
+}
+byId("forget").onclick = () => showReadings(null);
+
 /** @param {File | undefined} file */
 async function measured(file) {
   try {
     if (!file) return;
     if (file.size > 20e6) throw new Error(`expected a file below 20 MB, got ${(file.size / 1e6).toFixed(0)} MB`);
-    state.measured = readCurve(await file.text());
-    byId("status").textContent = `${state.measured.position.length} readings: ${state.measured.columns.join(" and ")}`;
-    fail("", "file");
-    charts.force.plot.redraw(false);
+    const readings = readCurve(await file.text());
+    const { position, force, columns } = readings;
+    showReadings(readings);
+    byId("status").textContent = `${position.length} readings: ${columns.join(" and ")}`;
     const { x, y } = charts.force.plot.scales;
     const within = (/** @type {number} */ value, /** @type {uPlot.Scale} */ { min, max }) => value >= (min ?? 0) && value <= (max ?? 0);
-    const { position, force } = state.measured;
     const outside = position.filter((at, i) => !within(at, x) || !within(force[i], y)).length;
     if (outside) byId("status").textContent += `; ${outside} of them beyond the axes`;
   } catch (error) {

@@ -21,6 +21,27 @@ function element(name, attributes = {}, html = "") {
 /** @param {string[]} names @param {Record<string, string>} [labels] */
 const options = (names, labels = {}) => names.map((name) => new Option(labels[name] ?? name, name));
 
+/**
+ * A field of a number. What is typed stays until it is entered; then the scenario may have another number.
+ * @param {Record<string, string>} attributes @param {() => void} entered
+ */
+function numberField(attributes, entered) {
+  const input = element("input", { type: "number", step: "any", ...attributes });
+  let [typing, last] = [false, ""];
+  const show = (/** @type {number} */ value) => {
+    last = brief(value);
+    if (!typing) input.value = last;
+  };
+  input.oninput = () => (typing = true);
+  input.onblur = () => (typing = false);
+  input.onchange = () => {
+    typing = false;
+    if (input.value === "") input.value = last;
+    else entered();
+  };
+  return { input, show };
+}
+
 /** Has as many rows as there are values: makes those that are missing, and removes those that are too many. @template {{element: Element}} T @param {T[]} rows @param {number} count @param {(number: number) => T} make */
 function resize(rows, count, make) {
   while (rows.length < count) rows.push(make(rows.length));
@@ -36,14 +57,13 @@ class NumberRow {
     this.row = element("div", { class: "row" });
     const name = element("label", { for: key }, label);
     this.range = element("input", { type: "range", min: "0", max: "1000", tabindex: "0", "aria-label": `${name.textContent}, slider` });
-    this.field = element("input", { type: "number", step: "any", id: key });
+    this.field = numberField({ id: key }, () => changed(Number(this.field.input.value)));
     this.range.oninput = () => {
       const value = rounded(this.of(Number(this.range.value) / 1000));
-      this.field.value = brief(value);
+      this.field.show(value);
       changed(value);
     };
-    this.field.onchange = () => this.field.value !== "" && changed(Number(this.field.value));
-    this.row.append(name, this.range, this.field);
+    this.row.append(name, this.range, this.field.input);
     parent.append(this.row);
   }
   /** @param {number} share */
@@ -53,12 +73,13 @@ class NumberRow {
   /** Shows a value; without one, the scenario has no such key, and the row is hidden. @param {number | undefined} value */
   show(value) {
     this.row.hidden = value === undefined;
-    if (value === undefined || document.activeElement === this.range) return;
+    if (value === undefined) return;
+    this.field.show(value);
+    if (document.activeElement === this.range) return;
     if (this.linear) this.linear = value > this.linear ? 2 * value : this.linear;
     else if (value > 0 && Math.abs(Math.log10(value / this.middle)) > 1.5) this.middle = 10 ** Math.round(Math.log10(value));
     const share = this.linear ? value / this.linear : (Math.log10(value / this.middle) + 2) / 4;
     this.range.value = String(Math.round(1000 * share));
-    if (document.activeElement !== this.field) this.field.value = brief(value);
   }
 }
 
@@ -68,7 +89,7 @@ class NodeRows {
   constructor(parent, key) {
     this.key = key;
     this.parent = element("div");
-    /** @type {{element: HTMLElement, fields: HTMLInputElement[]}[]} */
+    /** @type {{element: HTMLElement, fields: ReturnType<typeof numberField>[]}[]} */
     this.rows = [];
     this.add = element("button", {}, "Add node");
     this.add.onclick = () => reshape(key, { add: null });
@@ -76,34 +97,28 @@ class NodeRows {
   }
   /** @param {number} node */
   row(node) {
-    const fields = ["stretch", "density"].map((name) => element("input", { type: "number", step: "any", "aria-label": `${name} of node ${node + 1}` }));
-    for (const field of fields) field.onchange = () => reshape(this.key, { move: { node, stretch: Number(fields[0].value), density: Number(fields[1].value) } });
+    const moved = () => reshape(this.key, { move: { handle: node, stretch: Number(fields[0].input.value), density: Number(fields[1].input.value) } });
+    const fields = ["stretch", "density"].map((name) => numberField({ "aria-label": `${name} of node ${node + 1}` }, moved));
     const button = element("button", { "aria-label": `remove node ${node + 1}` }, "×");
     button.onclick = () => reshape(this.key, { remove: node });
     const row = element("div", { class: "row node" });
-    row.append(...fields, button);
+    row.append(...fields.map(({ input }) => input), button);
     this.parent.append(row);
     return { element: row, fields };
   }
-  /** @param {{stretch: number[], density: number[]}} polygon without nodes where there is none */
-  show({ stretch, density }) {
-    resize(this.rows, stretch.length, (node) => this.row(node));
-    this.rows.forEach(({ fields }, node) => fields.forEach((field, i) => {
-      if (document.activeElement !== field) field.value = String([stretch, density][i][node]);
-    }));
-    this.add.hidden = !stretch.length;
-    this.add.disabled = stretch.length >= NODES;
+  /** @param {any} law which has nodes if it is a polygon that is changed by hand */
+  show(law) {
+    const { stretch = [], density = [] } = law?.tabulated ?? {};
+    const count = stretch.length <= NODES ? density.length : 0;
+    resize(this.rows, count, (node) => this.row(node));
+    this.rows.forEach(({ fields }, node) => fields.forEach((field, i) => field.show([stretch, density][i][node])));
+    this.add.hidden = !count;
+    this.add.disabled = count >= NODES;
   }
 }
 
 /** Nodes of a polygon that is changed by hand. */
 const NODES = 12;
-
-/** The polygon that a distribution is; without nodes where it is none. @param {any} law @returns {{stretch: number[], density: number[]}} */
-function polygon(law) {
-  const { stretch, density } = law?.tabulated ?? {};
-  return stretch && density && stretch.length <= NODES ? { stretch, density } : { stretch: [], density: [] };
-}
 
 const FAMILIES = ["gaussian", "gamma", "lognormal", "weibull", "rectangular", "exponential", "point", "tabulated"];
 
@@ -166,7 +181,7 @@ class LawEditor {
       this.shown[name] ??= new NumberRow(this.rows, `${this.key}.${family}.${name}`, name, { linear });
       this.shown[name].show(value);
     }
-    this.nodes.show(polygon(law));
+    this.nodes.show(law);
     const parts = law?.mixture ?? [];
     resize(this.parts, parts.length, (part) => new PartEditor(this.partsElement, this.key, part, this.of));
     this.parts.forEach((part, i) => part.show(parts[i]));

@@ -29,20 +29,67 @@ const LAWS = [
 /** The value at a key of the scenario. @param {string} key @returns {any} */
 const valueAt = (key) => key.split(".").reduce((table, name) => table?.[name], state.shown.scenario);
 
-/** Which variables of a task are drawn: across, up, and whether the axes are logarithmic. @type {[string, string, boolean, boolean][]} */
+/** Which variables of a task are drawn, and how: a curve for each of `y`; of creep one for each force. @type {{title: string, x: string, y: string[], logarithmic: [boolean, boolean], words?: string, as?: "dots"}[]} */
 const TASKS = [
-  ["velocity", "kinetic_friction", true, false],
-  ["hold", "static_friction", true, false],
-  ["wave_number", "spectrum", true, true],
-  ["time", "force", false, false],
-  ["drive", "spring_force", false, false],
-  ["drive", "force", false, false],
+  { title: "Friction against velocity", x: "velocity", y: ["kinetic_friction"], logarithmic: [true, false] },
+  { title: "Healing", x: "hold", y: ["static_friction"], logarithmic: [true, false] },
+  { title: "Noise of the force", x: "wave_number", y: ["spectrum"], logarithmic: [true, true], words: "power spectrum of F" },
+  { title: "Creep", x: "creep_time", y: ["creep_position"], logarithmic: [true, false] },
+  { title: "Stick-slip", x: "velocity", y: ["persistent_stiffness", "critical_stiffness", "critical_stiffness_sliding"], logarithmic: [true, true], words: "stiffness K" },
+  { title: "Stick-slip", x: "stiffness", y: ["stick_slip"], logarithmic: [true, false], words: "none 0, transient 1, persistent 2", as: "dots" },
+  { title: "Motion of the slider", x: "time", y: ["force"], logarithmic: [false, false] },
+  { title: "Motion of the slider", x: "drive", y: ["spring_force"], logarithmic: [false, false] },
+  { title: "Motion of the slider", x: "drive", y: ["force"], logarithmic: [false, false] },
 ];
+/** The colour of a curve, and the dash of those after the last colour. @param {number} i */
+const style = (i) => ({ color: ["blue", "orange", "green"][i % 3], dash: [[], [6, 4], [2, 3], [8, 3, 2, 3]][Math.floor(i / 3) % 4] });
+/** Short words for curves that are drawn together. @type {Record<string, string>} */
+const WORDS = { persistent_stiffness: "end of persistent stick-slip", critical_stiffness: "K_c of the first pull", critical_stiffness_sliding: "K_c of steady sliding" };
+/** How the values of `stick_slip` are drawn at their velocities and stiffnesses. @type {Line[]} */
+const ANSWERS = [{ label: "none", color: "quiet", as: "rings" }, { label: "transient", color: "blue", as: "dots" }, { label: "persistent", color: "orange", as: "dots" }];
 
 /** What is drawn of the motion or the task. */
-const motionKind = () => TASKS.find(([x, y]) => traced(x).length && traced(y).length === traced(x).length);
+const motionKind = () => TASKS.find(({ x, y }) => traced(x).length && traced(y[0]).length === traced(x).length);
 /** The columns of its events: where they are on the axis of the motion, and the force before them. */
-const eventColumns = () => [motionKind()?.[0] === "time" ? "event_time" : "event_drive", "event_force_before"];
+const eventColumns = () => [motionKind()?.x === "time" ? "event_time" : "event_drive", "event_force_before"];
+
+/** @typedef {{line: Line, x: (number | null)[], y: (number | null)[]}} Curve */
+
+/** Where the slider is under each force, from the first point after loading on, and where it fails. @returns {Curve[]} */
+function creepCurves() {
+  const points = traced("creep_fraction").length;
+  const unit = (units.force ?? "1") === "1" ? "" : ` ${units.force}`;
+  const [x, y] = ["creep_time", "creep_position"].map((name) => (/** @type {number} */ i) => traced(name).slice(i * points + 1, (i + 1) * points));
+  const curves = traced("imposed_force").map((force, i) => ({ line: { label: `X at F = ${rounded(force)}${unit}`, ...style(i) }, x: x(i), y: y(i) }));
+  const failures = { line: /** @type {Line} */ ({ label: "failure", color: "ink", as: "dots" }), x: traced("failure_time"), y: traced("final_position") };
+  return failures.x.some(Number.isFinite) ? [...curves, failures] : curves;
+}
+
+/** The velocities and stiffnesses of each answer. @returns {Curve[]} */
+function answers() {
+  const [velocity, stiffness, found] = ["velocity", "stiffness", "stick_slip"].map(traced);
+  return ANSWERS.map((line, value) => {
+    const own = found.flatMap((answer, i) => (answer === value ? [i] : []));
+    return { line, x: own.map((i) => velocity[Math.floor(i / stiffness.length)]), y: own.map((i) => stiffness[i % stiffness.length]) };
+  });
+}
+
+/** The curves of a task. @param {typeof TASKS[number]} task @returns {Curve[]} */
+function curvesOf({ x, y, as }) {
+  if (x === "creep_time") return creepCurves();
+  const curves = y.map((name, i) => ({ line: { label: WORDS[name] ?? variable(name)?.long_name, as, ...style(i) }, x: traced(x), y: traced(name) }));
+  return y.length > 1 ? [...curves, ...answers()].filter(({ y }) => y.some((value) => Number(value) > 0)) : curves;
+}
+
+/** Curves as columns over one list of places, where logarithmic axes have none for 0. @param {Curve[]} curves @param {[boolean, boolean]} logarithmic */
+function columnsOf(curves, logarithmic) {
+  const placed = (/** @type {number | null} */ value, /** @type {number} */ axis) => typeof value === "number" && (value > 0 || !logarithmic[axis]);
+  const points = curves.flatMap(({ x, y }, curve) => x.map((at, i) => ({ curve, x: at, y: placed(y[i], 1) ? y[i] : null }))).filter(({ x }) => placed(x, 0));
+  // One curve may go back and forth.
+  if (curves.length > 1) points.sort((a, b) => Number(a.x) - Number(b.x));
+  // What is undefined interrupts no curve.
+  return [points.map(({ x }) => x), ...curves.map((_, own) => points.map(({ curve, y }) => (curve === own ? y : undefined)))];
+}
 
 /** @param {string} name */
 const variable = (name) => (state.shown.block ?? state.shown.task)?.record.variables.find((found) => found.name === name);
@@ -64,32 +111,12 @@ function stems(pen, { at, weights }, name) {
 const masses = (label, density) =>
   density?.at.length ? [[[`point masses of ${plain(label)}`, "length"], density.at], [["their weights", "number"], density.weights]] : [];
 
-/** The density of a distribution as it is drawn. @param {"thresholds" | "reforming" | "initial"} name @param {number} x */
-function height(name, x) {
-  const { law_stretch: stretch = [], [name]: law } = state.shown.stretches ?? {};
-  const after = Math.max(stretch.findIndex((other) => other >= x), 1);
-  const [a, b] = [law?.values[after - 1] ?? 0, law?.values[after] ?? 0];
-  return a + ((b - a) * (x - stretch[after - 1])) / (stretch[after] - stretch[after - 1]);
-}
-
-/** What is dragged on the curve of a distribution: its nodes, its mean and one standard deviation from it, or its point; of a mixture what is dragged of its parts, nodes aside. @returns {Handle[]} */
-function handles(/** @type {{name: typeof LAWS[number]["name"], key: string}} */ { name, key }) {
-  const law = valueAt(key);
-  if (law?.mixture) return law.mixture.flatMap((/** @type {any} */ part, /** @type {number} */ i) => (part.law.tabulated ? [] : handles({ name, key: `${key}.mixture.${i}.law` })));
-  const { stretch, density } = polygon(law);
-  const highest = density.indexOf(Math.max(...density));
-  const scale = height(name, stretch[highest]) / density[highest];
-  /** @type {Handle[]} */
-  const found = stretch.map((x, node) => ({
-    x, y: scale * density[node], remove: () => reshape(key, { remove: node }), move: (x, y) => reshape(key, { move: { node, stretch: rounded(x), density: y } }),
-  }));
-  const [family, { mean, std, at }] = Object.entries(law ?? { none: {} })[0];
-  const to = (/** @type {string} */ parameter, /** @type {number} */ value) => value > 0 && change(`${key}.${family}.${parameter}`, toml(rounded(value)));
-  if (mean > 0) found.push({ x: mean, y: height(name, mean), move: (x) => to("mean", x) });
-  if (mean > 0 && std > 0) found.push({ x: mean + std, y: height(name, mean + std), move: (x) => to("std", x - mean) });
-  if (at >= 0) found.push({ x: at, y: 0.9 * (charts.laws.plot.scales.y.max ?? 1), move: (x) => to("at", x) });
-  return found;
-}
+/** What is dragged on the curves of the distributions. @returns {Handle[]} */
+const lawHandles = () => (state.shown.handles ?? []).map(({ key, handle, stretch: x, density, weight, node }) => ({
+  x, y: weight ? 0.9 * weight * (charts.laws.plot.scales.y.max ?? 1) : density,
+  move: (stretch, density) => reshape(key, { move: { handle, stretch, density } }),
+  remove: node ? () => reshape(key, { remove: handle }) : undefined,
+}));
 
 /** The forces along a chain at its drives or times; none where cells are no chain. */
 function chain() {
@@ -118,6 +145,17 @@ const charts = {
     x: ["position X of the slider", "length"], y: ["friction force F", "force"],
     lines: [{ label: "<i>F</i>(<i>X</i>)", color: "blue" }, { label: "<i>F</i><sub>k</sub>", color: "green", dash: [6, 4] }],
     scrub: (x) => scrub(x),
+    keys() {
+      const { force, block } = state.shown;
+      /** @type {[unknown, Line][]} */
+      const all = [
+        [force?.force_std, { label: "± deviation, <i>N</i><sub>c</sub> contacts", color: "band", as: "band" }],
+        [block?.summary.first_instability && stiffness(), { label: "spring", color: "orange", dash: [3, 3] }],
+        [force?.static_friction, { label: "<i>F</i><sub>s</sub>", color: "blue", as: "dots" }],
+        [state.measured, { label: "readings", color: "ink", as: "dots" }],
+      ];
+      return all.filter(([there]) => there).map(([, line]) => line);
+    },
     marks(pen) {
       const { force, block } = state.shown;
       if (!force) return;
@@ -152,9 +190,9 @@ const charts = {
       for (const { name, color } of LAWS) if (state.shown.stretches) stems(pen, state.shown.stretches[name], color);
     },
     more: () => LAWS.flatMap(({ name, label }) => masses(label, state.shown.stretches?.[name])),
-    handles: () => LAWS.flatMap(handles),
+    handles: lawHandles,
     add(x) {
-      const drawn = LAWS.find(({ key }) => polygon(valueAt(key)).stretch.length);
+      const drawn = state.shown.handles?.find(({ node }) => node);
       if (drawn) reshape(drawn.key, { add: rounded(x) });
     },
   }),
@@ -179,6 +217,7 @@ const charts = {
   }),
   motion: new Chart("motion", {
     x: ["drive", "length"], y: ["spring force", "force"], lines: [{ label: "spring force", color: "blue" }],
+    keys: () => (traced(eventColumns()[0]).length ? [{ label: "slips", color: "orange", as: "dots" }] : []),
     marks(pen) {
       const [at, forces] = eventColumns().map(traced);
       pen.dots(at.map((x, i) => [x, forces[i]]), "orange", { radius: 3 });
@@ -222,16 +261,17 @@ const charts = {
 
 /** Draws the motion of the block, or the task where it is another one. */
 function showMotion() {
-  const kind = motionKind();
-  charts.motion.element.hidden = !kind;
-  if (!kind) return;
-  const [x, y, ...logarithmic] = kind;
+  const task = motionKind();
+  charts.motion.element.hidden = !task;
+  if (!task) return;
+  const curves = curvesOf(task);
   const named = (/** @type {string} */ name) => /** @type {Named} */ ([variable(name)?.long_name, variable(name)?.quantity]);
-  const shape = { x: named(x), y: named(y), lines: [{ label: named(y)[0], color: "blue" }], logarithmic: /** @type {[boolean, boolean]} */ (logarithmic) };
-  if (charts.motion.shape.x[0] !== shape.x[0] || charts.motion.shape.y[0] !== shape.y[0]) charts.motion.reshape(shape);
-  // Logarithmic axes have no place for 0.
-  const drawn = (/** @type {number} */ i) => [x, y].every((name, axis) => !logarithmic[axis] || traced(name)[i] > 0);
-  charts.motion.set(/** @type {any} */ ([x, y].map((name) => traced(name).filter((_, i) => drawn(i)))));
+  const [words, quantity] = named(task.y[0]);
+  const shape = { x: named(task.x), y: /** @type {Named} */ ([task.words ?? words, quantity]), lines: curves.map(({ line }) => line), logarithmic: task.logarithmic };
+  const { x, y, lines, logarithmic } = charts.motion.shape;
+  if (JSON.stringify({ x, y, lines, logarithmic }) !== JSON.stringify(shape)) charts.motion.reshape(shape);
+  charts.motion.title(task.title);
+  charts.motion.set(/** @type {any} */ (columnsOf(curves, task.logarithmic)));
 }
 
 /** Draws the forces along a chain. */

@@ -23,6 +23,15 @@ function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+/** The width of a letter. */
+const LETTER = 5.8;
+
+/** The path of a circle. @param {number} x @param {number} y @param {number} radius */
+function circle(x, y, radius) {
+  const half = `a${radius} ${radius} 0 1 0`;
+  return `M${(x - radius).toFixed(2)} ${y.toFixed(2)}${half} ${2 * radius} 0${half} ${-2 * radius} 0`;
+}
+
 /** The text of an SVG, in pixels of the page. Colours are names of the style. */
 class Svg {
   constructor() {
@@ -34,10 +43,12 @@ class Svg {
     const [outside, inside] = [stroke, fill].map((name) => (name ? color(name) : "none"));
     this.parts.push(`<path d="${d}" fill="${inside}" stroke="${outside}" stroke-width="${width}" stroke-dasharray="${dash.join(" ")}"/>`);
   }
-  /** @param {number} x @param {number} y @param {string} words @param {{anchor?: string, turn?: number}} [how] */
-  text(x, y, words, { anchor = "start", turn = 0 } = {}) {
-    const inside = escaped(words).replace(/_(\w+)/g, '<tspan dy="3" font-size="8">$1</tspan><tspan dy="-3">\u200b</tspan>');
-    this.parts.push(`<text transform="translate(${x} ${y}) rotate(${turn})" text-anchor="${anchor}" fill="${color("ink")}">${inside}</text>`);
+  /** Letters become smaller where the words, which may be a label in HTML, do not fit into the room. @param {number} x @param {number} y @param {string} words @param {{anchor?: string, turn?: number, room?: number}} [how] */
+  text(x, y, words, { anchor = "start", turn = 0, room = Infinity } = {}) {
+    const size = Math.min(11, (11 * room) / (LETTER * plain(words).length));
+    const symbols = escaped(words.replace(/<\/?sub>/g, (tag) => (tag === "<sub>" ? "_" : ""))).replace(/&#60;i&#62;(.*?)&#60;\/i&#62;/g, '<tspan font-style="italic">$1</tspan>');
+    const inside = symbols.replace(/_(\w+)/g, '<tspan dy="3" font-size="8">$1</tspan><tspan dy="-3">\u200b</tspan>');
+    this.parts.push(`<text transform="translate(${x} ${y}) rotate(${turn})" text-anchor="${anchor}" font-size="${size.toFixed(1)}" fill="${color("ink")}">${inside}</text>`);
   }
   /** @param {string} picture its address @param {[left: number, top: number, width: number, height: number]} box */
   picture(picture, [left, top, width, height]) {
@@ -93,10 +104,8 @@ class Pen {
   }
   /** @param {[number, number][]} points @param {string} stroke @param {{radius?: number, hollow?: boolean}} [how] */
   dots(points, stroke, { radius = 4, hollow = false } = {}) {
-    const half = `a${radius} ${radius} 0 1 0`;
     const places = points.map(([x, y]) => [this.place("x", x), this.place("y", y)]).filter((place) => place.every(Number.isFinite));
-    const circles = places.map(([left, top]) => `M${(left - radius).toFixed(2)} ${top.toFixed(2)}${half} ${2 * radius} 0${half} ${-2 * radius} 0`);
-    this.svg.path(circles.join(""), { stroke, fill: hollow ? "paper" : stroke });
+    this.svg.path(places.map(([left, top]) => circle(left, top, radius)).join(""), { stroke, fill: hollow ? "paper" : stroke });
   }
   /** @param {number} x @param {number} y @param {string} words */
   text(x, y, words) {
@@ -158,29 +167,32 @@ class Chart {
   /** @returns {uPlot} */
   make() {
     const { lines, logarithmic, field } = this.shape;
-    const axis = (/** @type {"x" | "y"} */ key, /** @type {number} */ size) => ({
-      size, label: () => labelled(this.shape[key]), labelSize: 18, labelFont: "11px system-ui, sans-serif", font: "11px system-ui, sans-serif",
+    const axis = (/** @type {"x" | "y"} */ key) => ({
+      font: "11px system-ui, sans-serif",
       stroke: () => color("ink"), grid: { stroke: () => color("faint"), width: 0.5 }, ticks: { stroke: () => color("faint"), width: 0.5 },
       // Those between the numbers of a logarithmic axis are null.
       values: (/** @type {uPlot} */ _, /** @type {(number | null)[]} */ places) => {
-        this.places[key] = places.filter((place) => place !== null);
-        return places.map((place) => (place === null ? "" : tick(place)));
+        const known = places.filter((place) => place !== null);
+        // Ten decades do not fit side by side.
+        this.places[key] = known.filter((_, i) => !logarithmic?.[+(key === "y")] || i % Math.ceil(known.length / 7) === 0);
+        return places.map((place) => (place !== null && this.places[key].includes(place) ? tick(place) : ""));
       },
     });
     /** A field reaches from edge to edge. @type {uPlot.Scale.Range} */
     const exact = (_, low, high) => [low, high];
     const scale = (/** @type {boolean | undefined} */ log) => ({ time: false, ...(field ? { range: exact } : log ? { distr: /** @type {3} */ (3) } : {}) });
-    const label = (/** @type {string} */ html) => /** @type {any} */ (Object.assign(document.createElement("span"), { innerHTML: html }));
+    // The words at the axes are marks.
+    const wide = (/** @type {uPlot} */ _, /** @type {string[] | null} */ numbers) => Math.max(66, 34 + LETTER * Math.max(0, ...(numbers ?? []).map((number) => number.length)));
     const plot = new uPlot({
       ...this.size(),
       scales: { x: scale(logarithmic?.[0]), y: scale(logarithmic?.[1]) },
-      axes: [axis("x", 34), axis("y", 48)],
+      axes: [{ ...axis("x"), size: 52 }, { ...axis("y"), size: wide }],
       series: [{}, ...lines.map((line) => ({
-        label: label(line.label), stroke: () => color(line.color), width: 1.75, dash: line.dash, points: { show: false }, spanGaps: false,
+        stroke: () => color(line.color), width: 1.75, dash: line.dash, points: { show: false }, spanGaps: false, ...(line.as ? { paths: () => null } : {}),
       })), ...(field ? [{ width: 0, points: { show: false } }] : [])],
       padding: [null, field ? 66 : null, null, null],
       cursor: { drag: { x: false, y: false }, points: { show: false } },
-      legend: { show: lines.length > 1, live: false },
+      legend: { show: false },
       hooks: { draw: [(/** @type {uPlot} */ plot) => this.drawMarks(plot)] },
     }, this.data, this.element);
     this.addDragging(plot);
@@ -191,12 +203,49 @@ class Chart {
   drawMarks(plot) {
     const pen = new Pen(plot, new Svg());
     this.drawField(pen);
-    pen.svg.within(`${this.id}-plot`, pen.box, () => {
-      this.shape.marks?.(pen);
-      pen.dots((this.shape.handles?.() ?? []).map(({ x, y }) => [x, y]), "orange", { radius: 5, hollow: true });
-    });
+    pen.svg.within(`${this.id}-plot`, pen.box, () => this.shape.marks?.(pen));
+    this.drawLines(pen, (line) => line.as !== undefined);
+    pen.dots(this.handles(plot).map(({ x, y }) => [x, y]), "orange", { radius: 5, hollow: true });
+    this.element.style.paddingBottom = `${this.drawWords(pen)}px`;
     this.marks.innerHTML = pen.svg.parts.join("");
+    this.marks.setAttribute("viewBox", `0 0 ${plot.width} ${plot.height}`);
     plot.over.before(this.marks);
+  }
+
+  /** What can be dragged: at the edge where it is beyond it, from which it is dragged back. @param {uPlot} plot @returns {Handle[]} */
+  handles({ scales }) {
+    const within = (/** @type {number} */ value, /** @type {uPlot.Scale} */ { min, max }) => Math.min(Math.max(value, min ?? value), max ?? value);
+    return (this.shape.handles?.() ?? []).map((handle) => ({ ...handle, x: within(handle.x, scales.x), y: within(handle.y, scales.y) }));
+  }
+
+  /** @param {Pen} pen @param {(line: Line) => boolean} which */
+  drawLines(pen, which) {
+    this.shape.lines.forEach((line, i) => {
+      const points = Array.from(this.data[0], (x, j) => /** @type {[number, number]} */ ([x, this.data[i + 1][j]])).filter(([, y]) => y !== undefined);
+      if (!which(line)) return;
+      if (line.as) pen.dots(points, line.color, { hollow: line.as === "rings" });
+      else pen.line(points, line.color, { dash: line.dash, width: 1.75 });
+    });
+  }
+
+  /** Draws the words at the axes and the legend below. @param {Pen} pen @returns the height of the legend */
+  drawWords({ svg, plot, box: { left, top, bottom, width, height } }) {
+    const middle = top + height / 2;
+    svg.text(left + width / 2, bottom + 40, labelled(this.shape.x), { anchor: "middle", room: plot.width });
+    svg.text(12, middle, labelled(this.shape.y), { anchor: "middle", turn: -90, room: 2 * middle });
+    const entries = [...this.shape.lines, ...(this.shape.keys?.() ?? [])];
+    if (entries.length < 2) return 0;
+    let [x, y] = [12, plot.height + 8];
+    for (const { label, color, dash, as } of entries) {
+      const space = 40 + LETTER * plain(label).length;
+      if (x > 12 && x + space > plot.width) [x, y] = [12, y + 16];
+      if (as === "band") svg.path(`M${x} ${y - 5}h20v10h-20Z`, { fill: color });
+      else if (as) svg.path(circle(x + 10, y, 4), { stroke: color, fill: as === "rings" ? "paper" : color });
+      else svg.path(`M${x} ${y}h20`, { stroke: color, dash, width: 1.75 });
+      svg.text(x + 26, y + 4, label, { room: plot.width - x - 26 });
+      x += space;
+    }
+    return y + 12 - plot.height;
   }
 
   /** Draws the field, each place by the last values before it, and the scale of its colours. @param {Pen} pen */
@@ -234,8 +283,7 @@ class Chart {
   addDragging(plot) {
     const nearest = (/** @type {MouseEvent} */ event) => {
       const far = (/** @type {Handle} */ { x, y }) => Math.hypot(plot.valToPos(x, "x") - event.offsetX, plot.valToPos(y, "y") - event.offsetY);
-      const handles = this.shape.handles?.() ?? [];
-      return handles.filter((handle) => far(handle) < 16).sort((a, b) => far(a) - far(b))[0];
+      return this.handles(plot).filter((handle) => far(handle) < 16).sort((a, b) => far(a) - far(b))[0];
     };
     /** The value at a share of an axis as it is now: the axes change with what is dragged, and would carry it on. */
     const axis = (/** @type {"x" | "y"} */ key) => {
@@ -275,23 +323,32 @@ class Chart {
 
   /** The buttons that save the plot. */
   addFiles() {
-    const title = this.element.querySelector("figcaption")?.textContent ?? "";
     const box = Object.assign(document.createElement("div"), { className: "export" });
-    const files = { SVG: { type: "image/svg+xml", text: () => this.svg(title) }, CSV: { type: "text/csv", text: () => this.csv() } };
+    const files = { SVG: { type: "image/svg+xml", text: () => this.svg() }, CSV: { type: "text/csv", text: () => this.csv() } };
     for (const [name, { type, text }] of Object.entries(files)) {
-      const button = Object.assign(document.createElement("button"), { textContent: name, ariaLabel: `${name} of ${title}` });
+      const button = Object.assign(document.createElement("button"), { textContent: name });
       button.onclick = () => download(new Blob([text()], { type }), `${this.id}.${name.toLowerCase()}`);
       box.append(button);
     }
     this.element.append(box);
+    this.title();
   }
 
-  /** The picture as it is: axes and lines, which uPlot draws on the screen, and marks. @param {string} title */
-  svg(title) {
-    const { plot, shape, data, places } = this;
+  /** The title, which the names of the buttons have, too. @param {string} [words] another one */
+  title(words) {
+    const caption = /** @type {HTMLElement} */ (this.element.querySelector("figcaption"));
+    if (words !== undefined) caption.textContent = words;
+    const title = caption.textContent ?? "";
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (this.element.querySelectorAll(".export button"))) button.ariaLabel = `${button.textContent} of ${title}`;
+    return title;
+  }
+
+  /** The picture as it is: axes and lines, which uPlot draws on the screen, and marks. */
+  svg() {
+    const { plot, shape, places } = this;
     const svg = new Svg();
     const pen = new Pen(plot, svg);
-    const { left, top, right, bottom, width, height } = pen.box;
+    const { left, top, right, bottom } = pen.box;
     for (const x of places.x) {
       svg.path(`M${pen.place("x", x)} ${top}V${bottom}`, { stroke: "faint", width: 0.5 });
       svg.text(pen.place("x", x), bottom + 16, tick(x), { anchor: "middle" });
@@ -300,21 +357,14 @@ class Chart {
       svg.path(`M${left} ${pen.place("y", y)}H${right}`, { stroke: "faint", width: 0.5 });
       svg.text(left - 6, pen.place("y", y) + 4, tick(y), { anchor: "end" });
     }
-    svg.text(left + width / 2, bottom + 36, labelled(shape.x), { anchor: "middle" });
-    svg.text(12, top + height / 2, labelled(shape.y), { anchor: "middle", turn: -90 });
     this.drawField(pen);
-    const points = (/** @type {number} */ line) => Array.from(data[0], (x, i) => /** @type {const} */ ([x, data[line][i]]));
     svg.within("plot", pen.box, () => {
-      shape.lines.forEach((line, i) => pen.line(points(i + 1), line.color, { dash: line.dash, width: 1.75 }));
+      this.drawLines(pen, (line) => !line.as);
       shape.marks?.(pen);
     });
-    let start = left;
-    for (const { label, color, dash } of shape.lines) {
-      svg.path(`M${start} ${plot.height + 6}h20`, { stroke: color, dash, width: 1.75 });
-      svg.text(start + 26, plot.height + 10, plain(label));
-      start += 50 + 6 * plain(label).length;
-    }
-    return svg.file(title, plot.width, plot.height + 24);
+    this.drawLines(pen, (line) => line.as !== undefined);
+    const legend = this.drawWords(pen);
+    return svg.file(this.title(), plot.width, plot.height + legend + 4);
   }
 
   /** The numbers in all their digits: the lines, then what else is drawn. */

@@ -202,11 +202,11 @@ async function saved(tab, button) {
   return readFileSync(await file.path(), "utf8");
 }
 
-/** The columns of a file of numbers, by their names; they end where cells are empty. */
+/** The columns of a file of numbers, by their names; empty cells are undefined. */
 function columns(csv) {
   const [head, ...rows] = csv.trimEnd().split("\n");
   const cells = rows.map((row) => row.split(","));
-  return new Map(JSON.parse(`[${head}]`).map((name, i) => [name, cells.map((row) => row[i]).filter((cell) => cell !== "").map(Number)]));
+  return new Map(JSON.parse(`[${head}]`).map((name, i) => [name, cells.map((row) => (row[i] === "" ? undefined : Number(row[i])))]));
 }
 
 /** What is written in a picture, and its curves, as numbers by the places of the ticks on its axes. */
@@ -239,7 +239,8 @@ async function files(tab, title, logarithmic = [false, false]) {
   assert.equal(svg.match(/https?:[^"]*/g).join(), "http://www.w3.org/2000/svg");
   const { words, curves, title: own } = await read(tab, svg, logarithmic);
   assert.equal(own, title);
-  const [[across, x], ...others] = numbers;
+  const [[across, places], ...others] = numbers;
+  const x = places.filter((place) => place !== undefined);
   assert.ok(words.includes(across), `${across} ${words}`);
   curves.forEach((points, i) => {
     const y = others[i][1];
@@ -250,7 +251,8 @@ async function files(tab, title, logarithmic = [false, false]) {
       assert.ok(Math.abs(left - x[drawn[j]]) <= 1.1 * Math.abs(right - left) && Math.abs(up - y[drawn[j]]) <= 1.1 * Math.abs(top - up), `${title}: ${others[i][0]} at ${left}`);
     });
   });
-  return { numbers, words, curves: curves.length };
+  const known = [...numbers].map(([name, values]) => [name, values.filter((value) => value !== undefined)]);
+  return { numbers: new Map(known), words, curves: curves.length };
 }
 
 test("each plot is saved as a picture and as the numbers that it shows", () =>
@@ -283,8 +285,8 @@ test("each plot is saved as a picture and as the numbers that it shows", () =>
 /** Where a point that can be dragged is on the screen. */
 const place = (tab, name, index) =>
   tab.evaluate(([name, index]) => {
-    const { plot, shape } = charts[name];
-    const { x, y } = shape.handles()[index];
+    const { plot } = charts[name];
+    const { x, y } = charts[name].handles(plot)[index];
     const { left, top } = plot.over.getBoundingClientRect();
     return [left + plot.valToPos(x, "x"), top + plot.valToPos(y, "y")];
   }, [name, index]);
@@ -692,7 +694,7 @@ test("what is shown belongs to the text, and a text with a mistake is kept besid
     await tab.click('#sheets [data-sheet="chain"]');
     await tab.waitForFunction(() => document.getElementById("plots").dataset.sheet === "chain");
     assert.notEqual(await text(tab), own);
-    await tab.click('#sheets [data-sheet="time"]');
+    await tab.click('#sheets [data-sheet="slider"]');
     await settled(tab);
     const kept = await tab.evaluate(() => Object.values(texts));
     assert.ok(kept.includes("contacts = 7\n# mine\n"), kept.join("\n---\n"));
@@ -717,6 +719,198 @@ test("a spectrum is drawn on logarithmic axes without its value at 0", async () 
     assert.ok(low > 0 && first > 0, `${low} ${first}`);
   }, `#${encodeURIComponent(scenario)}`);
 });
+
+test("comments stay beside a distribution of another family", () =>
+  inBrowser(async (tab) => {
+    await tab.locator("#thresholds select").selectOption("weibull");
+    await settled(tab);
+    assert.match(await text(tab), /^thresholds\.weibull = \{ shape = .*, scale = 1\.0 \} +# P_c$/m);
+    await tab.locator("#reforming select").selectOption("gamma");
+    await settled(tab);
+    assert.match(await text(tab), /^reforming\.gamma = \{ mean = .*, std = .* \} +# R$/m);
+    await agrees(tab);
+  }));
+
+/** What is drawn of the task of a text. */
+const ofTask = async (tab, own) => {
+  await tab.fill("#text", own);
+  await settled(tab);
+  assert.equal(await tab.isHidden("#errors"), true, await tab.textContent("#errors"));
+  assert.deepEqual(await tab.$$eval("figure", (all) => all.filter((figure) => figure.offsetParent && !figure.querySelector(".uplot canvas").width).map(({ id }) => id)), []);
+  const labels = await tab.evaluate(() => charts.motion.shape.lines.map(({ label }) => label));
+  return { labels, title: await tab.textContent("#motion figcaption"), found: valuesOf((await shown(tab)).task.record.variables) };
+};
+
+test("creep and stability have plots", () =>
+  inBrowser(async (tab) => {
+    const contacts = "[contacts]\nthresholds.gaussian = { mean = 1.0, std = 0.1 }\n";
+    const creep = await ofTask(tab, `${contacts}temperature = { energy = 0.03, attempt_rate = 1.0 }\n[creep]\nforces = [0.4, 0.75]\nduration = 100.0\n`);
+    assert.deepEqual(creep.labels, ["X at F = 0.4", "X at F = 0.75", "failure"]);
+    assert.equal(creep.title, "Creep");
+    assert.deepEqual(await tab.$$eval("figure", (all) => all.filter((figure) => figure.offsetParent).map(({ id }) => id)), ["motion"]);
+    const curves = await files(tab, creep.title, [true, false]);
+    const points = creep.found.get("creep_fraction").length;
+    // The first of each is that of loading.
+    assert.deepEqual(curves.numbers.get("X at F = 0.75"), creep.found.get("creep_position").slice(points + 1));
+    assert.deepEqual(curves.numbers.get("failure"), creep.found.get("final_position").slice(1));
+    assert.deepEqual(await tab.evaluate(() => charts.motion.places.x.length < 8), true);
+    const rest = "ageing.logarithmic = { growth = 0.02, time = 1.0 }\nblock = { stiffness = 0.05, slip.damped = { damping = 0.1 } }\nstability = { velocities = [1e-3, 3e-3], stiffnesses = [0.05, 0.5, 2.0], resolution = 0.3 }\n";
+    const aged = await ofTask(tab, `contacts.thresholds.gaussian = { mean = 1.0, std = 0.2 }\ncontacts.${rest}`);
+    assert.equal(aged.title, "Stick-slip");
+    const map = await files(tab, aged.title, [true, true]);
+    const answers = aged.found.get("stick_slip");
+    for (const [value, name] of ["none", "transient", "persistent"].entries()) {
+      const own = answers.map((answer, i) => (answer === value ? aged.found.get("stiffness")[i % 3] : null)).filter((at) => at !== null);
+      assert.deepEqual(map.numbers.get(name) ?? [], own, name);
+    }
+    assert.deepEqual(map.numbers.get("K_c of the first pull"), aged.found.get("critical_stiffness"));
+    const still = await ofTask(tab, `${contacts}[block]\nstiffness = 1.0\n[stability]\nstiffnesses = [0.5, 4.0]\nresolution = 0.3\n`);
+    const found = await files(tab, still.title, [true, false]);
+    assert.deepEqual(found.numbers.get("stick-slip: 0 none, 1 transient, 2 persistent"), still.found.get("stick_slip"));
+  }));
+
+test("what is dragged is on its curve, of every family and of mixtures, and at the edge where it is beyond", () =>
+  inBrowser(async (tab) => {
+    const own = await text(tab);
+    const law = (thresholds) => own.replace(/^thresholds.*$/m, `thresholds.${thresholds}`);
+    const handles = (name) => tab.evaluate((name) => charts[name].handles(charts[name].plot).map(({ x, y }) => [x, y]), name);
+    const thresholds = async () => (await shown(tab)).scenario.contacts.thresholds;
+    for (const [family, check] of [
+      ["weibull = { shape = 5.0, scale = 1.0 }", ({ weibull }) => weibull.shape < 5],
+      ["rectangular = { min = 0.5, max = 1.0 }", ({ rectangular }) => rectangular.min === 0.5 && rectangular.max > 1.02],
+    ]) {
+      await tab.fill("#text", law(family));
+      await settled(tab);
+      assert.ok((await handles("laws"))[1][1] > 0.1, family);
+      await drag(tab, "laws", 1, [15, 0]);
+      await settled(tab);
+      assert.ok(check(await thresholds()), JSON.stringify(await thresholds()));
+      await agrees(tab);
+    }
+    // The stems of a mixture of points are as high as their weights.
+    await tab.fill("#text", law("mixture = [{ weight = 0.25, law.point.at = 1.0 }, { weight = 0.75, law.point.at = 2.0 }]"));
+    await settled(tab);
+    const [[, low], [, high]] = await handles("laws");
+    assert.ok(Math.abs(high / low - 3) < 1e-9, `${low} ${high}`);
+    // A width far to the left of the map is dragged back from its edge.
+    await tab.fill("#text", law("gaussian = { mean = 1.0, std = 1e-3 }"));
+    await settled(tab);
+    const least = await tab.evaluate(() => charts.map.plot.scales.x.min);
+    assert.deepEqual((await handles("map"))[0], [least, 0.4]);
+    await drag(tab, "map", 0, [30, 0]);
+    await settled(tab);
+    assert.ok((await thresholds()).gaussian.std > least, JSON.stringify(await thresholds()));
+    await agrees(tab);
+  }));
+
+test("a field shows the number of the scenario once it is entered", () =>
+  inBrowser(async (tab) => {
+    await tab.getByLabel("Distribution of Thresholds Pc", { exact: true }).selectOption("mixture");
+    await settled(tab);
+    const weight = tab.locator('[id="contacts.thresholds.mixture.0.weight"]');
+    await weight.fill("7");
+    await weight.press("Enter");
+    await settled(tab);
+    assert.equal(await weight.inputValue(), "0.9999");
+    assert.equal((await shown(tab)).scenario.contacts.thresholds.mixture[0].weight, 0.9999);
+    await weight.fill("");
+    await weight.press("Tab");
+    assert.equal(await weight.inputValue(), "0.9999");
+    // What the engine refuses leaves the field; what the scenario refuses is in the text, with its line.
+    await tab.evaluate(() => {
+      const { compute } = engine.engine;
+      engine.engine.compute = async (request) => {
+        engine.engine.compute = compute;
+        return { text: request.text, failures: ["refused"] };
+      };
+    });
+    await weight.fill("0.3");
+    await weight.press("Enter");
+    await tab.waitForFunction(() => document.getElementById("errors").textContent === "refused");
+    assert.equal(await weight.inputValue(), "0.9999");
+  }));
+
+test("readings are removed by their button", () =>
+  inBrowser(async (tab) => {
+    const folder = mkdtempSync(join(tmpdir(), "explorer-"));
+    writeFileSync(join(folder, "readings.csv"), "position,force\n0,0\n1,0.5\n");
+    const button = tab.getByRole("button", { name: "Remove readings" });
+    assert.equal(await button.isVisible(), false);
+    const words = async () => (await files(tab, "Friction force")).words;
+    assert.ok(!(await words()).includes("readings"));
+    await tab.setInputFiles("#csv", join(folder, "readings.csv"));
+    await status(tab, "2 readings");
+    assert.ok((await words()).includes("readings"));
+    await button.click();
+    assert.equal(await tab.evaluate(() => state.measured), null);
+    assert.equal(await button.isVisible(), false);
+    assert.ok(!(await words()).includes("readings"));
+  }));
+
+test("legends name what is drawn beside the curves", () =>
+  inBrowser(async (tab) => {
+    const words = (id) => tab.$$eval(`#${id} .marks text`, (all) => all.map((text) => text.textContent.replace(/\u200b/g, "")));
+    const force = await words("force");
+    for (const word of ["F(X)", "Fk", "± deviation, Nc contacts", "spring", "Fs"]) assert.ok(force.includes(word), `${word}: ${force}`);
+    assert.ok((await words("motion")).includes("slips"));
+  }));
+
+/** The marks, canvases and fields that are wider than what they stand in, or beyond the page. */
+const cut = (tab) =>
+  tab.evaluate(() => {
+    const wide = (inner, outer) => inner.width > 0 && (inner.right > outer.right + 1 || inner.left < outer.left - 1);
+    const page = document.documentElement.getBoundingClientRect();
+    const box = (element) => element.getBoundingClientRect();
+    const figures = [...document.querySelectorAll("figure")];
+    const parts = figures.flatMap((figure) => [...figure.querySelectorAll("canvas, .marks, .marks text")].filter((part) => wide(box(part), box(figure)) || box(part).bottom > box(figure).bottom + 1));
+    const texts = figures.flatMap((figure) => [...figure.querySelectorAll('.marks text[transform*="rotate(-90)"]')].filter((text) => box(text).top < box(figure).top - 1));
+    return [...parts, ...texts, ...[...document.querySelectorAll("figure, fieldset, table, textarea")].filter((part) => wide(box(part), page))].map((part) => part.id || part.textContent || part.tagName);
+  });
+
+test("words at axes and legends are not cut", () =>
+  inBrowser(async (tab) => {
+    assert.deepEqual(await cut(tab), []);
+    const spectrum = readFileSync(new URL("../scenarios/spectrum.toml", import.meta.url), "utf8");
+    await tab.fill("#text", `${spectrum}\n[units]\nlength = "micrometres"\nforce = "kilonewtons"\n`);
+    await settled(tab);
+    assert.deepEqual(await cut(tab), []);
+    // Long numbers at an axis have room.
+    const [found] = await tab.evaluate(() => {
+      charts.force.set([[0, 1], [123456.25, 123456.5], [123456.25, 123456.5]]);
+      return new Promise((resolve) => setTimeout(() => resolve([charts.force.plot.axes[1]._size, charts.force.places.y.map((y) => tick(y).length)])));
+    });
+    assert.ok(found > 66, String(found));
+  }));
+
+test("nothing is cut on paper", async () => {
+  await inBrowser(async (tab) => {
+    await tab.setViewportSize({ width: 1800, height: 900 });
+    await tab.waitForFunction(() => charts.force.plot.width > 400);
+    // While a page is printed, nothing is drawn anew.
+    await tab.evaluate(() => (Chart.prototype.size = function () { return { width: this.plot.width, height: this.plot.height }; }));
+    await tab.emulateMedia({ media: "print" });
+    await tab.setViewportSize({ width: 718, height: 1000 });
+    await tab.waitForTimeout(200);
+    assert.deepEqual(await cut(tab), []);
+    assert.equal(await tab.evaluate(() => document.documentElement.scrollWidth), 718);
+    const [height, all] = await tab.$eval("#text", (area) => [area.clientHeight, area.scrollHeight]);
+    assert.ok(height >= all, `${height} of ${all}`);
+  });
+});
+
+test("the rule of slip is shown, whatever it is", () =>
+  inBrowser(async (tab) => {
+    const rule = tab.locator('[id="block.slip"]');
+    const own = await text(tab);
+    await tab.fill("#text", own.replace('slip = "overdamped"', "slip.damped = { damping = 0.1 } # slow"));
+    await settled(tab);
+    assert.equal(await rule.inputValue(), "damped");
+    await rule.selectOption("arrest");
+    await settled(tab);
+    assert.match(await text(tab), /^slip = "arrest" # slow$/m);
+    assert.deepEqual(await rule.locator("option").allTextContents(), ["reset", "overdamped", "arrest"]);
+    await agrees(tab);
+  }));
 
 test("a click beside a point leaves it, and other buttons do not drag", async () => {
   await inBrowser(async (tab) => {

@@ -1,8 +1,8 @@
 // What the engine is asked and what it answers, as in `engine/src/request.rs` and `answer.rs`; and the shapes of plots.
 
-/** A change of a distribution: another family; a node of a polygon that is moved, added or removed; the weight of a part of a mixture, its last part in two halves, or one part less. */
+/** A change of a distribution: another family; what is dragged on its curve; a node of a polygon that is added or removed; the weight of a part of a mixture, its last part in two halves, or one part less. */
 type LawChange = {
-  family?: string; move?: { node: number; stretch: number; density: number }; add?: number | null; remove?: number;
+  family?: string; move?: { handle: number; stretch: number; density: number }; add?: number | null; remove?: number;
   weight?: { part: number; weight: number }; split?: null; remove_part?: number;
 };
 /** A key of the scenario, and its new value as TOML or what changes in the distribution that is there. */
@@ -31,6 +31,7 @@ type StretchDistributions = {
 };
 type Answer = {
   text: string; scenario?: any; units?: Record<string, string>; failures?: string[];
+  handles?: { key: string; handle: number; stretch: number; density: number; weight: number; node: boolean }[];
   invalid?: { key: string; message: string; help: string | null; line: number | null };
   force?: ForceCurve; stretches?: StretchDistributions; block?: Computed; task?: Computed;
   critical_stiffness?: { width: number[]; critical_stiffness: Extended[] };
@@ -43,7 +44,8 @@ type Engine = {
 
 /** Words, and the quantity whose unit they have; "number" has none. */
 type Named = [words: string, quantity: string];
-type Line = { label: string; color: string; dash?: number[] };
+/** A line, or something else of which the legend has an entry. */
+type Line = { label: string; color: string; dash?: number[]; as?: "dots" | "rings" | "band" };
 type Handle = { x: number; y: number; move: (x: number, y: number) => void; remove?: () => void };
 /** Values of cells, row by row, where each row begins, and what they are. */
 type Field = { at: number[]; cells: number; values: number[]; of: Named };
@@ -54,6 +56,8 @@ type Shape = {
   /** Whether the horizontal and the vertical axis are logarithmic. */
   logarithmic?: [boolean, boolean];
   marks?: (pen: Pen) => void;
+  /** What the legend says of marks that are there. */
+  keys?: () => Line[];
   /** What the marks show, for the file of numbers. */
   more?: () => [Named, number[]][];
   handles?: () => Handle[];

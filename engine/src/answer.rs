@@ -20,6 +20,9 @@ pub struct Answer {
     /// The label of the unit of each quantity; 1 without a unit.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub units: BTreeMap<&'static str, String>,
+    /// What can be dragged on the curves of the distributions.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub handles: Vec<Handle>,
     /// Why the scenario is invalid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub invalid: Option<Invalid>,
@@ -79,6 +82,23 @@ impl From<&Diagnostic> for Invalid {
         });
         Self { key: error.key.clone(), message: error.to_string(), help: error.help.clone(), line }
     }
+}
+
+/// A place on the curve of a distribution that can be dragged.
+#[derive(Debug, Serialize)]
+pub struct Handle {
+    /// The key of the distribution, or of the part of a mixture.
+    pub key: String,
+    /// Its number there, from 0 on.
+    pub handle: usize,
+    /// Where it is, a length.
+    pub stretch: f64,
+    /// The density there, per length, of the distribution that is drawn.
+    pub density: f64,
+    /// The weight of the point mass there; 0 where there is none.
+    pub weight: f64,
+    /// Whether it is a node of a polygon, which can be removed.
+    pub node: bool,
 }
 
 /// F(X) of a rigid slider.

@@ -7,6 +7,7 @@ use toml_edit::ser::ValueSerializer;
 use toml_edit::{DocumentMut, Formatted, InlineTable, Item, Table, TableLike, Value};
 
 use crate::law_change::{self, LawChange};
+use crate::replace::replace;
 use crate::request::Change;
 
 /// Mean of a distribution that replaces one of mean 0, in mean thresholds.
@@ -102,14 +103,6 @@ fn apply(root: &mut Table, whole: &str, value: Option<Value>) -> Result<(), Stri
     Ok(())
 }
 
-/// Replaces a value; what is written around it, such as a comment, stays.
-fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
-    if let Some(old) = table.get(key).and_then(Item::as_value) {
-        *value.decor_mut() = old.decor().clone();
-    }
-    table.insert(key, Item::Value(value));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,8 +163,13 @@ mod tests {
     fn a_family_keeps_mean_and_width() {
         let text = reshaped(TEXT, "contacts.thresholds", LawChange::Family("rectangular".into())).unwrap();
         // 0.05 √3 = 0.0866.
-        assert!(text.contains("thresholds = { rectangular = { min = 0.9134, max = 1.0866 } }"), "{text}");
-        assert!(text.starts_with("# A block.") && text.ends_with("distance = 9.0 # far\n"), "{text}");
+        assert_eq!(
+            text,
+            TEXT.replace(
+                "gaussian = { mean = 1.0, std = 0.05 }",
+                "rectangular = { min = 0.9134, max = 1.0866 }"
+            )
+        );
         let text = reshaped(TEXT, "contacts.reforming", LawChange::Family("gamma".into())).unwrap();
         assert!(text.contains("reforming = { gamma = { mean = 0.1, std = 0.02 } }"), "{text}");
         let error = reshaped(TEXT, "contacts.thresholds", LawChange::Family("normal".into())).unwrap_err();
@@ -187,7 +185,7 @@ mod tests {
     fn a_polygon_is_drawn_by_hand() {
         let key = "contacts.thresholds";
         let text = reshaped(TEXT, key, LawChange::Family("tabulated".into())).unwrap();
-        let text = reshaped(&text, key, LawChange::Move { node: 4, stretch: 1.01, density: 9.0 }).unwrap();
+        let text = reshaped(&text, key, LawChange::Move { handle: 4, stretch: 1.01, density: 9.0 }).unwrap();
         let text = reshaped(&text, key, LawChange::Add(None)).unwrap();
         let text = reshaped(&text, key, LawChange::Remove(0)).unwrap();
         let scenario = input::parse_complete(&text, "scenario").unwrap().scenario;

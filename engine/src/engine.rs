@@ -8,6 +8,7 @@ use asperity_runner::input;
 
 use crate::answer::{Answer, Computed, WidthCurve};
 use crate::edit::changed;
+use crate::handles;
 use crate::limits::Limits;
 use crate::request::{Part, Request};
 use crate::solved::Solved;
@@ -67,11 +68,14 @@ impl Engine {
                     answer.stopped = true;
                     break;
                 }
+                // Under constant forces there is no velocity at which contacts would be pulled.
+                Err(_) if input.scenario.creep.is_some() && !part.is_long() => {}
                 Err(error) => answer.failures.push(sentence(part, &error)),
             }
         }
         let label = |quantity: Quantity| (quantity.name(), input.scenario.units.label(quantity));
         answer.units = Quantity::ALL.map(label).into();
+        answer.handles = handles::of_scenario(&input.scenario);
         answer.scenario = Some(Box::new(input.scenario));
         answer
     }

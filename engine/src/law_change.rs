@@ -1,7 +1,10 @@
-//! Changes of a distribution by hand: to another family of the same mean and width, of a node of a polygon, or of a part of a mixture.
+//! Changes of a distribution by hand: to another family of the same mean and width, of what is dragged on its curve, or of a part
+//! of a mixture.
 
 use asperity::scenario::{Component, Law, Tabulated};
 use serde::Deserialize;
+
+use crate::handles;
 
 /// Nodes of a polygon that is drawn by hand.
 const MOST: usize = 12;
@@ -29,13 +32,14 @@ pub enum LawChange {
     /// The member of a parametric family with about the same mean and width, the polygon through points of the density, or a
     /// mixture of two halves, each of which is the distribution.
     Family(String),
-    /// A node of a polygon goes elsewhere, between its neighbours; the density of the others keeps its form.
+    /// What is dragged on the curve goes elsewhere. A node of a polygon stays between its neighbours, and the density of the
+    /// others keeps its form.
     Move {
-        /// The node, from 0 on.
-        node: usize,
+        /// The handle or the node, from 0 on.
+        handle: usize,
         /// Its stretch, a length.
         stretch: f64,
-        /// The density there, per length.
+        /// The density there, per length, for a node.
         density: f64,
     },
     /// A node is added on the curve of the density, in the middle of the longest side unless a stretch is given.
@@ -62,10 +66,10 @@ pub enum LawChange {
 pub fn changed(law: &Law, change: &LawChange, scale: f64) -> Result<Law, String> {
     match change {
         LawChange::Family(name) => family(law, name, scale),
-        LawChange::Move { node, stretch, density } => {
-            let mut polygon = Polygon::of(law)?;
-            polygon.check(*node)?;
-            polygon.move_node(*node, *stretch, *density);
+        LawChange::Move { handle, stretch, density } => {
+            let Ok(mut polygon) = Polygon::of(law) else { return handles::moved(law, *handle, *stretch) };
+            polygon.check(*handle)?;
+            polygon.move_node(*handle, *stretch, *density);
             Ok(polygon.law())
         }
         LawChange::Add(stretch) => {
@@ -162,13 +166,17 @@ fn mixture(parts: &[Component], weights: &[f64], kept: usize) -> Law {
 }
 
 /// A density that is linear between nodes, of mass 1.
-struct Polygon {
-    nodes: Vec<(f64, f64)>,
+pub struct Polygon {
+    /// Stretches and densities.
+    pub nodes: Vec<(f64, f64)>,
 }
 
 impl Polygon {
     /// The polygon that `law` is.
-    fn of(law: &Law) -> Result<Self, String> {
+    ///
+    /// # Errors
+    /// Another distribution, or too many nodes, in words.
+    pub fn of(law: &Law) -> Result<Self, String> {
         match law {
             Law::Tabulated(Tabulated { stretch: Some(stretch), density: Some(density), .. })
                 if stretch.len() == density.len() && (2..=MOST).contains(&stretch.len()) =>
@@ -313,24 +321,24 @@ mod tests {
         let law = polygon(&[(0.5, 0.0), (0.8, 1.0), (1.2, 2.0), (1.5, 0.0)]);
         let before = nodes(&law);
         let moved =
-            nodes(&changed(&law, &LawChange::Move { node: 2, stretch: 1.1, density: 1.3 }, 1.0).unwrap());
+            nodes(&changed(&law, &LawChange::Move { handle: 2, stretch: 1.1, density: 1.3 }, 1.0).unwrap());
         assert!((moved[2].0 - 1.1).abs() < 1e-12 && (moved[2].1 - 1.3).abs() < 1e-12, "{moved:?}");
         assert!((moments(&moved).0 - 1.0).abs() < 1e-12);
         assert_eq!((moved[0], moved[1].0, moved[3]), (before[0], 0.8, before[3]));
         // It stays between its neighbours, at 0 or above, and leaves the others some mass.
         let far =
-            nodes(&changed(&law, &LawChange::Move { node: 2, stretch: 9.0, density: -1.0 }, 1.0).unwrap());
+            nodes(&changed(&law, &LawChange::Move { handle: 2, stretch: 9.0, density: -1.0 }, 1.0).unwrap());
         assert!(far[2].0 < 1.5 && far[2].1 == 0.0 && (moments(&far).0 - 1.0).abs() < 1e-12, "{far:?}");
         let high =
-            nodes(&changed(&law, &LawChange::Move { node: 2, stretch: 1.1, density: 1e9 }, 1.0).unwrap());
+            nodes(&changed(&law, &LawChange::Move { handle: 2, stretch: 1.1, density: 1e9 }, 1.0).unwrap());
         assert!(high[1].1 > 0.0 && (moments(&high).0 - 1.0).abs() < 1e-12, "{high:?}");
         // The only node above 0 has all mass.
         let triangle = polygon(&[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)]);
         let same = nodes(
-            &changed(&triangle, &LawChange::Move { node: 1, stretch: 1.5, density: 3.0 }, 1.0).unwrap(),
+            &changed(&triangle, &LawChange::Move { handle: 1, stretch: 1.5, density: 3.0 }, 1.0).unwrap(),
         );
         assert!((same[1].0 - 1.5).abs() < 1e-12 && (same[1].1 - 1.0).abs() < 1e-12, "{same:?}");
-        assert!(changed(&law, &LawChange::Move { node: 4, stretch: 1.0, density: 1.0 }, 1.0).is_err());
+        assert!(changed(&law, &LawChange::Move { handle: 4, stretch: 1.0, density: 1.0 }, 1.0).is_err());
     }
 
     #[test]

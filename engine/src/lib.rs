@@ -7,9 +7,11 @@
 pub mod answer;
 mod edit;
 mod engine;
+mod handles;
 mod law_change;
 mod limits;
 pub mod page;
+mod replace;
 pub mod request;
 mod solved;
 mod width_curve;

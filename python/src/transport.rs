@@ -34,7 +34,8 @@ use crate::watch::watched;
 /// velocity_to
 ///     The velocity at the end of a ramp that begins at velocity and takes a duration.
 /// points
-///     The number of points of the trace in the step, evenly spaced in time, on a ramp where it is at such times, including both ends; 2 or more.
+///     The number of points of the trace in the step, evenly spaced in time, on a ramp where it is at such times, including both
+///     ends; 2 or more.
 /// pieces
 ///     The number of intervals of constant velocity that approximate a ramp, 64 by default.
 ///
