@@ -4,7 +4,7 @@ use asperity::law::{Law as _, Weibull};
 use asperity::scenario::{Law, Scenario};
 
 use crate::answer::Handle;
-use crate::law_change::Polygon;
+use crate::polygon::Polygon;
 
 /// Least width that is left, in the mean.
 const NARROWEST: f64 = 1e-3;

@@ -11,6 +11,7 @@ mod handles;
 mod law_change;
 mod limits;
 pub mod page;
+mod polygon;
 mod replace;
 pub mod request;
 mod solved;
