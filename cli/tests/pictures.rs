@@ -1,7 +1,9 @@
 //! The pictures of shipped scenarios as SVG: panels share their edges, maps have square cells and colour bars as tall as they are,
-//! nothing is outside of the picture or its frames, vertical axes show their values in full, legends cover nothing, and labels are the
-//! words of the field.
+//! nothing is outside of the picture or its frames, vertical axes show their values in full, legends cover nothing, texts do
+//! not cover each other, and labels are the words of the field. The pictures fit into a column of a journal, too.
 
+#[path = "picture/columns.rs"]
+mod columns;
 #[path = "picture/legends.rs"]
 mod legends;
 #[path = "picture/ranges.rs"]
@@ -146,7 +148,9 @@ fn checked(path: &std::path::Path) -> (Vec<String>, Vec<usize>, Vec<bool>) {
         axes.extend(ranges::check(&place, name, &svg, outcome.as_ref()));
         inside.extend(legends::check(&place, &svg));
     });
-    (drawn.collect(), axes, inside)
+    let drawn = drawn.collect();
+    columns::check(&folder, scenario);
+    (drawn, axes, inside)
 }
 
 fn check(place: &str, name: &str, svg: &str) {
@@ -175,7 +179,9 @@ fn check(place: &str, name: &str, svg: &str) {
     if ["covariance", "stress_map"].contains(&name) {
         square(place, &frames);
     }
-    inside(place, svg);
+    let drawn = tree(svg);
+    inside(place, &drawn);
+    columns::apart(place, &drawn);
 }
 
 /// The start and the length of a frame from left to right, and from top to bottom.
@@ -217,12 +223,7 @@ fn square(place: &str, frames: &[[f64; 4]]) {
 }
 
 /// Everything that is drawn, letters included, is within the canvas.
-fn inside(place: &str, svg: &str) {
-    let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
-    for font in [dejavu::sans::regular(), dejavu::sans::oblique(), dejavu::sans::bold()] {
-        Arc::make_mut(&mut options.fontdb).load_font_data(font.to_vec());
-    }
-    let tree = usvg::Tree::from_str(svg, &options).unwrap();
+fn inside(place: &str, tree: &usvg::Tree) {
     let (size, drawn) = (tree.size(), tree.root().abs_stroke_bounding_box());
     // Half of the line of a frame at the edge, and the accuracy of single precision.
     let beyond = 1.0;
@@ -231,6 +232,15 @@ fn inside(place: &str, svg: &str) {
         || drawn.right() - size.width() > beyond
         || drawn.bottom() - size.height() > beyond;
     assert!(!out, "{place}: {drawn:?} in {size:?}");
+}
+
+/// A picture as it is drawn, with its texts laid out.
+fn tree(svg: &str) -> usvg::Tree {
+    let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
+    for font in [dejavu::sans::regular(), dejavu::sans::oblique(), dejavu::sans::bold()] {
+        Arc::make_mut(&mut options.fontdb).load_font_data(font.to_vec());
+    }
+    usvg::Tree::from_str(svg, &options).unwrap()
 }
 
 /// The texts of a picture without the marks of symbols in them.

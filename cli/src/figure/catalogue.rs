@@ -4,13 +4,13 @@
 use asperity::task::summary::{Catalogue, PowerLaw};
 use asperity_runner::output::Outcome;
 use kuva::plot::MarkerShape;
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::advance::Advance;
 use super::curve::{Counted, Point, counted, line, thinned};
 use super::distribution::stem;
+use super::grid::Grid;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
@@ -43,7 +43,6 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         2 => (2, vec![vec![2, 3]]),
         _ => (2, vec![vec![2], vec![3]]),
     };
-    let (title, size) = page.heading(&outcome.summary.title);
     let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
     let mut legend = vec![];
     if plots.len() > 1 {
@@ -53,14 +52,12 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     if plots.len() > 2 {
         legend.push(style::line("Poisson process", GREY, Some(DASHES)));
     }
-    let figure = Figure::new(rows, 2)
+    let grid = Grid::new(rows, 2, (page.width / 2.0, page.height(300.0)))
         .with_structure([vec![vec![0, 1]], lower].concat())
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width / 2.0, page.height(300.0))
+        .with_title(page.heading(&outcome.summary.title))
         .with_row_height(0, page.height(200.0))
         .with_spacing(10.0);
-    Some(legend::placed(ticks::panels(figure, plots, layouts), &legend, &[1, 2]))
+    Some(legend::placed(ticks::panels(grid, plots, layouts), &legend, &[1, 2]))
 }
 
 /// The fitted distribution in words.

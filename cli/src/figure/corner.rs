@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{ColorMap, Histogram};
-use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::field::Field;
+use super::grid::Grid;
 use super::style::{self, BLUE, Page, Plots};
 use super::ticks;
 
@@ -67,17 +67,14 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         (plots, layout)
     };
     let (plots, layouts): (Vec<_>, Vec<_>) = pairs.iter().map(panel).unzip();
-    let (title, size) = page.heading(&outcome.summary.title);
     let side = (page.width - LABELS.0) / count.max(2) as f64;
-    let figure = Figure::new(count, count)
+    let grid = Grid::new(count, count, (side, side))
         .with_structure(pairs.iter().map(|(row, column)| vec![row * count + column]).collect())
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(side, side)
-        .with_col_width(0, side + LABELS.0 - MARGIN)
+        .with_title(page.heading(&outcome.summary.title))
+        .with_column_width(0, side + LABELS.0 - MARGIN)
         .with_row_height(count - 1, side + LABELS.1 - MARGIN)
         .with_spacing(0.0);
-    (count > 0).then(|| ticks::panels(figure, plots, layouts))
+    (count > 0).then(|| ticks::panels(grid, plots, layouts))
 }
 
 /// A key without its table; of a long one the last two parts.

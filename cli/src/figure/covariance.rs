@@ -5,11 +5,11 @@ use std::sync::Arc;
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
 use kuva::plot::ColorMap;
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::field::{self, Field, bar};
+use super::grid::Grid;
 use super::style::{self, Page, Plots};
 use super::ticks;
 
@@ -48,16 +48,12 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     // Cells are square, and the colour scale is as tall as the map.
     let axes = axes.with_force_margins_y(MARGINS.0, MARGINS.1);
     let side = page.height(SIDE);
-    let (title, size) = page.heading(&outcome.summary.title);
     let plots: Plots = vec![field.plot(ENDS, &colours(), 1)];
-    let figure = Figure::new(1, 2)
+    let grid = Grid::new(1, 2, (side + SIDES.0 + SIDES.1, side + MARGINS.0 + MARGINS.1))
         .with_structure(vec![vec![0], vec![1]])
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(side + SIDES.0 + SIDES.1, side + MARGINS.0 + MARGINS.1)
-        .with_col_width(1, BAR)
-        .with_spacing(6.0);
-    Some(ticks::panels(figure, vec![plots, scale], vec![layout, axes]))
+        .with_title(page.heading(&outcome.summary.title))
+        .with_column_width(1, BAR);
+    Some(ticks::panels(grid, vec![plots, scale], vec![layout, axes]))
 }
 
 /// Blue for −1, white for 0, red for 1, grey for none.

@@ -8,20 +8,17 @@ use super::png_file::DRAWN;
 
 /// How much of each dot of a rectangle is covered.
 pub struct Coverage {
-    left: usize,
-    top: usize,
+    left: isize,
+    top: isize,
     width: usize,
     /// From 0 to 255, row by row.
     covered: Vec<u8>,
 }
 
 impl Coverage {
-    /// What an area covers; `None` beyond the left or upper edge of the picture, or for one without extent.
-    pub fn of(area: &Path) -> Option<Self> {
+    /// What an area covers, which may begin outside of the picture.
+    pub fn of(area: &Path) -> Self {
         let bounds = area.bounds();
-        if bounds.left() < 0.0 || bounds.top() < 0.0 {
-            return None;
-        }
         let [left, top] = [bounds.left(), bounds.top()].map(f32::floor);
         let [width, height] =
             [bounds.right() - left, bounds.bottom() - top].map(|side| side.ceil() as usize + 1);
@@ -29,18 +26,23 @@ impl Coverage {
         outline(area, (left, top), &mut drawn);
         let mut covered = vec![0; width * height];
         drawn.for_each_pixel(|dot, part| covered[dot] = (255.0 * part.min(1.0) + 0.5) as u8);
-        Some(Self { left: left as usize, top: top as usize, width, covered })
+        Self { left: left as isize, top: top as isize, width, covered }
     }
 
     /// Draws the area on opaque dots whose first row is this one of the picture.
     pub fn draw(&self, dots: &mut PixmapMut, first: u32, colour: [u8; 3]) {
         let (wide, high) = (dots.width() as usize, dots.height() as usize);
-        let end = self.width.min(wide.saturating_sub(self.left));
-        for (row, covered) in (self.top..).zip(self.covered.chunks_exact(self.width)) {
-            let Some(row) = row.checked_sub(first as usize).filter(|row| *row < high) else { continue };
-            let start = DRAWN * (row * wide + self.left);
-            let drawn = dots.data_mut()[start..].chunks_exact_mut(DRAWN);
-            let covered = drawn.zip(&covered[..end]).filter(|(_, part)| **part > 0);
+        // Columns of the rectangle that are in the picture.
+        let inside = |column: isize| column.clamp(0, self.width as isize) as usize;
+        let (start, end) = (inside(-self.left), inside(wide as isize - self.left));
+        if start >= end {
+            return;
+        }
+        let left = (self.left + start as isize) as usize;
+        for (row, covered) in (self.top - first as isize..).zip(self.covered.chunks_exact(self.width)) {
+            let Some(row) = usize::try_from(row).ok().filter(|row| *row < high) else { continue };
+            let drawn = dots.data_mut()[DRAWN * (row * wide + left)..].chunks_exact_mut(DRAWN);
+            let covered = drawn.zip(&covered[start..end]).filter(|(_, part)| **part > 0);
             covered.for_each(|(dot, &part)| mix(dot, colour, part));
         }
     }
@@ -85,4 +87,35 @@ fn outline(area: &Path, (left, top): (f32, f32), drawn: &mut Rasterizer) {
         at = end;
     }
     drawn.draw_line(place(at), place(start));
+}
+
+#[cfg(test)]
+mod tests {
+    use tiny_skia::{PathBuilder, Rect};
+
+    use super::*;
+
+    /// The dots that are black after an area from `left`, `top` on was drawn on 6 × 4 white ones, in bands of one row.
+    fn black(left: f32, top: f32, width: f32, height: f32) -> Vec<[u32; 2]> {
+        let covered =
+            Coverage::of(&PathBuilder::from_rect(Rect::from_xywh(left, top, width, height).unwrap()));
+        let row = |row: u32| {
+            let mut dots = vec![255; DRAWN * 6];
+            covered.draw(&mut PixmapMut::from_bytes(&mut dots, 6, 1).unwrap(), row, [0; 3]);
+            let black = (0..6).filter(move |column| dots[DRAWN * *column as usize] == 0);
+            black.map(move |column| [row, column]).collect::<Vec<_>>()
+        };
+        (0..4).flat_map(row).collect()
+    }
+
+    #[test]
+    fn what_begins_outside_of_the_picture_is_clipped() {
+        assert_eq!(black(1.0, 2.0, 2.0, 1.0), [[2, 1], [2, 2]]);
+        assert_eq!(black(-2.0, 1.0, 4.0, 1.0), [[1, 0], [1, 1]]);
+        assert_eq!(black(4.0, -1.0, 5.0, 2.0), [[0, 4], [0, 5]]);
+        assert_eq!(black(-3.0, 3.0, 20.0, 8.0).len(), 6);
+        for (left, top) in [(-9.0, 0.0), (9.0, 0.0), (0.0, -9.0), (0.0, 9.0)] {
+            assert_eq!(black(left, top, 2.0, 2.0), [] as [[u32; 2]; 0]);
+        }
+    }
 }

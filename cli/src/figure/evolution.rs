@@ -3,12 +3,12 @@
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{density_line, histogram};
 use super::distribution::stem;
+use super::grid::Grid;
 use super::style::{self, BLUE, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
@@ -32,19 +32,13 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (plots, layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
     let layouts = labelled(outcome, layouts, columns)?;
     let height = page.height(if columns < 3 { 190.0 } else { 150.0 });
-    let title = match snapshots.len() - shown.len() {
-        0 => outcome.summary.title.clone(),
-        more => format!("{} ({} of {} snapshots)", outcome.summary.title, shown.len(), more + shown.len()),
-    };
-    let (title, size) = page.heading(&title);
-    let figure = Figure::new(rows, columns)
+    let some = [shown.len(), snapshots.len()];
+    let title = page.heading_of_some(&outcome.summary.title, some, "snapshots");
+    let grid = Grid::new(rows, columns, (page.width / columns as f64, height))
         .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width / columns as f64, height)
-        .with_row_height(rows - 1, height + LABEL)
-        .with_spacing(6.0);
+        .with_row_height(rows - 1, height + LABEL);
     let panels: Vec<usize> = (0..plots.len()).collect();
-    Some(legend::placed(ticks::panels(figure, plots, layouts), &entries(outcome), &panels))
+    Some(legend::placed(ticks::panels(grid, plots, layouts), &entries(outcome), &panels))
 }
 
 /// The snapshots that are drawn: all, or an even selection with the first and the last.
@@ -69,7 +63,8 @@ fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)
     let stretch = record.values("stretch")?;
     let density = record.row("stretch_density", snapshot)?;
     let heights = record.row("ensemble_stretch_density", snapshot);
-    let position = record.values("snapshot")?[snapshot];
+    let positions = record.get("snapshot")?;
+    let position = positions.values[snapshot];
     let atoms = atoms(record, position);
     let smooth = atoms.is_empty() || atoms.iter().map(|a| a.1).sum::<f64>() > 1.0 - SMOOTH;
     let tallest =
@@ -84,7 +79,7 @@ fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)
     plots.extend(density_line(stretch, density, BLUE, 1.6));
     plots.extend(atoms.into_iter().flat_map(|(x, weight)| stem((x, weight * top), BLUE)));
     let layout = style::layout((0.0, end), (0.0, top))
-        .with_title(format!("X = {}", style::digits(position)))
+        .with_title(format!("X = {}", style::value_of(outcome, position, positions)))
         .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
         .with_force_margins(SIDES.0, SIDES.1)

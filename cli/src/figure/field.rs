@@ -6,7 +6,7 @@ use kuva::plot::{ColorMap, Heatmap};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
-use super::style;
+use super::{fitting::whole_step, style};
 
 /// Largest number of cells of a picture.
 const MOST: usize = 300_000;
@@ -26,21 +26,40 @@ pub struct Field<'a> {
     pub y: (f64, f64),
 }
 
+/// What a dot shows of a block of cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    Mean,
+    Largest,
+}
+
+/// The most rows or columns of a field in one of so many panels.
+pub fn most(panels: usize) -> usize {
+    ((MOST / panels.max(1)) as f64).sqrt() as usize
+}
+
 impl Field<'_> {
     /// The field in `colours` from the lower to the upper end of `scale`, averaged over blocks of cells if there are too
     /// many for `panels` panels.
     pub fn plot(&self, scale: (f64, f64), colours: &ColorMap, panels: usize) -> Plot {
+        self.plot_of(Shown::Mean, scale, colours, panels)
+    }
+
+    /// The same with the mean or the largest value of each block.
+    pub fn plot_of(&self, shown: Shown, scale: (f64, f64), colours: &ColorMap, panels: usize) -> Plot {
         let [rows, columns] = self.sides;
-        let most = ((MOST / panels.max(1)) as f64).sqrt() as usize;
-        let (across, along) = (rows.min(most), columns.min(most));
+        let (across, along) = (rows.min(most(panels)), columns.min(most(panels)));
         let block = |i: usize, of: usize, parts: usize| i * of / parts..(i + 1) * of / parts;
-        let mean = |i: usize, j: usize| {
+        let value = |i: usize, j: usize| {
             let (rows, among) = (block(i, rows, across), block(j, columns, along));
             let count = (rows.len() * among.len()) as f64;
-            let row = |row: usize| self.values[row * columns..][among.clone()].iter().sum::<f64>();
-            rows.map(row).sum::<f64>() / count
+            let values = rows.map(|row| &self.values[row * columns..][among.clone()]);
+            match shown {
+                Shown::Mean => values.map(|row| row.iter().sum::<f64>()).sum::<f64>() / count,
+                Shown::Largest => values.flatten().copied().fold(f64::NEG_INFINITY, f64::max),
+            }
         };
-        let data: Vec<Vec<f64>> = (0..across).map(|i| (0..along).map(|j| mean(i, j)).collect()).collect();
+        let data: Vec<Vec<f64>> = (0..across).map(|i| (0..along).map(|j| value(i, j)).collect()).collect();
         Plot::Heatmap(heatmap(data, scale, colours, (self.x, self.y)))
     }
 }
@@ -48,6 +67,18 @@ impl Field<'_> {
 /// Axes of a field, whose ticks are outside: it covers those inside.
 pub fn axes(x: (f64, f64), y: (f64, f64)) -> Layout {
     style::layout(x, y).with_tick_align("out")
+}
+
+/// Axes of a chain of cells from left to right, with ticks at whole numbers.
+pub fn chain_axes(cells: usize, y: (f64, f64)) -> Layout {
+    /// About so many ticks, where they have room.
+    const TICKS: usize = 10;
+    axes((0.0, cells as f64), y)
+        .with_x_tick_step(whole_step(cells as f64, TICKS))
+        .with_x_label("Cell")
+        .with_tick_size(11)
+        .with_label_size(13)
+        .with_force_margins(style::SIDES.0, style::SIDES.1)
 }
 
 /// The colour scale as a panel of its own, and its axes.

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
+use super::grid::Grid;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
@@ -86,15 +86,12 @@ fn stacked(
     panels.push((plots, lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)));
     let rows = panels.len();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
-    let (title, size) = page.heading(&outcome.summary.title);
     let heights = [HEIGHT, RESIDUALS].map(|height| page.height(height));
-    let figure = Figure::new(rows, 1)
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width, heights[0])
+    let grid = Grid::new(rows, 1, (page.width, heights[0]))
+        .with_title(page.heading(&outcome.summary.title))
         .with_row_height(rows - 1, heights[rows - 1] + LABEL)
         .with_spacing(4.0);
-    Some(legend::placed(ticks::panels(figure, plots, layouts), &legend, &[0]))
+    Some(legend::placed(ticks::panels(grid, plots, layouts), &legend, &[0]))
 }
 
 /// The whitened residuals between lines at ±2.

@@ -61,6 +61,8 @@ pub fn fitted(page: Page, draw: impl Fn(Page) -> Option<Scene>) -> Option<Scene>
 fn below(scene: &mut Scene, entries: &[LegendEntry], widest: f64, panels: &[Panel]) {
     let left = panels.iter().map(|panel| panel.on_canvas().0).fold(f64::INFINITY, f64::min);
     let left = if left.is_finite() { left } else { EDGES.0 };
+    // A wide one begins before the panels.
+    let left = left.min(scene.width - EDGES.0 - widest).max(EDGES.0);
     let room = scene.width - left - EDGES.0;
     let columns = (((room + BETWEEN) / (widest + BETWEEN)) as usize).clamp(1, entries.len());
     // Entries that fill less than a row are as close to each other as those of more rows.
@@ -233,6 +235,15 @@ mod tests {
         // In a panel that is too small, too.
         let many: Vec<_> = (0..20).map(|i| style::line(format!("curve {i}"), style::BLUE, None)).collect();
         assert_eq!(place(&placed(panel(&[]), &many, &[0]))[1], 360.0);
+    }
+
+    #[test]
+    fn a_wide_legend_begins_before_the_panels() {
+        let across = |y: f64| [(60.0, y), (460.0, y)];
+        let wide = [style::line("wide ".repeat(12), style::BLUE, None)];
+        let drawn = placed(panel(&[&across(30.0), &across(290.0)]), &wide, &[]);
+        let [x, _, width, _] = place(&drawn);
+        assert!((8.0..60.0).contains(&x) && x + width <= drawn.width - 7.9, "{x} {width}");
     }
 
     #[test]

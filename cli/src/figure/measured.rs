@@ -2,12 +2,12 @@
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, curve, line};
+use super::grid::Grid;
 use super::style::{self, GREEN, GREY, Page, Plots};
 use super::{legend, ticks};
 
@@ -71,21 +71,18 @@ pub fn with_residuals(
 ) -> Scene {
     let ends = (layout.x_axis_min.unwrap_or(0.0), layout.x_axis_max.unwrap_or(1.0));
     let label = layout.x_label.clone().unwrap_or_default();
-    let (title, size) = page.heading(&outcome.summary.title);
     let [above, below] = [HEIGHT, RESIDUALS].map(|height| page.height(height));
     let sides = if layout.y2_range.is_some() { style::TWO_SIDES } else { style::SIDES };
     let (residuals, mut lower) = panel_of_residuals(outcome, ends, residuals);
     (lower.log_x, lower.x_tick_format) = (layout.log_x, layout.x_tick_format.clone());
-    let figure = Figure::new(2, 1)
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width, above)
+    let grid = Grid::new(2, 1, (page.width, above))
+        .with_title(page.heading(&outcome.summary.title))
         .with_row_height(1, below + LABEL)
         .with_spacing(4.0);
     let mut upper = panel(layout, sides, 0.0);
     (upper.title, upper.x_label) = (None, None);
     let lower = panel(lower.with_x_label(label), sides, LABEL);
-    legend::placed(ticks::panels(figure, vec![plots, residuals], vec![upper, lower]), &legend, &[0])
+    legend::placed(ticks::panels(grid, vec![plots, residuals], vec![upper, lower]), &legend, &[0])
 }
 
 /// The panel of residuals between these ends.

@@ -2,12 +2,12 @@
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::advance::is_in_time;
 use super::curve::{Point, curve, errors, line, spread, thinned};
+use super::grid::Grid;
 use super::style::{self, BLUE, GREEN, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
@@ -31,14 +31,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         return None;
     }
     let (above, below) = (velocity(outcome)?, force(outcome)?);
-    let (title, size) = page.heading(&outcome.summary.title);
-    let figure = Figure::new(2, 1)
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width, page.height(HEIGHTS.0))
-        .with_row_height(1, page.height(HEIGHTS.1) + LABEL)
-        .with_spacing(6.0);
-    let scene = ticks::panels(figure, vec![above.0, below.0], vec![above.1, below.1]);
+    let grid = Grid::new(2, 1, (page.width, page.height(HEIGHTS.0)))
+        .with_title(page.heading(&outcome.summary.title))
+        .with_row_height(1, page.height(HEIGHTS.1) + LABEL);
+    let scene = ticks::panels(grid, vec![above.0, below.0], vec![above.1, below.1]);
     Some(legend::placed(scene, &entries(outcome), &[1]))
 }
 

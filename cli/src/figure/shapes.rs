@@ -128,7 +128,7 @@ impl Drawn<'_> {
                 let place = turned.post_translate(*x as f32, *y as f32);
                 let place = place.post_concat(self.place());
                 let outline = self.letters.outline(&text).and_then(|outline| outline.transform(place));
-                let covered = outline.as_ref().and_then(Coverage::of);
+                let covered = outline.as_ref().map(Coverage::of);
                 let colour = grey::rgb(color.as_ref().unwrap_or(&Color::Rgb(0, 0, 0)), self.grey);
                 self.shapes
                     .extend(covered.zip(colour).map(|(letters, colour)| Shape::Letters(letters, colour)));

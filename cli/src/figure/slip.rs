@@ -1,11 +1,11 @@
 //! `slip`: the time course of the first inertial slip.
 
 use asperity_runner::output::Outcome;
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, line};
+use super::grid::Grid;
 use super::style::{self, BLUE, GREEN, Page, Plots, RED};
 use super::{legend, ticks};
 
@@ -24,16 +24,12 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let time = style::axis(outcome, "Time t", outcome.record.get("slip_time")?);
     let lowest = layouts.pop()?.with_x_label(time).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
     layouts.push(lowest);
-    let (title, size) = page.heading(&outcome.summary.title);
     let legend =
         vec![style::line("friction force F", BLUE, None), style::line("spring force K(X_T − X)", RED, None)];
-    let figure = Figure::new(3, 1)
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width, page.height(HEIGHT))
-        .with_row_height(2, page.height(HEIGHT) + LABEL)
-        .with_spacing(6.0);
-    Some(legend::placed(ticks::panels(figure, plots, layouts), &legend, &[2]))
+    let grid = Grid::new(3, 1, (page.width, page.height(HEIGHT)))
+        .with_title(page.heading(&outcome.summary.title))
+        .with_row_height(2, page.height(HEIGHT) + LABEL);
+    Some(legend::placed(ticks::panels(grid, plots, layouts), &legend, &[2]))
 }
 
 fn panel(outcome: &Outcome, columns: &[(&str, &str)], words: &str) -> Option<(Plots, Layout)> {

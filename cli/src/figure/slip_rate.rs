@@ -1,17 +1,18 @@
 //! `slip_rate`: the velocity of the cells of a chain over time, and step by step, which shows how events grow, with a
 //! logarithmic colour scale, and the waves that start with the largest event.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use asperity::record::Variable;
 use asperity_runner::output::Outcome;
 use kuva::plot::ColorMap;
-use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line};
-use super::field::{self, Field, bar};
+use super::field::{self, Field, Shown, bar};
+use super::grid::Grid;
 use super::style::{self, Page, Plots};
 use super::ticks;
 
@@ -22,6 +23,8 @@ const DECADES: f64 = 6.0;
 /// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
+/// Panels with rates.
+const PANELS: usize = 2;
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
@@ -44,14 +47,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         scale_axes.with_y_tick_step(1.0).with_y_tick_format(TickFormat::Custom(Arc::new(|exponent: f64| {
             style::power(exponent.round() + 0.0)
         })));
-    let (title, size) = page.heading(&outcome.summary.title);
-    let figure = Figure::new(1, 3)
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(0.5 * (page.width - BAR), page.height(HEIGHT))
-        .with_col_width(2, BAR)
-        .with_spacing(6.0);
-    Some(ticks::panels(figure, vec![over_time, by_step, scale], vec![time_axes, step_axes, scale_axes]))
+    let grid = Grid::new(1, 3, (0.5 * (page.width - BAR), page.height(HEIGHT)))
+        .with_title(page.heading(&outcome.summary.title))
+        .with_column_width(2, BAR);
+    Some(ticks::panels(grid, vec![over_time, by_step, scale], vec![time_axes, step_axes, scale_axes]))
 }
 
 /// Where long waves are that start with the largest event, for cells with a wave speed: cells, and values of `along` at the
@@ -85,7 +84,7 @@ fn exponents(rates: &[f64], velocity: f64) -> (f64, f64) {
     (low.min(top - 1.0), top)
 }
 
-/// The logarithms of the velocities, evenly spaced along a variable: at each value those of the last step before it.
+/// The logarithms of the velocities in rows that are evenly spaced along a variable.
 fn panel(
     (colours, cells): (&[f64], usize),
     ends: (f64, f64),
@@ -94,20 +93,47 @@ fn panel(
 ) -> (Plots, Layout) {
     let values = &along.values;
     let (first, last) = style::range([values.as_slice()]);
-    let steps = values.len();
-    let row = |i: usize| {
-        let value = first + (last - first) * (i as f64 + 0.5) / steps as f64;
-        let row = values.partition_point(|&at| at <= value).max(1) - 1;
-        &colours[row * cells..(row + 1) * cells]
-    };
-    let rows: Vec<f64> = (0..steps).flat_map(row).copied().collect();
+    let count = values.len().min(field::most(PANELS));
+    let steps = steps(values, (first, last), count);
+    let rows: Vec<f64> = steps.into_iter().flat_map(|steps| fastest_of((colours, cells), steps)).collect();
     let last = if last > first { last } else { first + 1.0 };
-    let field = Field { values: &rows, sides: [steps, cells], x: (0.0, cells as f64), y: (first, last) };
-    let layout = field::axes(field.x, field.y)
-        .with_tick_size(11)
-        .with_label_size(13)
-        .with_force_margins(style::SIDES.0, style::SIDES.1)
-        .with_x_label("Cell")
-        .with_y_label(label);
-    (vec![field.plot(ends, &ColorMap::Inferno, 2)], layout)
+    let field = Field { values: &rows, sides: [count, cells], x: (0.0, cells as f64), y: (first, last) };
+    let layout = field::chain_axes(cells, field.y).with_y_label(label);
+    (vec![field.plot_of(Shown::Largest, ends, &ColorMap::Inferno, PANELS)], layout)
+}
+
+/// The steps in each of so many rows between the ends of a variable: none is left out. In a row without a step the last one
+/// before it holds.
+fn steps(values: &[f64], (first, last): (f64, f64), rows: usize) -> Vec<Range<usize>> {
+    let before = |row: usize| {
+        let end = first + (last - first) * row as f64 / rows as f64;
+        if row < rows { values.partition_point(|&at| at < end) } else { values.len() }
+    };
+    let row = |row: usize| {
+        let (start, end) = (before(row), before(row + 1));
+        if start < end { start..end } else { start.max(1) - 1..start.max(1) }
+    };
+    (0..rows).map(row).collect()
+}
+
+/// The highest velocity of each cell in these steps.
+fn fastest_of((colours, cells): (&[f64], usize), steps: Range<usize>) -> Vec<f64> {
+    let cell = |cell: usize| {
+        steps.clone().map(|step| colours[step * cells + cell]).fold(f64::NEG_INFINITY, f64::max)
+    };
+    (0..cells).map(cell).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_step_is_in_a_row_however_short_it_is() {
+        // Three steps of an event at 5.1, and one at the end.
+        let values = [0.0, 5.1, 5.11, 5.12, 9.0, 10.0];
+        assert_eq!(steps(&values, (0.0, 10.0), 5), [0..1, 0..1, 1..4, 3..4, 4..6]);
+        let colours = [-3.0, -3.0, -1.0, -3.0, -3.0, 0.0, -2.0, -3.0];
+        assert_eq!(fastest_of((&colours, 2), 1..4), [-1.0, 0.0]);
+    }
 }

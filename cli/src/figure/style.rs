@@ -60,7 +60,8 @@ impl Page {
     pub fn titled(self, layout: Layout, title: &str) -> Layout {
         let (text, size) = self.heading(title);
         let layout = layout.with_width(self.width).with_height(self.height(HEIGHT) - self.free);
-        layout.with_title(text).with_title_size(size)
+        // The plot library leaves room above an empty title, too.
+        if text.is_empty() { layout } else { layout.with_title(text).with_title_size(size) }
     }
 
     /// A title that fits on one line, shortened if needed, and its font size.
@@ -75,6 +76,21 @@ impl Page {
             return (title.to_owned(), size as u32);
         }
         (title.chars().take(most - 1).chain(['…']).collect(), size as u32)
+    }
+
+    /// The title of a picture that shows some of many, such as maps, and its font size. Of a long title the user's words are
+    /// shortened. Where no title is wanted there is none.
+    pub fn heading_of_some(self, title: &str, [shown, all]: [usize; 2], what: &str) -> (String, u32) {
+        if shown == all || title.is_empty() {
+            return self.heading(title);
+        }
+        let some = format!(" ({shown} of {all} {what})");
+        let whole = self.heading(&format!("{title}{some}"));
+        if whole.0.ends_with(&some) {
+            return whole;
+        }
+        let room = whole.0.chars().count().saturating_sub(some.chars().count() + 1);
+        (title.chars().take(room).chain(['…']).collect::<String>() + &some, whole.1)
     }
 }
 
@@ -207,6 +223,11 @@ pub fn typeset_number(word: &str) -> Option<String> {
 /// A value with its unit.
 pub fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { digits(value) } else { format!("{} {unit}", digits(value)) }
+}
+
+/// A value of a variable with its unit.
+pub fn value_of(outcome: &Outcome, value: f64, variable: &Variable) -> String {
+    with_unit(value, &outcome.summary.units.label(variable.quantity))
 }
 
 /// The smallest and the largest finite value of all curves.

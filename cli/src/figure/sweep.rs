@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use asperity_runner::sweep::{Axis, Dataset, Labelled, Values};
 use kuva::plot::{ColorMap, MarkerShape};
-use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, errors, line};
 use super::field::{self, Field, bar, scale};
+use super::grid::Grid;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
 use super::sweep_label::label;
 use super::{legend, ticks};
@@ -249,19 +249,15 @@ fn map(
     let layout = layout([&x, &y]).with_force_margins(left, style::SIDES.1);
     let layout = layout.with_force_margins_y(MARGINS.0, MARGINS.1);
     let (scale_plots, scale_axes) = bar(ends, &ColorMap::Viridis, &label(variable));
-    let (title, size) = page.heading(&dataset.title);
     let room = room(ends, &style::numbers(ends), 11.0).max(ROOM);
-    let figure = Figure::new(1, 2)
+    let grid = Grid::new(1, 2, (page.width - BAR - room, page.height(style::HEIGHT) - 40.0))
         .with_structure(vec![vec![0], vec![1]])
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width - BAR - room, page.height(style::HEIGHT) - 40.0)
-        .with_col_width(1, BAR + room)
-        .with_spacing(6.0);
+        .with_title(page.heading(&dataset.title))
+        .with_column_width(1, BAR + room);
     let axes = scale_axes.with_force_margins(room, 14.0).with_force_margins_y(MARGINS.0, MARGINS.1);
     let plots: Plots = vec![field.plot(ends, &colours, 1)];
     let exponents = [[x.exponents, y.exponents], [false; 2]];
-    Some(ticks::panels_of_exponents(figure, vec![plots, scale_plots], vec![layout, axes], &exponents))
+    Some(ticks::panels_of_exponents(grid, vec![plots, scale_plots], vec![layout, axes], &exponents))
 }
 
 /// Words over two axes, each with its colour.

@@ -1,12 +1,15 @@
 use asperity::record::{Quantity, Record};
 use asperity::scenario::{Figure, FigureFormat, Units};
 use asperity::task::summary::{
-    Catalogue, CurveLimits, Extended, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers,
-    InterfaceNumbers, Numbers, Peak, ProtocolNumbers, ProtocolStep, PullNumbers, RateState,
-    SimulatedStickSlip, StabilityNumbers, StaticFriction, StickSlipKind, StickSlipNumbers, Summary,
-    VelocityCurveNumbers,
+    CurveLimits, Extended, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers, Numbers, Peak,
+    ProtocolNumbers, ProtocolStep, PullNumbers, RateState, SimulatedStickSlip, StabilityNumbers,
+    StaticFriction, StickSlipKind, StickSlipNumbers, Summary, VelocityCurveNumbers,
 };
 use asperity_runner::output::{Attachment, Outcome};
+
+mod interface;
+
+use interface::lattice;
 
 fn friction() -> Friction {
     Friction {
@@ -527,143 +530,6 @@ fn one_simulation_has_a_line_where_persistent_stick_slip_ends_and_several_have_a
     let several = svg(&draw(&scattered(3, Some(0.1))).unwrap(), "stick_slip_scatter.svg");
     assert!(several.contains("Fraction of 3 simulations"), "{several}");
     assert!(several.contains("end of persistence ± std, N = 100"), "{several}");
-}
-
-/// Events of sizes 1, 2, 3 … over a lattice of 3 × 4 contacts, shown twice.
-fn lattice(events: usize) -> Outcome {
-    let catalogue = Catalogue {
-        unfinished: 0,
-        cells: 12,
-        events,
-        from: 0.0,
-        magnitude: "size".into(),
-        magnitude_unit: "1".into(),
-        law: None,
-        mean_waiting: Some(1.0),
-        waiting_variation: Some(0.0),
-        largest: None,
-        dissipated_breaks: None,
-        dissipated_slip: None,
-        wave_speed: None,
-        front_speed: None,
-        main_shocks: None,
-    };
-    let mut outcome = timed(InterfaceNumbers { catalogue });
-    let numbers = |count: usize| (1..=count).map(|i| i as f64).collect::<Vec<_>>();
-    let mut add = |name: &str, quantity, along: &[&str], values| {
-        outcome.record.push(name, name, quantity, along, values);
-    };
-    add("event_drive", Quantity::Length, &["event"], numbers(events));
-    add("event_size", Quantity::Number, &["event"], numbers(events));
-    add("event_force_before", Quantity::Force, &["event"], vec![0.5; events]);
-    add("event_force_after", Quantity::Force, &["event"], vec![0.4; events]);
-    add("drive", Quantity::Length, &["point"], numbers(41));
-    add("force", Quantity::Force, &["point"], vec![0.45; 41]);
-    add("map_drive", Quantity::Length, &["map_drive"], vec![20.0, 40.0]);
-    add("row", Quantity::Number, &["row"], numbers(3));
-    add("column", Quantity::Number, &["column"], numbers(4));
-    add("cell_force", Quantity::Force, &["map_drive", "row", "column"], numbers(24));
-    outcome
-}
-
-#[test]
-fn an_interface_has_a_catalogue_and_maps() {
-    let pictures = draw(&lattice(40)).unwrap();
-    let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
-    assert_eq!(names, ["catalogue.svg", "stress_map.svg"]);
-    for (picture, words) in [
-        (
-            "catalogue.svg",
-            ["Load-point displacement XT (µm)", "Force F (MPa)", "Breaks in an event", "40 events"],
-        ),
-        ("stress_map.svg", ["XT = 20", "XT = 40", "Force of a cell (MPa)", "Column"]),
-    ] {
-        for word in words {
-            assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
-        }
-    }
-    // The frames of both maps have 3 rows and 4 columns of square cells, and that of the colour scale is as tall.
-    let [first, second, scale] = frames(raw(&pictures, "stress_map.svg"))[..] else { panic!("three frames") };
-    for map in [first, second] {
-        assert!((map[2] / map[3] - 4.0 / 3.0).abs() < 1e-3, "{map:?}");
-        assert!((map[1] - scale[1]).abs() + (map[3] - scale[3]).abs() < 1e-6, "{map:?} {scale:?}");
-    }
-    let catalogue = svg(&pictures, "catalogue.svg");
-    assert!(catalogue.contains("Poisson process"));
-    // The points of both densities have error bars.
-    let lines = |svg: &str| svg.matches("stroke=\"#e69f00\"").count();
-    assert!(lines(&catalogue) >= 10, "{}", lines(&catalogue));
-    // A map is one image, and the colour scale is another.
-    let map = raw(&pictures, "stress_map.svg");
-    assert_eq!((map.matches("<image").count(), map.matches("href=\"data:image/png;base64,").count()), (3, 3));
-    let mut none = lattice(40);
-    if let Numbers::InterfaceDrive(InterfaceNumbers { catalogue }) = &mut none.summary.numbers {
-        catalogue.mean_waiting = None;
-    }
-    for (alone, has_density) in [(none, true), (lattice(5), false)] {
-        let alone = draw(&alone).unwrap();
-        let text = svg(&alone, "catalogue.svg");
-        assert!(text.contains("Breaks in an event") && !text.contains("Poisson process"));
-        assert_eq!(text.contains("Probability density"), has_density);
-    }
-}
-
-/// The magnitudes of few events stand below the force, at their drives; without events the force is alone.
-#[test]
-fn few_events_are_drawn_along_the_drive() {
-    let pictures = draw(&lattice(5)).unwrap();
-    let [force, magnitudes] = frames(raw(&pictures, "catalogue.svg"))[..] else { panic!("two frames") };
-    assert_eq!([force[0], force[2]], [magnitudes[0], magnitudes[2]]);
-    assert_eq!(raw(&pictures, "catalogue.svg").matches("<circle").count(), 5 + 1);
-    assert_eq!(frames(raw(&draw(&lattice(0)).unwrap(), "catalogue.svg")).len(), 1);
-}
-
-/// Fields have the colours of their values where these are: rows go up.
-#[test]
-fn a_map_has_a_dot_for_each_cell() {
-    let pictures = draw(&lattice(5)).unwrap();
-    let map = raw(&pictures, "stress_map.svg");
-    let base64 = map.split("base64,").nth(1).unwrap().split('"').next().unwrap();
-    let bytes = base64::Engine::decode(&base64::prelude::BASE64_STANDARD, base64).unwrap();
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-    let mut dots = vec![0; 3 * 12];
-    let info = reader.next_frame(&mut dots).unwrap();
-    assert_eq!((info.width, info.height), (4, 3));
-    // The first value, the least of all, is at the lower left, in the darkest colour of the scale.
-    assert_eq!(dots[3 * 8..3 * 9], [0x44, 0x01, 0x54]);
-}
-
-#[test]
-fn slip_rates_have_a_logarithmic_colour_scale() {
-    let mut outcome = lattice(0);
-    let (steps, cells) = (50, 8);
-    let numbers = |count: usize, unit: f64| (0..count).map(|i| unit * i as f64).collect::<Vec<_>>();
-    // The drive goes at 1e-3; cells are at rest, creep, or slip at 0.4.
-    let rate = |i: usize| [0.0, 1e-9, 2e-4, 0.4][i % 4];
-    let mut add = |name: &str, quantity, along: &[&str], values| {
-        outcome.record.push(name, name, quantity, along, values);
-    };
-    add("cell", Quantity::Number, &["cell"], numbers(cells, 1.0));
-    add("slip_rate_time", Quantity::Time, &["slip_rate_time"], numbers(steps, 10.0));
-    add("slip_rate_step", Quantity::Number, &["slip_rate_time"], numbers(steps, 2.0));
-    add("slip_rate_drive", Quantity::Length, &["slip_rate_time"], numbers(steps, 0.01));
-    let rates = (0..steps * cells).map(rate).collect();
-    add("slip_rate", Quantity::Velocity, &["slip_rate_time", "cell"], rates);
-    let pictures = draw(&outcome).unwrap();
-    let text = svg(&pictures, "slip_rate.svg");
-    for words in ["Cell", "Time t (s)", "Step of the computation", "Slip rate of a cell (µm/s)"] {
-        assert!(text.contains(words), "{words}");
-    }
-    // Three decades below the drive and up to the decade of the fastest cell, and the ends of both axes.
-    for tick in ["10⁰", "10⁻³", "10⁻⁶", ">400<", ">80<"] {
-        assert!(text.contains(tick), "{tick}");
-    }
-    assert!(!text.contains("10⁻⁷") && !text.contains("10¹"));
-    let [time, step, scale] = frames(raw(&pictures, "slip_rate.svg"))[..] else { panic!("three frames") };
-    // Both panels and the colour scale are equally tall.
-    for other in [step, scale] {
-        assert!((time[1] - other[1]).abs() + (time[3] - other[3]).abs() < 1e-6, "{time:?} {other:?}");
-    }
 }
 
 #[test]

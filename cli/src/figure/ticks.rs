@@ -9,6 +9,8 @@ use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, render_multiple, render_twin_y};
 
+use super::fitting::fitted;
+use super::grid::Grid;
 use super::style::Plots;
 
 /// Length of minor ticks over that of the others.
@@ -29,29 +31,32 @@ pub fn panel(plots: Plots, layout: Layout) -> Scene {
 
 /// The same where the coordinates along x or y may be decimal logarithms.
 pub fn panel_of_exponents(plots: Plots, layout: Layout, exponents: [bool; 2]) -> Scene {
+    let layout = fitted(layout);
     let axes = [Axes::of(&layout).raised(exponents)];
     divided(render_multiple(plots, layout), &axes)
 }
 
 /// A picture of one panel with two vertical axes.
 pub fn twin(left: Plots, right: Plots, layout: Layout) -> Scene {
+    let layout = fitted(layout);
     let axes = [Axes::of(&layout)];
     divided(render_twin_y(left, right, layout), &axes)
 }
 
 /// A picture of several panels, of one or two vertical axes. One without plots is empty.
-pub fn panels(figure: Figure, plots: Vec<Plots>, layouts: Vec<Layout>) -> Scene {
+pub fn panels(grid: Grid, plots: Vec<Plots>, layouts: Vec<Layout>) -> Scene {
     let exponents = vec![[false; 2]; layouts.len()];
-    panels_of_exponents(figure, plots, layouts, &exponents)
+    panels_of_exponents(grid, plots, layouts, &exponents)
 }
 
 /// The same where the coordinates along x or y may be decimal logarithms.
 pub fn panels_of_exponents(
-    figure: Figure,
+    grid: Grid,
     plots: Vec<Plots>,
     layouts: Vec<Layout>,
     exponents: &[[bool; 2]],
 ) -> Scene {
+    let (figure, layouts) = grid.fitted(layouts);
     let drawn = plots.iter().zip(layouts.iter().zip(exponents)).filter(|(plots, _)| !plots.is_empty());
     let axes: Vec<Axes> = drawn.map(|(_, (layout, exponents))| Axes::of(layout).raised(*exponents)).collect();
     let (figure, plots) = twins(figure, plots, &layouts);

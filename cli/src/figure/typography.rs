@@ -115,7 +115,8 @@ fn pieces(text: &str) -> Vec<Piece<'_>> {
     while let Some(letter) = text[at..].chars().next() {
         let (before, after) = (&text[..at], &text[at + letter.len_utf8()..]);
         match letter {
-            '(' if before.ends_with(' ') => unit = true,
+            // The second line of a label may begin with its unit.
+            '(' if before.is_empty() || before.ends_with(' ') => unit = true,
             ')' => unit = false,
             _ => {}
         }
@@ -175,6 +176,7 @@ mod tests {
             ("Load-point displacement X_T (m)", &["X", "_T"][..]),
             ("Kinetic friction F_k (N)", &["F", "_k"]),
             ("Friction force F (N)", &["F"]),
+            ("(N)", &[]),
             ("spring force K(X_T − X)", &["K", "X", "_T", "X"]),
             ("Q(x; X) (1/µm)", &["Q", "x", "X"]),
             ("static 0.8 N", &[]),

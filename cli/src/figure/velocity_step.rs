@@ -4,11 +4,11 @@
 use asperity::task::summary::{MeasuredRateState, ProtocolStep, RateState, SpringRateState};
 use asperity_runner::output::Outcome;
 use kuva::plot::LegendEntry;
-use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line, thinned};
+use super::grid::Grid;
 use super::style::{self, BLACK, BLUE, Page, Plots, RED};
 use super::{legend, measured, ticks};
 
@@ -36,15 +36,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let mut heights: Vec<f64> = layouts.iter().map(|layout| page.height(height(layout))).collect();
     *heights.last_mut()? += LABEL;
     let forces: Vec<usize> = (0..layouts.len()).filter(|&panel| layouts[panel].title.is_some()).collect();
-    let (title, size) = page.heading(&outcome.summary.title);
-    let figure = Figure::new(layouts.len(), 1)
-        .with_title(title)
-        .with_title_size(size)
-        .with_cell_size(page.width, page.height(HEIGHT))
-        .with_spacing(6.0);
+    let grid = Grid::new(layouts.len(), 1, (page.width, page.height(HEIGHT)))
+        .with_title(page.heading(&outcome.summary.title));
     let rows = heights.into_iter().enumerate();
-    let figure = rows.fold(figure, |figure, (row, height)| figure.with_row_height(row, height));
-    Some(legend::placed(ticks::panels(figure, plots, layouts), &entries(outcome), &forces))
+    let grid = rows.fold(grid, |grid, (row, height)| grid.with_row_height(row, height));
+    Some(legend::placed(ticks::panels(grid, plots, layouts), &entries(outcome), &forces))
 }
 
 /// The height of a panel: those of forces alone have a title.
