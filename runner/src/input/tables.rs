@@ -70,7 +70,7 @@ pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Faul
     }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
     if let Some(scales) = scales
-        && let Some(file) = scales.file.take_if(|_| scales.scale.is_none())
+        && let Some(file) = scales.file.take_if(|_| scales.scale.is_none() && scales.std.is_none())
     {
         let columns = place(folder, &file).and_then(|path| read(&path, &[&["scale"]]));
         let [scale] = exactly(columns.map_err(|fault| fault.under("interface.disorder.file"))?);
