@@ -1473,6 +1473,12 @@ class Estimates:
     def solutions(self, /) -> int:
         """The number of solutions of the master equation that the search took."""
 
+    @property
+    def sparse(self, /) -> bool:
+        """Whether the readings are farther apart than a third of the mean life of the fitted contacts. Contacts whose lives are
+        longer or shorter by a factor may then have the same forces there, and the search may have found them.
+        """
+
     def summary(self, /) -> str:
         """A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
 
@@ -4530,7 +4536,8 @@ class Step(Description):
     velocity_to
         The velocity at the end of a ramp that begins at velocity and takes a duration.
     points
-        The number of points of the trace in the step, evenly spaced in time, including both ends; 2 or more.
+        The number of points of the trace in the step, evenly spaced in time, on a ramp where it is at such times, including both
+        ends; 2 or more.
     pieces
         The number of intervals of constant velocity that approximate a ramp, 64 by default.
 

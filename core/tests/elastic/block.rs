@@ -2,7 +2,7 @@
 
 use crate::common::curve::{gaussian, identical};
 use crate::common::pulled::{near, pull};
-use crate::common::sliders::{chain, events, interface, setting};
+use crate::common::sliders::{chain, events, interface, scales, setting};
 use asperity::block::{self, StickSlip};
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::{CellLoading, CellSlip, InterfaceParameters};
@@ -84,6 +84,28 @@ fn a_rigid_slider_may_be_pulled_at_its_edge() {
             near(event.position_after, slip.after.position, 10.0 * lag);
             // The way to where balance is lost goes as the root of how well it is met.
             near(event.force_before / 4.0, slip.before.force, lag.sqrt());
+        }
+    }
+}
+
+/// At a fixed drive springs lose K_0 times the motion of all cells: of those that slipped, and of those that they pull along. The
+/// drop is that one however coarse the drive at which balance is lost.
+#[test]
+fn springs_lose_what_cells_move_at_any_tolerance_of_the_drive() {
+    let (cells, connection) = (100, 0.1);
+    for tolerance in [1e-2, 1e-3, 1e-5] {
+        let coupling = neighbours(Shape::Chain(cells), Edges::Open, 2.5).unwrap();
+        let setting = setting(connection, CellSlip::Overdamped, tolerance);
+        let mut chain = interface(&gaussian(0.1), Some(scales(cells, 0.15)), coupling, setting);
+        let all = events(&mut chain, 12.0);
+        assert!(all.len() > 3, "{tolerance}");
+        // Events at one drive are of one slide, and share its drop.
+        for slide in all.chunk_by(|a, b| a.drive == b.drive) {
+            let least = connection * slide.iter().map(|event| event.moment).sum::<f64>();
+            let drop = slide[0].drop();
+            // Cells beside one that slips follow it, each by λ = 0.52 of the one before: λ + 1/λ = 2 + (K_0 + ⟨k⟩)/K_int. With
+            // both sides that is 1 + 2λ/(1 − λ) = 3.2 times its own motion, and more where they are near their maximum.
+            assert!(drop > 0.999 * least && drop < 4.5 * least, "{tolerance}: {drop} {least} {slide:?}");
         }
     }
 }
