@@ -297,10 +297,13 @@ def test_scenarios_that_must_fail_fail(path: Path) -> None:
 def test_folders_of_others_are_left_alone(tmp_path: Path) -> None:
     result = asp.run(TEXT)
     (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("years of work", encoding="utf-8")
     with pytest.raises(FileExistsError, match="a folder that asperity did not make"):
         result.save(tmp_path / "mine")
     with pytest.raises(FileNotFoundError, match="cannot read"):
         asp.open_result(tmp_path / "mine")
+    # An empty folder is taken.
+    (tmp_path / "ours").mkdir()
     result.save(tmp_path / "ours")
     (tmp_path / "ours" / "summary.json").write_text("{}", encoding="utf-8")
     with pytest.raises(ValueError, match=r"summary\.json: missing field"):
