@@ -80,7 +80,9 @@ def remarks(fit: "Estimates | SteadyEstimates", what: str = "curve") -> list[str
     if fit.misfit is not None and fit.misfit.unlikely:
         found.append(f"The {what} is not of this kind: do not trust the errors.")
     if getattr(fit, "sparse", False):
-        found.append("The readings are sparse: contacts of longer or shorter lives may have the same forces there.")
+        found.append(
+            "The readings are sparse: contacts of longer or shorter lives may have the same forces there."
+        )
     return found
 
 
