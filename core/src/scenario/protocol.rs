@@ -100,26 +100,33 @@ impl Step {
 
     /// Its pieces of constant velocity; at the end of each piece of a ramp the position is that of the ramp.
     pub fn pieces(&self) -> Vec<Piece> {
-        let (first, last) = self.velocities();
-        let count = self.velocity_to.map_or(1, |_| self.pieces.unwrap_or(PIECES));
-        let duration = self.duration() / count as f64;
-        let middle = |i: usize| (i as f64 + 0.5) / count as f64;
-        (0..count).map(|i| Piece { velocity: first + (last - first) * middle(i), duration }).collect()
+        (0..self.number_of_pieces()).map(|i| self.piece(i)).collect()
     }
 
-    /// When the pieces arrive at the position that the step has at the time `t` since its beginning: on a ramp they are ahead of
-    /// it between their ends.
+    fn number_of_pieces(&self) -> usize {
+        self.velocity_to.map_or(1, |_| self.pieces.unwrap_or(PIECES))
+    }
+
+    fn piece(&self, i: usize) -> Piece {
+        let ((first, last), count) = (self.velocities(), self.number_of_pieces() as f64);
+        let velocity = first + (last - first) * ((i as f64 + 0.5) / count);
+        Piece { velocity, duration: self.duration() / count }
+    }
+
+    /// When the pieces arrive at the position that the step has at the time `t` since its beginning. Between their ends they are
+    /// ahead of a ramp that becomes faster, and behind one that becomes slower.
     fn arrival(&self, t: f64) -> f64 {
-        let ((first, last), pieces) = (self.velocities(), self.pieces());
-        if pieces.len() == 1 || first == last {
+        let ((first, last), count) = (self.velocities(), self.number_of_pieces());
+        if count == 1 || first == last {
             return t;
         }
-        let Piece { duration, .. } = pieces[0];
-        let piece = ((t / duration) as usize).min(pieces.len() - 1);
-        let (begin, velocity) = (piece as f64 * duration, pieces[piece].velocity);
-        let slope = (last - first) / self.duration();
-        // The ramp moves by v δ + a δ²/2 in the piece, in which v is that at its beginning.
+        let whole = self.duration();
+        let number = ((t / whole * count as f64) as usize).min(count - 1);
+        let Piece { velocity, duration } = self.piece(number);
+        let begin = number as f64 * duration;
         let inside = t - begin;
+        // The ramp moves by v δ + a δ²/2 in the piece, in which v is that at its beginning.
+        let slope = (last - first) / whole;
         begin + inside * (first + slope * (begin + 0.5 * inside)) / velocity
     }
 
@@ -233,7 +240,7 @@ impl Protocol {
     /// The same protocol with this number of pieces in each ramp, from the one that it has; `None` without ramps.
     pub(crate) fn with_pieces(&self, number: impl Fn(usize) -> usize) -> Option<Self> {
         let changed = |step: &Step| match step.velocity_to {
-            Some(_) => Step { pieces: Some(number(step.pieces().len())), ..step.clone() },
+            Some(_) => Step { pieces: Some(number(step.number_of_pieces())), ..step.clone() },
             None => step.clone(),
         };
         let ramps = self.0.iter().any(|step| step.velocity_to.is_some());

@@ -6,6 +6,7 @@ mod common;
 mod averaged_readings;
 mod edges;
 mod first_values;
+mod free_form;
 mod gradient;
 mod pulls;
 mod steady;

@@ -31,12 +31,12 @@ pub fn read_drawn(dir: &Path, most: u64) -> Result<Outcome> {
 }
 
 fn read_with(dir: &Path, record: impl FnOnce(&Path) -> Result<Record>) -> Result<Outcome> {
-    let path = dir.join("summary.json");
     let scenario = without_schema(text(&dir.join("scenario.toml"))?);
-    let both = [path.clone(), dir.join("result.nc")];
-    both.iter().try_for_each(|path| is_written(path))?;
-    let summary = summary(&text(&path)?).map_err(Error::malformed(&path))?;
-    Ok(Outcome { scenario, summary, record: record(&both[1])? })
+    let [numbers, columns] = ["summary.json", "result.nc"].map(|name| dir.join(name));
+    is_written(&numbers)?;
+    is_written(&columns)?;
+    let summary = summary(&text(&numbers)?).map_err(Error::malformed(&numbers))?;
+    Ok(Outcome { scenario, summary, record: record(&columns)? })
 }
 
 /// Refuses a file of the results that is not there, as a run may leave it out.
