@@ -64,6 +64,18 @@ pub enum Command {
     },
 }
 
+impl Command {
+    /// What contradicts itself in the options, if anything does.
+    pub fn contradiction(&self) -> Option<&'static str> {
+        match self {
+            Self::Run(run) => run.contradiction(),
+            Self::Sweep(sweep) => sweep.pictures.contradiction(sweep.no_figures),
+            Self::Plot { pictures, .. } => pictures.contradiction(false),
+            _ => None,
+        }
+    }
+}
+
 /// How the parts of a sweep belong together.
 const SWEEPS: &str = "Finished cases are stored beside DIR, in DIR.sweep-HASH. After an interruption, the same command with --resume
 computes the missing ones. In parts, on one machine or several that share the folder:
@@ -190,7 +202,7 @@ pub struct Explore {
 /// How pictures are drawn, instead of [figure] in the scenario.
 #[derive(Debug, Args)]
 pub struct Pictures {
-    /// File formats of the pictures, separated by commas [default: svg,png]
+    /// File formats of the pictures, separated by commas [default: svg]
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', value_parser = format())]
     pub figures: Option<Vec<FigureFormat>>,
     /// Width of a picture in mm, such as 86 for a column [default: 175]
@@ -202,7 +214,7 @@ pub struct Pictures {
     /// Font size of the labels of axes in points [default: in proportion to the width, 11 at 175 mm]
     #[arg(long, value_name = "POINTS", value_parser = positive)]
     pub figure_font_size: Option<f64>,
-    /// Dots per inch of PNG pictures [default: 200]
+    /// Dots per inch of PNG pictures, which are drawn then without --figures, too [default: 200]
     #[arg(long, value_name = "DPI", value_parser = positive)]
     pub figure_dpi: Option<f64>,
     /// Draw pictures in shades of grey
@@ -217,7 +229,7 @@ impl Pictures {
     /// How pictures are drawn; what is not asked for is as in the scenario.
     pub fn style(&self, scenario: &Figure) -> Figure {
         Figure {
-            formats: self.figures.clone().unwrap_or_else(|| scenario.formats.clone()),
+            formats: self.formats(scenario),
             width: self.figure_width.or(scenario.width),
             height: self.figure_height.or(scenario.height),
             font_size: self.figure_font_size.or(scenario.font_size),
@@ -227,10 +239,35 @@ impl Pictures {
         }
     }
 
+    /// The formats: those of `--figures`, or those of the scenario and PNG where its dots are asked for.
+    fn formats(&self, scenario: &Figure) -> Vec<FigureFormat> {
+        let png = self.figure_dpi.map(|_| FigureFormat::Png);
+        let with_png = || {
+            let also = png.filter(|png| !scenario.formats.contains(png));
+            scenario.formats.iter().copied().chain(also).collect()
+        };
+        self.figures.clone().unwrap_or_else(with_png)
+    }
+
+    /// Whether dots are asked for beside formats that have none.
+    fn has_dots_without_png(&self) -> bool {
+        let lacks_png = |formats: &Vec<FigureFormat>| !formats.contains(&FigureFormat::Png);
+        self.figure_dpi.is_some() && self.figures.as_ref().is_some_and(lacks_png)
+    }
+
     /// Whether an option says how pictures are drawn.
     fn are_asked_for(&self) -> bool {
         let numbers = [self.figure_width, self.figure_height, self.figure_font_size, self.figure_dpi];
         self.figures.is_some() || numbers.iter().any(Option::is_some) || self.figure_grey || self.no_title
+    }
+
+    /// What contradicts itself, if anything does; no picture is drawn if `none`.
+    fn contradiction(&self, none: bool) -> Option<&'static str> {
+        if none && self.are_asked_for() {
+            Some("options of pictures beside --no-figures")
+        } else {
+            self.has_dots_without_png().then_some("--figure-dpi beside --figures without png")
+        }
     }
 
     /// The same, with no picture at all if `none`.
@@ -264,13 +301,15 @@ impl Run {
     }
 
     /// What contradicts itself in the options, if anything does.
-    pub fn contradiction(&self) -> Option<&'static str> {
-        let (asked, all) = (self.pictures.are_asked_for(), self.only.is_empty());
+    fn contradiction(&self) -> Option<&'static str> {
         match self.writes("figures") {
-            false if asked => Some("options of pictures beside --only without figures"),
-            true if self.no_figures && !all => Some("--no-figures beside --only with figures"),
-            true if self.no_figures && asked => Some("options of pictures beside --no-figures"),
-            _ => None,
+            false if self.pictures.are_asked_for() => {
+                Some("options of pictures beside --only without figures")
+            }
+            true if self.no_figures && !self.only.is_empty() => {
+                Some("--no-figures beside --only with figures")
+            }
+            _ => self.pictures.contradiction(self.no_figures),
         }
     }
 

@@ -85,6 +85,9 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 fn execute(command: Command) -> Result<(), Failure> {
+    if let Some(what) = command.contradiction() {
+        return Err(Failure::Input(format!("error: expected options that agree, got {what}\n")));
+    }
     match command {
         Command::Run(run) => run::run(&run),
         Command::Sweep(sweep) => sweep::sweep(&sweep),

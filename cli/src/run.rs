@@ -24,9 +24,6 @@ pub const SHOWN: u64 = 4;
 const LARGE: u64 = 256 << 20;
 
 pub fn run(arguments: &Run) -> Result<(), Failure> {
-    if let Some(what) = arguments.contradiction() {
-        return Err(Failure::Input(format!("error: expected options that agree, got {what}\n")));
-    }
     let interrupts = Interrupts::listen().map_err(Failure::run)?;
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
     let one = input.scenario.is_one_case("asperity sweep");

@@ -182,7 +182,7 @@ fn only_the_files_asked_for_are_written() {
         written("json,csv"),
         [".asperity", "events.csv", "scenario.toml", "summary.json", "trace.csv"]
     );
-    assert!(written("figures").iter().any(|name| name.ends_with(".png")));
+    assert!(written("figures").iter().any(|name| name.ends_with(".svg")));
     let output = folder.run(&["run", "chain.toml", "--only", "hdf"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(errors(&output).contains("nc, csv, json, figures"), "{}", errors(&output));

@@ -44,7 +44,7 @@ fn plot_draws_the_pictures_of_a_run_anew() {
     // The same pictures from result.nc, and more of them.
     assert_eq!(
         folder.succeed(&["plot", "out/quick"]),
-        "pictures               force, evolution, distribution (svg, png)\n"
+        "pictures               force, evolution, distribution (svg)\n"
     );
     assert_eq!(contents(&results), before);
     folder.succeed(&["plot", "out/quick", "--figures", "pdf", "--no-title", "--figure-width", "86"]);
@@ -111,12 +111,12 @@ fn a_run_writes_to_out_and_prints_a_summary() {
         "1000 contacts, seed 7",
         "out/quick",
         "  data                 scenario.toml, summary.json, force.csv, atoms.csv, result.nc",
-        "  pictures             force, evolution, distribution (svg, png)",
+        "  pictures             force, evolution, distribution (svg)",
     ] {
         assert!(summary.contains(part), "{part} not in\n{summary}");
     }
     let written = names(&folder.path().join("out/quick"));
-    for name in ["scenario.toml", "summary.json", "result.nc", "force.csv", "force.svg", "force.png"] {
+    for name in ["scenario.toml", "summary.json", "result.nc", "force.csv", "force.svg"] {
         assert!(written.iter().any(|n| n == name), "{name} not in {written:?}");
     }
 }
@@ -142,7 +142,9 @@ fn pictures_are_those_that_are_asked_for() {
     assert_eq!(pictures(&["--no-figures"]), [""; 0]);
     let expected = ["distribution.pdf", "evolution.pdf", "force.pdf"];
     assert_eq!(pictures(&["--figures", "pdf", "--no-title", "--figure-width", "86"]), expected);
-    assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]"]).len(), 3);
+    assert_eq!(pictures(&[]), ["distribution.svg", "evolution.svg", "force.svg"]);
+    // Dots per inch are those of PNG.
+    assert_eq!(pictures(&["--figure-dpi", "50"]).iter().filter(|name| name.ends_with(".png")).count(), 3);
     assert_eq!(pictures(&["--set", "figure.formats=[\"svg\"]", "--figures", "pdf"]), expected);
     for (options, expected) in [
         (&["--figures", "eps"][..], "possible values: svg, png, pdf"),
@@ -152,6 +154,7 @@ fn pictures_are_those_that_are_asked_for() {
         (&["--figure-width", "20", "--figure-font-size", "12"], "figure: expected a picture at least"),
         (&["--set", "figure.width=-3"], "figure.width: expected a number above 0"),
         (&["--figures", "pdf", "--no-figures"], "cannot be used with"),
+        (&["--figures", "pdf", "--figure-dpi", "300"], "--figure-dpi beside --figures without png"),
         (&["--no-title", "--no-figures"], "options of pictures beside --no-figures"),
         (&["--only", "csv", "--figure-dpi", "300"], "options of pictures beside --only without figures"),
         (&["--only", "nc,figures", "--no-figures"], "--no-figures beside --only with figures"),

@@ -1,55 +1,56 @@
-//! Labels that fit: one that is longer than its axis has two lines, and ticks whose labels would touch are farther apart.
+//! Labels of axes that fit: one that is longer than its axis has two lines, and smaller letters where these do not fit either.
 
-use std::sync::Arc;
-
-use kuva::render::layout::{ComputedLayout, Layout, TickFormat};
-use kuva::render::render_utils::{compute_tick_step, generate_ticks_log, generate_ticks_with_step};
+use kuva::render::layout::{ComputedLayout, Layout};
+use kuva::render::render_utils::compute_tick_step;
 
 use super::letters;
+use super::tick_labels::Side;
 
 /// Greatest length of a label over that of its axis.
 const BEYOND: f64 = 1.2;
-/// Least distance of the labels of ticks over their font size.
-const APART: f64 = 0.6;
 /// Height of a line over its font size.
 const LINE: f64 = 1.17;
+/// The smallest font size of labels.
+const SMALLEST: f64 = 8.0;
 /// As many letters in a line as its own breaks leave.
 const UNBROKEN: usize = usize::MAX;
-/// Most ticks that the plot library draws.
-const MOST: usize = 10;
 
 /// A layout of known size whose labels fit.
 pub fn fitted(layout: Layout) -> Layout {
     level(upright(layout))
 }
 
-/// A layout of known size with labels of two lines beside vertical axes that are shorter.
+/// A layout of known size with labels of two lines beside vertical axes that are shorter, and ticks on the left whose labels do
+/// not touch.
 pub fn upright(mut layout: Layout) -> Layout {
     let drawn = ComputedLayout::from_layout(&layout);
-    let room = room(drawn.plot_height(), [drawn.margin_top, drawn.margin_bottom]);
+    let (axis, margins) = (drawn.plot_height(), [drawn.margin_top, drawn.margin_bottom]);
+    let room = room(axis, margins);
     let size = f64::from(layout.label_size);
     if let Some(lines) = broken(layout.y_label.as_deref(), size, room) {
         layout = layout.with_y_label(lines).with_y_label_wrap(UNBROKEN);
     }
     // A margin on the right that is given has room for one line.
     let second = layout.y2_label.as_deref().filter(|_| layout.force_margin_right.is_none());
-    match broken(second, size, room) {
-        Some(lines) => layout.with_y2_label(lines).with_y2_label_wrap(UNBROKEN),
-        None => layout,
+    if let Some(lines) = broken(second, size, room) {
+        layout = layout.with_y2_label(lines).with_y2_label_wrap(UNBROKEN);
     }
+    let labels = [layout.y_label.as_deref(), layout.y2_label.as_deref()];
+    layout.label_size = smaller(layout.label_size, labels, within(axis, margins));
+    Side::Left.with_labels_apart(layout, axis)
 }
 
 /// A layout of known size with a label of two lines below a horizontal axis that is shorter, and ticks whose labels do not touch.
 pub fn level(layout: Layout) -> Layout {
     let drawn = ComputedLayout::from_layout(&layout);
-    let axis = drawn.plot_width();
-    let room = room(axis, [drawn.margin_left, drawn.margin_right]);
-    let layout = match broken(layout.x_label.as_deref(), f64::from(layout.label_size), room) {
+    let (axis, margins) = (drawn.plot_width(), [drawn.margin_left, drawn.margin_right]);
+    let room = room(axis, margins);
+    let mut layout = match broken(layout.x_label.as_deref(), f64::from(layout.label_size), room) {
         Some(lines) => layout.with_x_label(lines).with_x_label_wrap(UNBROKEN),
         None => layout,
     };
-    let Some(ends) = layout.x_axis_min.zip(layout.x_axis_max) else { return layout };
-    if layout.log_x { sparse(layout, ends, axis) } else { stepped(layout, ends, axis) }
+    layout.label_size = smaller(layout.label_size, [layout.x_label.as_deref(), None], within(axis, margins));
+    Side::Below.with_labels_apart(layout, axis)
 }
 
 /// Whether a label has two lines.
@@ -80,95 +81,36 @@ pub fn whole_step(length: f64, ticks: usize) -> f64 {
 }
 
 /// The room for a label along an axis of this length between these margins: it may be a little longer than the axis.
-fn room(axis: f64, [before, after]: [f64; 2]) -> f64 {
-    (BEYOND * axis).min(axis + 2.0 * before.min(after))
+fn room(axis: f64, margins: [f64; 2]) -> f64 {
+    (BEYOND * axis).min(within(axis, margins))
+}
+
+/// The room for a label in the middle of an axis between the edges of its panel.
+fn within(axis: f64, [before, after]: [f64; 2]) -> f64 {
+    axis + 2.0 * before.min(after)
+}
+
+/// The font size with which these labels fit into a room, the usual one or a smaller one.
+fn smaller(usual: u32, labels: [Option<&str>; 2], room: f64) -> u32 {
+    let lines = labels.into_iter().flatten().flat_map(str::lines);
+    let longest = lines.map(|line| letters::width(line, f64::from(usual))).fold(0.0, f64::max);
+    let fitting = f64::from(usual) * room / longest;
+    if longest > room { fitting.floor().max(SMALLEST) as u32 } else { usual }
 }
 
 /// A label that is longer than the room for it in two lines, the longer of which is as short as possible.
 fn broken(label: Option<&str>, size: f64, room: f64) -> Option<String> {
     let label = label.filter(|label| letters::width(label, size) > room)?;
-    let halves = label.match_indices(' ').map(|(at, _)| (&label[..at], &label[at + 1..]));
+    // A key of a scenario has no spaces: its first line ends with a dot.
+    let has_spaces = label.contains(' ');
+    let halves = label.match_indices(if has_spaces { ' ' } else { '.' });
+    let halves = halves.map(|(at, _)| (&label[..at + usize::from(!has_spaces)], &label[at + 1..]));
     // What is in parentheses, such as the arguments of a function, stays together.
     let is_whole = |(first, _): &(&str, &str)| first.matches('(').count() == first.matches(')').count();
     let longer =
         |(first, second): &(&str, &str)| letters::width(first, size).max(letters::width(second, size));
     let (first, second) = halves.filter(is_whole).min_by(|a, b| longer(a).total_cmp(&longer(b)))?;
     Some(format!("{first}\n{second}"))
-}
-
-/// A linear axis with as many ticks as have room for their labels.
-fn stepped(layout: Layout, ends: (f64, f64), axis: f64) -> Layout {
-    let usual = match layout.ticks {
-        0 => ComputedLayout::from_layout(&layout).x_ticks.min(MOST),
-        ticks => ticks,
-    };
-    let first = layout.x_tick_step.unwrap_or_else(|| compute_tick_step(ends.0, ends.1, usual));
-    let place = |value: f64| axis * (value - ends.0) / (ends.1 - ends.0);
-    let fits = |step: &f64| {
-        let ticks = generate_ticks_with_step(ends.0, ends.1, *step);
-        !touch(&layout, ticks.into_iter().map(|tick| (place(tick), tick)))
-    };
-    let step = std::iter::successors(Some(first), |step| Some(wider(*step))).take(STEPS).find(fits);
-    match step.filter(|step| *step != first) {
-        Some(step) => layout.with_x_tick_step(step),
-        None => layout,
-    }
-}
-
-/// Most steps that are tried.
-const STEPS: usize = 12;
-
-/// The next larger step of 1, 2 or 5 times a power of ten.
-fn wider(step: f64) -> f64 {
-    let power = 10f64.powf((step * (1.0 + 1e-9)).log10().floor());
-    let larger = [2.0, 5.0, 10.0].map(|factor| factor * power);
-    larger.into_iter().find(|larger| *larger > step * (1.0 + 1e-6)).unwrap_or(10.0 * step)
-}
-
-/// A logarithmic axis on which every second, third … power of ten has a label, so that they have room.
-fn sparse(layout: Layout, ends: (f64, f64), axis: f64) -> Layout {
-    let usual = layout.x_tick_format.clone();
-    let place = |value: f64| axis * (value / ends.0).log10() / (ends.1 / ends.0).log10();
-    let ticks = generate_ticks_log(ends.0, ends.1);
-    let fits = |layout: &Layout| !touch(layout, ticks.iter().map(|&tick| (place(tick), tick)));
-    if fits(&layout) {
-        return layout;
-    }
-    let mut layout = layout;
-    for every in 1..=MOST {
-        layout = layout.with_x_tick_format(every_power(usual.clone(), every));
-        if fits(&layout) {
-            break;
-        }
-    }
-    layout
-}
-
-/// The labels of powers of ten whose exponents are multiples of a number.
-fn every_power(usual: TickFormat, every: usize) -> TickFormat {
-    TickFormat::Custom(Arc::new(move |value: f64| {
-        let exponent = value.log10();
-        let is_shown = (exponent - exponent.round()).abs() < 1e-6 && exponent.round() % every as f64 == 0.0;
-        if is_shown { usual.format(value) } else { String::new() }
-    }))
-}
-
-/// Whether the labels of ticks at these places touch each other.
-fn touch(layout: &Layout, ticks: impl Iterator<Item = (f64, f64)>) -> bool {
-    let size = f64::from(layout.tick_size);
-    let mut end = f64::NEG_INFINITY;
-    for (place, value) in ticks {
-        let label = layout.x_tick_format.format(value);
-        if label.is_empty() {
-            continue;
-        }
-        let half = 0.5 * letters::width(&label, size);
-        if place - half < end + APART * size {
-            return true;
-        }
-        end = place + half;
-    }
-    false
 }
 
 #[cfg(test)]
@@ -193,6 +135,8 @@ mod tests {
         // A word has no place to break.
         let word = fitted(axis((0.0, 1.0), 65.0).with_x_label("Displacement")).x_label;
         assert_eq!(word.as_deref(), Some("Displacement"));
+        let key = fitted(axis((0.0, 1.0), 130.0).with_x_label("gaussian.mean")).x_label;
+        assert_eq!(key.as_deref(), Some("gaussian.\nmean"));
         let upright = fitted(axis((0.0, 1.0), 600.0).with_y_label("Wider than it is high (MPa)"));
         assert_eq!(upright.y_label.as_deref(), Some("Wider than it\nis high (MPa)"));
     }
@@ -204,6 +148,10 @@ mod tests {
         // 60 units of the canvas have room for two numbers of two digits, not for four.
         assert_eq!(step(axis((0.0, 80.0), 120.0).with_ticks(4)), Some(50.0));
         assert_eq!(step(axis((0.0, 80.0), 120.0).with_x_tick_step(10.0)), Some(50.0));
+        // 100 units have room for eleven lines of letters of 8 units, not of 20.
+        let upright =
+            |size| fitted(axis((0.0, 1.0), 660.0).with_y_tick_step(0.1).with_tick_size(size)).y_tick_step;
+        assert_eq!([8, 20].map(upright), [Some(0.1), Some(0.2)]);
     }
 
     #[test]

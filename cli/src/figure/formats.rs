@@ -30,8 +30,8 @@ pub fn page(style: &Figure) -> Page {
     Page::new(wide / unit, style.height.map(|height| height / wide))
 }
 
-/// Least width and height of a picture of one panel, in units of the canvas: about as much as its labels take.
-const LEAST: (f64, f64) = (240.0, 180.0);
+/// Least width and height of a picture of one panel, in units of the canvas: in narrower ones labels touch or are cut.
+const LEAST: (f64, f64) = (320.0, 180.0);
 /// Most dots of a PNG along a side.
 const DOTS: f64 = 20_000.0;
 

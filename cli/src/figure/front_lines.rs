@@ -45,13 +45,6 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
     let window = (first - air, last + air);
     let mut plots: Plots = Vec::new();
     let mut entries = Vec::new();
-    let speed_in_words = |speed: f64| {
-        let rounded = style::digits((1e3 * speed).round() / 1e3);
-        match outcome.summary.units.label(Quantity::Time).as_str() {
-            "1" => format!("{rounded} cells per time"),
-            unit => format!("{rounded} cells/{unit}"),
-        }
-    };
     for (name, sign) in [("left", -1.0), ("right", 1.0)] {
         let speed = record.values(&format!("event_front_speed_{name}"))?[largest.event - 1];
         let passed = row.front(&points, epicentre, sign);
@@ -62,7 +55,7 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
             let reached = places.map(|distance| (distance, middle.1 + (distance - middle.0) / speed));
             let reached = reached.filter(|point| point.1 >= first);
             plots.extend(row.lines(epicentre, sign, reached).map(|part| line(part, RED, 1.6, Some(DASHES))));
-            let words = format!("front to the {name}: {}", speed_in_words(speed));
+            let words = format!("front to the {name}: {}", in_words(outcome, speed));
             entries.push(style::line(words, RED, Some(DASHES)));
         }
     }
@@ -74,7 +67,7 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
             let wave = places.map(|distance| (distance, first + distance / speed));
             plots.extend(row.lines(epicentre, sign, wave).map(|part| line(part, BLUE, 1.6, None)));
         }
-        entries.push(style::line(format!("waves: {}", speed_in_words(speed)), BLUE, None));
+        entries.push(waves(outcome, speed, BLUE));
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
     let at = along.events.get(largest.event - 1).copied().unwrap_or(largest.drive);
@@ -83,6 +76,20 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
         .with_title_size(12)
         .with_y_label(style::axis(outcome, "Beginning of slip", record.get("slipped_start")?));
     Some(Largest { plots, layout, entries })
+}
+
+/// What a line of waves with this speed is.
+pub fn waves(outcome: &Outcome, speed: f64, colour: &str) -> LegendEntry {
+    style::line(format!("waves: {}", in_words(outcome, speed)), colour, None)
+}
+
+/// A speed along the cells.
+fn in_words(outcome: &Outcome, speed: f64) -> String {
+    let rounded = style::digits((1e3 * speed).round() / 1e3);
+    match outcome.summary.units.label(Quantity::Time).as_str() {
+        "1" => format!("{rounded} cells per time"),
+        unit => format!("{rounded} cells/{unit}"),
+    }
 }
 
 /// The cells of a chain.

@@ -10,8 +10,9 @@ use super::letters;
 use super::room::{Panel, panels};
 use super::style::{self, Page};
 
-/// Font size of a legend.
+/// Font size of a legend, and the smallest of one that is wider than its picture.
 const SIZE: u32 = 12;
+const SMALLEST: u32 = 8;
 /// Height of a row.
 const ROW: f64 = 18.0;
 /// Width of a line or an area beside its words: two dashes of every kind fit.
@@ -33,7 +34,8 @@ pub fn placed(mut scene: Scene, entries: &[LegendEntry], of: &[usize]) -> Scene 
     if entries.is_empty() {
         return scene;
     }
-    let widest = widest(entries);
+    let letters = letters_in(scene.width - 2.0 * EDGES.0, entries);
+    let widest = widest(entries, letters);
     let size = [widest, ROW * entries.len() as f64];
     let found = panels(&scene);
     let room =
@@ -41,10 +43,10 @@ pub fn placed(mut scene: Scene, entries: &[LegendEntry], of: &[usize]) -> Scene 
     match room {
         Some((panel, at)) => {
             let rows = (0..entries.len()).map(|row| (at.0, at.1 + ROW * row as f64));
-            let drawn = drawn(entries, rows, size, at);
+            let drawn = drawn((entries, letters), rows, size, at);
             scene.elements.splice(panel.end..panel.end, drawn);
         }
-        None => below(&mut scene, entries, widest, &found),
+        None => below(&mut scene, (entries, letters), widest, &found),
     }
     scene
 }
@@ -58,7 +60,7 @@ pub fn fitted(page: Page, draw: impl Fn(Page) -> Option<Scene>) -> Option<Scene>
 }
 
 /// Appends a legend in as many columns as fit below a picture.
-fn below(scene: &mut Scene, entries: &[LegendEntry], widest: f64, panels: &[Panel]) {
+fn below(scene: &mut Scene, (entries, letters): (&[LegendEntry], u32), widest: f64, panels: &[Panel]) {
     let left = panels.iter().map(|panel| panel.on_canvas().0).fold(f64::INFINITY, f64::min);
     let left = if left.is_finite() { left } else { EDGES.0 };
     // A wide one begins before the panels.
@@ -73,35 +75,41 @@ fn below(scene: &mut Scene, entries: &[LegendEntry], widest: f64, panels: &[Pane
     });
     let rows = entries.len().div_ceil(columns) as f64;
     let size = [columns as f64 * (widest + BETWEEN) - BETWEEN, ROW * rows];
-    scene.elements.extend(drawn(entries, places, size, (left, top)));
+    scene.elements.extend(drawn((entries, letters), places, size, (left, top)));
     scene.height += ROW * rows + EDGES.1;
 }
 
-/// The width of the widest entry.
-fn widest(entries: &[LegendEntry]) -> f64 {
-    let words = entries.iter().map(|entry| letters::width(&entry.label, f64::from(SIZE)));
+/// The font size of entries in this room.
+fn letters_in(room: f64, entries: &[LegendEntry]) -> u32 {
+    (SMALLEST..=SIZE).rev().find(|&size| widest(entries, size) <= room).unwrap_or(SMALLEST)
+}
+
+/// The width of the widest entry in letters of this size.
+fn widest(entries: &[LegendEntry], size: u32) -> f64 {
+    let words = entries.iter().map(|entry| letters::width(&entry.label, f64::from(size)));
     SAMPLE + GAP + words.fold(0.0, f64::max)
 }
 
 /// Entries at their places, as a group with the attribute `data-legend`: left, top, width and height of all.
 fn drawn(
-    entries: &[LegendEntry],
+    (entries, letters): (&[LegendEntry], u32),
     places: impl Iterator<Item = Point>,
     [width, height]: [f64; 2],
     (left, top): Point,
 ) -> Vec<Primitive> {
     let attributes = format!("data-legend=\"{left:.2} {top:.2} {width:.2} {height:.2}\"");
     let start = Primitive::GroupStart { transform: None, title: None, extra_attrs: Some(attributes) };
-    let both = entries.iter().zip(places).flat_map(|(entry, at)| [sample(entry, at), words(entry, at)]);
+    let both =
+        entries.iter().zip(places).flat_map(|(entry, at)| [sample(entry, at), words(entry, letters, at)]);
     std::iter::once(start).chain(both).chain([Primitive::GroupEnd]).collect()
 }
 
-fn words(entry: &LegendEntry, (x, y): Point) -> Primitive {
+fn words(entry: &LegendEntry, size: u32, (x, y): Point) -> Primitive {
     Primitive::Text {
         x: x + SAMPLE + GAP,
-        y: y + 0.5 * ROW + MIDDLE * f64::from(SIZE),
+        y: y + 0.5 * ROW + MIDDLE * f64::from(size),
         content: entry.label.clone(),
-        size: SIZE,
+        size,
         anchor: TextAnchor::Start,
         rotate: None,
         bold: false,

@@ -50,6 +50,7 @@ mod style;
 mod sweep;
 mod sweep_label;
 mod thresholds;
+mod tick_labels;
 mod ticks;
 mod typography;
 mod velocity_curve;

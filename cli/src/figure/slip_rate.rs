@@ -14,7 +14,7 @@ use super::curve::{Point, line};
 use super::field::{self, Field, Shown, bar};
 use super::grid::Grid;
 use super::style::{self, Page, Plots};
-use super::ticks;
+use super::{front_lines, legend, ticks};
 
 /// Decades below the highest velocity of the drive that are shown: slower cells hold.
 const BELOW: f64 = 3.0;
@@ -23,6 +23,8 @@ const DECADES: f64 = 6.0;
 /// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
+/// Colour of the line of waves, which is seen on the dark and the bright cells.
+const WAVES: &str = "#56B4E9";
 /// Panels with rates.
 const PANELS: usize = 2;
 
@@ -36,7 +38,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         rates.values.iter().map(|rate| rate.max(10_f64.powf(ends.0)).log10().min(ends.1)).collect();
     let panel = |along: &Variable, words: &str| {
         let (mut plots, layout) = panel((&colours, cells), ends, along, &style::axis(outcome, words, along));
-        plots.extend(waves(outcome, cells, (time, along)).map(|waves| line(waves, style::BLUE, 1.4, None)));
+        plots.extend(waves(outcome, cells, (time, along)).map(|waves| line(waves, WAVES, 1.4, None)));
         (plots, layout)
     };
     let (over_time, time_axes) = panel(time, "Time t");
@@ -50,7 +52,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let grid = Grid::new(1, 3, (0.5 * (page.width - BAR), page.height(HEIGHT)))
         .with_title(page.heading(&outcome.summary.title))
         .with_column_width(2, BAR);
-    Some(ticks::panels(grid, vec![over_time, by_step, scale], vec![time_axes, step_axes, scale_axes]))
+    let scene = ticks::panels(grid, vec![over_time, by_step, scale], vec![time_axes, step_axes, scale_axes]);
+    let speed = outcome.summary.numbers.catalogue().filter(|catalogue| catalogue.largest.is_some());
+    let entry = speed.and_then(|of| of.wave_speed).map(|speed| front_lines::waves(outcome, speed, WAVES));
+    Some(legend::placed(scene, entry.as_slice(), &[]))
 }
 
 /// Where long waves are that start with the largest event, for cells with a wave speed: cells, and values of `along` at the

@@ -5,13 +5,15 @@ use kuva::plot::{LegendEntry, ScatterPlot};
 use kuva::render::plots::Plot;
 
 use super::curve::{Point, line};
-use super::style::{self, BLACK, Plots};
+use super::style::{self, BLACK, Plots, WHITE};
 
 /// Largest number of events that are drawn.
 const MOST: usize = 300;
 /// Width of a line, and radius of a dot.
 const WIDTH: f64 = 1.2;
 const RADIUS: f64 = 1.4;
+/// Width of the white edge of both, which are seen on dark cells, too.
+const EDGE: f64 = 0.7;
 
 /// Lines and dots at the drives or times of events, and what they are.
 pub fn marks(record: &Record, along: &[f64]) -> (Plots, Option<LegendEntry>) {
@@ -26,10 +28,15 @@ pub fn marks(record: &Record, along: &[f64]) -> (Plots, Option<LegendEntry>) {
         .flat_map(|event| runs(&event.cells).into_iter().map(move |run| (run, at(event))));
     let (dots, lines): (Vec<_>, Vec<_>) = runs.partition(|((first, last), _)| first == last);
     let lines = lines.into_iter().map(|((first, last), at)| vec![(first, at), (last + 1.0, at)]);
-    let mut plots: Plots = lines.map(|points| line(points, BLACK, WIDTH, None)).collect();
+    let lines: Vec<Vec<Point>> = lines.collect();
     let dots: Vec<Point> = dots.into_iter().map(|((cell, _), at)| (cell + 0.5, at)).collect();
-    if !dots.is_empty() {
-        plots.push(Plot::Scatter(ScatterPlot::new().with_data(dots).with_color(BLACK).with_size(RADIUS)));
+    let mut plots = Plots::new();
+    for (colour, edge) in [(WHITE, EDGE), (BLACK, 0.0)] {
+        plots.extend(lines.iter().map(|points| line(points.clone(), colour, WIDTH + 2.0 * edge, None)));
+        if !dots.is_empty() {
+            let dots = ScatterPlot::new().with_data(dots.clone()).with_color(colour);
+            plots.push(Plot::Scatter(dots.with_size(RADIUS + edge)));
+        }
     }
     let words = match events.len() {
         ..=MOST => "cells that slipped in an event".to_owned(),

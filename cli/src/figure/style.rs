@@ -16,6 +16,7 @@ pub const ORANGE: &str = "#E69F00";
 pub const RED: &str = "#D55E00";
 pub const GREEN: &str = "#009E73";
 pub const BLACK: &str = "#000000";
+pub const WHITE: &str = "#FFFFFF";
 pub const GREY: &str = "#767676";
 
 /// Width of a picture with letters of the usual size, in units of the canvas, and height of a picture of one panel.

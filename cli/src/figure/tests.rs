@@ -65,7 +65,7 @@ fn outcome() -> Outcome {
 }
 
 fn style() -> Figure {
-    Figure::default()
+    Figure { formats: vec![FigureFormat::Svg, FigureFormat::Png], ..Figure::default() }
 }
 
 fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {

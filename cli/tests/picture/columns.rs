@@ -5,8 +5,14 @@ use super::support::{Folder, names};
 /// Least part of a letter's height or width by which texts overlap.
 const ROUNDING: f32 = 0.5;
 
-/// Draws the pictures of a result anew for a column, and checks them.
+/// Draws the pictures of a result anew for a column, with letters of the usual size of journals and of 10 pt, and checks them.
 pub fn check(folder: &Folder, scenario: &str) {
+    for size in ["8", "10"] {
+        check_at(folder, scenario, size);
+    }
+}
+
+fn check_at(folder: &Folder, scenario: &str, size: &str) {
     folder.succeed(&[
         "plot",
         "out",
@@ -15,13 +21,13 @@ pub fn check(folder: &Folder, scenario: &str) {
         "--figure-width",
         "86",
         "--figure-font-size",
-        "8",
+        size,
         "--no-title",
     ]);
     let out = folder.path().join("out");
     for name in names(&out).into_iter().filter(|name| name.ends_with(".svg")) {
         let svg = std::fs::read_to_string(out.join(&name)).unwrap();
-        let place = format!("{scenario}: {name} in a column");
+        let place = format!("{scenario}: {name} in a column, {size} pt");
         let drawn = super::tree(&svg);
         super::inside(&place, &drawn);
         apart(&place, &drawn);

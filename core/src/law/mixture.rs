@@ -84,6 +84,23 @@ impl Mixture {
         let address = name.split_once('.').and_then(|(index, inner)| Some((index.parse().ok()?, inner)));
         address.filter(|&(index, _)| index < self.components.len()).ok_or_else(|| unknown(self, name))
     }
+
+    /// The points at which the density of a component is not smooth, those where these cancel each other with an amplitude of 0.
+    fn all_breakpoints(&self) -> Vec<Breakpoint> {
+        let weighted = |(weight, law): &(f64, SharedLaw)| {
+            let weight = *weight;
+            law.breakpoints().into_iter().map(move |b| Breakpoint { amplitude: weight * b.amplitude, ..b })
+        };
+        let all = self.components.iter().flat_map(weighted);
+        let mut breakpoints: Vec<_> = all.filter(|b| b.amplitude != 0.0).collect();
+        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
+        breakpoints.dedup_by(|next, kept| {
+            let same = next.position == kept.position && next.exponent == kept.exponent;
+            kept.amplitude += if same { next.amplitude } else { 0.0 };
+            same
+        });
+        breakpoints
+    }
 }
 
 impl Law for Mixture {
@@ -115,8 +132,16 @@ impl Law for Mixture {
 
     /// w_i ∂S_i/∂θ for a parameter of component i; (S_i − S)/(1 − w_i) for its weight, since the others are scaled
     /// so that the sum stays 1.
+    ///
+    /// # Errors
+    /// As stated by the trait; edges of components that cancel each other, at which derivatives have kinks or jumps and the
+    /// density has none: solvers do not end cells there.
     fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
         let (index, inner) = self.address(name)?;
+        if let Some(hidden) = self.all_breakpoints().iter().find(|b| b.amplitude == 0.0) {
+            let expected = "a value at which no edges of distributions cancel each other";
+            return Err(Error::invalid(name, expected, format!("edges that do, at {}", hidden.position)));
+        }
         let (weight, law) = self.components[index].clone();
         if inner != "weight" {
             let derivative =
@@ -209,19 +234,7 @@ impl Law for Mixture {
     }
 
     fn breakpoints(&self) -> Vec<Breakpoint> {
-        let weighted = |(weight, law): &(f64, SharedLaw)| {
-            let weight = *weight;
-            law.breakpoints().into_iter().map(move |b| Breakpoint { amplitude: weight * b.amplitude, ..b })
-        };
-        let mut breakpoints: Vec<_> = self.components.iter().flat_map(weighted).collect();
-        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
-        breakpoints.dedup_by(|next, kept| {
-            let same = next.position == kept.position && next.exponent == kept.exponent;
-            kept.amplitude += if same { next.amplitude } else { 0.0 };
-            same
-        });
-        breakpoints.retain(|b| b.amplitude != 0.0);
-        breakpoints
+        self.all_breakpoints().into_iter().filter(|b| b.amplitude != 0.0).collect()
     }
 
     /// Those of all components.

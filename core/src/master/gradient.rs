@@ -76,7 +76,7 @@ impl Pull {
     ///
     /// # Errors
     /// An unknown parameter; a parameter without a derivative, such as the position of a point mass; the delay of contacts
-    /// that break simultaneously; lives that are differenced where edges of distributions cancel each other.
+    /// that break simultaneously; edges of distributions that cancel each other.
     pub fn gradients(&self, parameters: &[&str]) -> Result<Vec<Gradient>> {
         self.gradients_with(parameters, &mut ())
     }

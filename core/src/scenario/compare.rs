@@ -67,10 +67,11 @@ impl Compare {
         if let Some((other, _)) = columns.iter().find(|(other, of)| *other != name && of.is_some()) {
             return Err(Error::invalid(*other, format!("{name} with [{}]", task.name()), *other));
         }
-        let both = format!("{name} and force");
-        let listed = columns.iter().any(|(_, of)| of.is_some()) || self.force.is_some();
-        let given = [("file", self.file.is_some()), (both.as_str(), listed)];
-        exactly_one("", &format!("either file or {both}"), &given)?;
+        let force = self.force.as_ref().map(|_| "force");
+        let lists = columns.iter().filter(|(_, of)| of.is_some()).map(|(name, _)| *name).chain(force);
+        let lists = lists.collect::<Vec<_>>().join(" and ");
+        let given = [("file", self.file.is_some()), (lists.as_str(), !lists.is_empty())];
+        exactly_one("", &format!("either file or {name} and force"), &given)?;
         self.check_points(name)?;
         self.check_spring(task, block)
     }

@@ -75,7 +75,14 @@ impl Scenario {
             return vec![("figure", "no formats, no pictures: the other keys have no effect")];
         }
         let dots = figure.formats.contains(&FigureFormat::Png) || figure.dpi == usual.dpi;
-        if dots { Vec::new() } else { vec![("figure.dpi", "only PNG has dots: the key has no effect")] }
+        if dots {
+            Vec::new()
+        } else {
+            vec![(
+                "figure.dpi",
+                "only PNG has dots, and \"png\" is not in figure.formats: the key has no effect",
+            )]
+        }
     }
 }
 

@@ -198,10 +198,14 @@ fn edges_on_each_other_are_told_apart() {
     let names: &[&str] = &["thresholds.0.max", "thresholds.1.min", "thresholds.1.max"];
     agree(&[("touching", contacts(0.3), 0.01, names)], 1e-4, [1e-7, 1e-7, 1e-6]);
     // Where the densities are equal on both sides, nothing shows that there is an edge.
-    for name in names {
-        let pull = at(contacts(0.5), 0.01).pull(LENGTH).unwrap();
-        let error = pull.gradient(name).map(|_| ()).unwrap_err().to_string();
-        assert!(error.contains(name) && error.contains("edges"), "{error}");
+    let timeless = of(&parts(0.5), &zero, Rules::default());
+    for equation in [at(contacts(0.5), 0.01), MasterEquation::new(timeless, &Initial::default()).unwrap()] {
+        let pull = equation.pull(LENGTH).unwrap();
+        for name in names {
+            let error = pull.gradient(name).map(|_| ()).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("edges that do, at"), "{error}");
+        }
+        assert!(pull.parameters().iter().all(|known| !known.name.starts_with("thresholds")));
     }
 }
 

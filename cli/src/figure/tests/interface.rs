@@ -250,7 +250,12 @@ fn marked(text: &str) -> (Vec<[f64; 2]>, Vec<f64>) {
             points.map(|point| point.trim().split([' ', ',']).next().unwrap().parse().unwrap()).collect();
         [cell(x[0]), cell(x[x.len() - 1])]
     };
-    let dots = panel.split("<circle ").skip(1).filter_map(|circle| number(circle, "cx=\"")).map(cell);
+    let dots = panel
+        .split("<circle ")
+        .skip(1)
+        .filter(|circle| number(circle, "r=\"").unwrap() < 2.0)
+        .filter_map(|circle| number(circle, "cx=\""))
+        .map(cell);
     (paths.map(ends).collect(), dots.collect())
 }
 
