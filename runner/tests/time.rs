@@ -204,6 +204,46 @@ fn the_error_of_a_force_along_a_ramp_is_that_of_its_pieces_too() {
     }
 }
 
+/// The accuracy that is stated for a block behind a spring, where one is required, covers what more pieces change; a number of pieces
+/// that is given and does not suffice is refused.
+#[test]
+fn the_accuracy_of_a_block_along_a_ramp_is_that_of_its_pieces_too() {
+    let scenario = |pieces: &str| {
+        format!(
+            "master_equation.tolerance = 1e-3
+             [contacts]
+             thresholds.gaussian = {{ mean = 1.2, std = 0.25 }}
+             stiffness_per_threshold = 1.4
+             count = 5.0
+             ageing.frozen_rank = {{ mature.gaussian = {{ mean = 0.8, std = 0.1 }}, time = 4.0 }}
+             delay.rectangular = {{ min = 0.5, max = 2.0 }}
+             [initial]
+             point.at = 0.1
+             [block]
+             stiffness = 40.0
+             [[protocol]]
+             velocity = 0.05
+             velocity_to = 1.0
+             duration = 6.0
+             points = 21
+             {pieces}"
+        )
+    };
+    // A block has the forces at the times of the trace alone, since none of its slips has steps of its own.
+    let [(usual, error), (finer, _)] = ["", "pieces = 128"].map(|pieces| {
+        let outcome = run(&scenario(pieces));
+        // Per N_c⟨k⟩ = 5 × 1.4.
+        let error = 7.0 * outcome.summary.accuracy.unwrap();
+        (outcome.record.values("force").unwrap().to_vec(), error)
+    });
+    assert_eq!((usual.len(), finer.len()), (21, 21));
+    let apart = usual.iter().zip(&finer).map(|(usual, finer)| (usual - finer).abs()).fold(0.0, f64::max);
+    // The error is estimated as three times that of the pieces, whose number changes the force by more than 2e-4.
+    assert!((2e-4..error).contains(&apart), "{apart} {error}");
+    let refused = asperity_runner::run(&parsed(&scenario("pieces = 8")).scenario, &mut ()).unwrap_err();
+    assert!(refused.to_string().contains("the force along ramps in pieces"), "{refused}");
+}
+
 /// Two velocity steps of a synthetic record: the force before the second one is that after the transient of the first.
 #[test]
 fn each_velocity_step_of_a_compared_curve_begins_at_the_steady_force_before_it() {

@@ -96,9 +96,7 @@ pub(super) fn rigid(
     Ok((protocol, trace, record))
 }
 
-/// Follows a rigid slider. What the pieces of ramps change is of second order in their number: the difference from the motion in half
-/// as many, some three times that, is part of the error. Where more accuracy is required than the default number gives, it is
-/// doubled. Returns the protocol in the pieces that were followed.
+/// Follows a rigid slider. Returns the protocol in the pieces that were followed.
 ///
 /// # Errors
 /// Errors of the solver; an accuracy that is not reached; stopped by the monitor.
@@ -107,36 +105,57 @@ fn followed(
     protocol: &scenario::Protocol,
     monitor: &mut dyn Monitor,
 ) -> Result<(scenario::Protocol, Trace)> {
-    /// Doublings of the default number of pieces: the cost of many pieces rises with its square.
-    const DOUBLINGS: u32 = 4;
     let required = model.master_equation.tolerance;
     let accuracy = (model.master_equation.tolerance_in_time(&model.contacts.rules), required);
     let follow = |protocol: &scenario::Protocol, part: &mut dyn Monitor| {
         let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
-        Transport::follow_as_required(&mut build, (&protocol.build()?, &protocol.times()), accuracy, part)
+        let motion = (&protocol.build()?, &protocol.times()[..]);
+        let trace = Transport::follow_as_required(&mut build, motion, accuracy, part)?;
+        let error = trace.error;
+        Ok((trace, error))
     };
+    let (protocol, trace, error) = over_ramps((model, protocol), monitor, follow, |trace| &trace.force)?;
+    Ok((protocol, Trace { error, ..trace }))
+}
+
+/// Follows a protocol with an estimate of what the pieces of ramps change. It is of second order in their number: the difference
+/// from the motion in half as many, some three times that, is part of the error. Where more accuracy is required than the default
+/// number gives, it is doubled. `follow` returns a motion with the error of its forces, and `forces` those at the points of the trace.
+/// Returns the protocol in the pieces that were followed, the motion and the error.
+///
+/// # Errors
+/// Those of `follow`; an accuracy that is not reached.
+fn over_ramps<T>(
+    (model, protocol): (&Model, &scenario::Protocol),
+    monitor: &mut dyn Monitor,
+    mut follow: impl FnMut(&scenario::Protocol, &mut dyn Monitor) -> Result<(T, f64)>,
+    forces: impl Fn(&T) -> &[f64],
+) -> Result<(scenario::Protocol, T, f64)> {
+    /// Doublings of the default number of pieces: the cost of many pieces rises with its square.
+    const DOUBLINGS: u32 = 4;
     let Some(coarse) = protocol.with_pieces(|count| count.div_ceil(2)) else {
-        return Ok((protocol.clone(), follow(protocol, monitor)?));
+        let (motion, error) = follow(protocol, monitor)?;
+        return Ok((protocol.clone(), motion, error));
     };
-    let mut rough = follow(&coarse, &mut Part::new(monitor, 0.0, 0.3))?;
+    let (mut rough, _) = follow(&coarse, &mut Part::new(monitor, 0.0, 0.3))?;
     let (mut protocol, mut left) = (protocol.clone(), 0.7);
+    let required = model.master_equation.tolerance;
     let mut doublings = if required.is_some() && protocol.has_default_pieces() { DOUBLINGS } else { 0 };
     let unit = model.stiffness() * model.contacts.thresholds.mean();
     loop {
         let share = if doublings == 0 { left } else { 0.5 * left };
-        let mut trace = follow(&protocol, &mut Part::new(monitor, 1.0 - left, share))?;
+        let (fine, own) = follow(&protocol, &mut Part::new(monitor, 1.0 - left, share))?;
         left -= share;
-        let differences = trace.force.iter().zip(&rough.force).map(|(fine, rough)| (fine - rough).abs());
-        let error = trace.error + differences.fold(0.0, f64::max);
+        let differences = forces(&fine).iter().zip(forces(&rough)).map(|(fine, rough)| (fine - rough).abs());
+        let error = own + differences.fold(0.0, f64::max);
         if doublings == 0 || required.is_some_and(|required| error / unit <= required) {
             let what = || "the force along ramps in pieces of constant velocity".to_owned();
             required.map_or(Ok(()), |required| Tolerance::from(required).allows(error / unit, what))?;
-            trace.error = error;
-            return Ok((protocol, trace));
+            return Ok((protocol, fine, error));
         }
         doublings -= 1;
         protocol = protocol.with_pieces(|count| 2 * count).unwrap_or(protocol);
-        rough = trace;
+        rough = fine;
     }
 }
 
@@ -204,13 +223,13 @@ pub(super) fn behind(
     monitor: &mut dyn Monitor,
 ) -> Result<(Sliding, Record, Option<ForceAccuracy>)> {
     let Model { contacts, initial, .. } = model;
-    let (history, times) = (protocol.build()?, protocol.times());
     let step = model.master_equation.step_of_a_block();
     let mean = contacts.thresholds.mean();
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let part = &mut Part::new(monitor, 0.0, master);
     let loaded = |block: Block| block.with_background(model.background);
-    let (run, accuracy) = move_block(model, &loaded(block.in_time(false)?)?, (&history, &times), part)?;
+    let (protocol, run, accuracy) = move_block(model, &loaded(block.in_time(false)?)?, protocol, part)?;
+    let (history, times) = (protocol.build()?, protocol.times());
     let mut record = Record::default();
     sliding::adopt(used(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut summary = Sliding::in_time(&run);
@@ -229,13 +248,14 @@ pub(super) fn behind(
     Ok((summary, record, accuracy))
 }
 
-/// The motion of a block over the master equation. Its error is estimated, by a second motion, only if an accuracy is required.
+/// The motion of a block over the master equation, with the protocol in the pieces that were followed. Its error is estimated, by a
+/// second motion, and for ramps by motions in other numbers of pieces, only if an accuracy is required.
 fn move_block(
     model: &Model,
     block: &Block,
-    (drive, times): (&History, &[f64]),
+    protocol: &scenario::Protocol,
     monitor: &mut dyn Monitor,
-) -> Result<(Slide, Option<ForceAccuracy>)> {
+) -> Result<(scenario::Protocol, Slide, Option<ForceAccuracy>)> {
     let mean = model.contacts.thresholds.mean();
     let tolerance = model.master_equation.tolerance_of_a_block();
     if model.master_equation.tolerance.is_none() {
@@ -243,18 +263,25 @@ fn move_block(
         let contacts = transport(model, tolerance, &mut preparation)?;
         let rest = &mut preparation.rest();
         let step = model.master_equation.step_of_a_block() * mean;
-        return Ok((block.follow_with(&contacts, drive, times, step, rest)?, None));
+        let run = block.follow_with(&contacts, &protocol.build()?, &protocol.times(), step, rest)?;
+        return Ok((protocol.clone(), run, None));
     }
-    let (run, accuracy) = as_required(model, tolerance, monitor, |tolerance, part| {
-        let mut preparation = Preparation::new(part);
-        let contacts = transport(model, tolerance, &mut preparation)?;
-        let rest = &mut preparation.rest();
-        let run =
-            block.follow_with_error(&contacts, drive, times, Block::step_for(tolerance) * mean, rest)?;
-        let accuracy = ForceAccuracy::in_time(model, run.error.unwrap_or(0.0));
-        Ok((run, accuracy))
-    })?;
-    Ok((run, Some(accuracy)))
+    let follow = |protocol: &scenario::Protocol, part: &mut dyn Monitor| {
+        let (drive, times) = (protocol.build()?, protocol.times());
+        let (slide, _) = as_required(model, tolerance, part, |tolerance, part| {
+            let mut preparation = Preparation::new(part);
+            let contacts = transport(model, tolerance, &mut preparation)?;
+            let (rest, step) = (&mut preparation.rest(), Block::step_for(tolerance) * mean);
+            let slide = block.follow_with_error(&contacts, &drive, &times, step, rest)?;
+            let accuracy = ForceAccuracy::in_time(model, slide.error.unwrap_or(0.0));
+            Ok((slide, accuracy))
+        })?;
+        let forces: Vec<f64> = slide.forces(&times).collect();
+        let error = slide.error.unwrap_or(0.0);
+        Ok(((slide, forces), error))
+    };
+    let (protocol, (slide, _), error) = over_ramps((model, protocol), monitor, follow, |(_, forces)| forces)?;
+    Ok((protocol, slide, Some(ForceAccuracy::in_time(model, error))))
 }
 
 /// Largest error of a step of a block over `size` contacts followed one by one, per mean threshold.

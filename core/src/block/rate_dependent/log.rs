@@ -214,10 +214,13 @@ impl Log {
 impl Slide {
     /// The largest difference of F from that of another motion at the `times` requested of both; `None` without times.
     pub(super) fn difference(&self, other: &Self, times: &[f64]) -> Option<f64> {
-        let at = |slide: &Self, time: f64| {
-            slide.trace[slide.trace.partition_point(|moment| moment.time < time)].force
-        };
-        times.iter().map(|&time| (at(self, time) - at(other, time)).abs()).reduce(f64::max)
+        let forces = self.forces(times).zip(other.forces(times));
+        forces.map(|(own, other)| (own - other).abs()).reduce(f64::max)
+    }
+
+    /// F at the `times` that were requested.
+    pub(crate) fn forces(&self, times: &[f64]) -> impl Iterator<Item = f64> {
+        times.iter().map(|&time| self.trace[self.trace.partition_point(|moment| moment.time < time)].force)
     }
 
     /// The trace: `time`, `drive`, `position`, `velocity`, `force`, `spring_force`, `free`.
