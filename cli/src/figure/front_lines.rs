@@ -47,7 +47,7 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
     let mut entries = Vec::new();
     for (name, sign) in [("left", -1.0), ("right", 1.0)] {
         let speed = record.values(&format!("event_front_speed_{name}"))?[largest.event - 1];
-        let passed = row.front(&points, epicentre, sign);
+        let passed = row.front(&points, epicentre, sign > 0.0);
         if let Some(&middle) = passed.get(passed.len() / 2).filter(|_| speed.is_finite()) {
             // As far as the front has come.
             let (begin, end) = (passed[0].0, passed[passed.len() - 1].0);
@@ -62,7 +62,7 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
     if let Some(speed) = outcome.summary.numbers.catalogue()?.wave_speed {
         for sign in [-1.0, 1.0] {
             // Around a periodic chain waves from both sides meet.
-            let longest = if row.is_periodic { 0.5 * row.cells } else { row.cells };
+            let longest = if row.is_periodic() { 0.5 * row.cells } else { row.cells };
             let places = (0..=FINE).map(|i| longest * f64::from(i) / f64::from(FINE));
             let wave = places.map(|distance| (distance, first + distance / speed));
             plots.extend(row.lines(epicentre, sign, wave).map(|part| line(part, BLUE, 1.6, None)));
@@ -95,25 +95,23 @@ fn in_words(outcome: &Outcome, speed: f64) -> String {
 /// The cells of a chain.
 struct Row {
     cells: f64,
-    is_periodic: bool,
+    edges: Edges,
 }
 
 impl Row {
     fn of(outcome: &Outcome, cells: usize) -> Self {
-        Self { cells: cells as f64, is_periodic: edges(&outcome.scenario) == Edges::Periodic }
+        Self { cells: cells as f64, edges: edges(&outcome.scenario) }
+    }
+
+    fn is_periodic(&self) -> bool {
+        self.edges == Edges::Periodic
     }
 
     /// Distances from the epicentre to one side, and when slip had come so far.
-    fn front(&self, points: &[Point], epicentre: f64, sign: f64) -> Vec<Point> {
-        let half = if self.is_periodic { 0.5 * self.cells } else { self.cells };
-        let distance = |cell: f64| {
-            let distance = sign * (cell - epicentre);
-            if self.is_periodic { distance.rem_euclid(self.cells) } else { distance }
-        };
-        let side = points.iter().map(|point| (distance(point.0), point.1));
-        let side = side.filter(|point| (0.0..=half).contains(&point.0));
-        let side: Vec<(usize, f64)> = side.map(|point| (point.0 as usize, point.1)).collect();
-        let (first, times) = front(&side);
+    fn front(&self, points: &[Point], epicentre: f64, up: bool) -> Vec<Point> {
+        // Points are at the middles of cells.
+        let starts: Vec<(usize, f64)> = points.iter().map(|point| (point.0 as usize, point.1)).collect();
+        let (first, times) = front(&starts, epicentre as usize, up, (self.cells as usize, self.edges));
         times.iter().enumerate().map(|(i, time)| ((first + i) as f64, *time)).collect()
     }
 
@@ -130,7 +128,7 @@ impl Row {
         for (distance, time) in points {
             let place = epicentre + sign * distance;
             let now = (place / self.cells).floor();
-            if now != 0.0 && !self.is_periodic {
+            if now != 0.0 && !self.is_periodic() {
                 break;
             }
             let at = (place - now * self.cells, time);

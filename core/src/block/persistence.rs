@@ -82,6 +82,21 @@ impl PersistenceLimit {
         }
         Ok(Self { persists, ended })
     }
+
+    /// The same with a regime that is known, if the stiffness is not enclosed on both sides.
+    #[must_use]
+    pub fn with(self, stiffness: f64, regime: &Regime) -> Self {
+        let (is_open, is_inside) = (
+            self.persists == 0.0 || self.ended == f64::INFINITY,
+            stiffness > self.persists && stiffness < self.ended,
+        );
+        match regime {
+            _ if !(is_open && is_inside) => self,
+            Regime::Persistent { .. } => Self { persists: stiffness, ..self },
+            Regime::Undecided { .. } => self,
+            _ => Self { ended: stiffness, ..self },
+        }
+    }
 }
 
 impl Block {
@@ -190,6 +205,17 @@ mod tests {
         assert_eq!(never, PersistenceLimit { persists: 0.0, ended: 1e-3 });
         let always = PersistenceLimit::find([1e-3, 1.0], 0.01, persistent_below(1e9)).unwrap();
         assert_eq!(always, PersistenceLimit { persists: 16.0, ended: f64::INFINITY });
+    }
+
+    #[test]
+    fn a_known_regime_counts_where_one_side_is_open() {
+        let [persistent, smooth] = [0.0, 1.0].map(|k| persistent_below(0.5)(k).unwrap());
+        let limit = |persists, ended| PersistenceLimit { persists, ended };
+        assert_eq!(limit(16.0, f64::INFINITY).with(20.0, &persistent), limit(20.0, f64::INFINITY));
+        assert_eq!(limit(16.0, f64::INFINITY).with(20.0, &smooth), limit(16.0, 20.0));
+        assert_eq!(limit(16.0, f64::INFINITY).with(2.0, &smooth), limit(16.0, f64::INFINITY));
+        assert_eq!(limit(0.0, 1.0).with(0.5, &persistent), limit(0.5, 1.0));
+        assert_eq!(limit(0.9, 1.0).with(0.95, &persistent), limit(0.9, 1.0));
     }
 
     #[test]

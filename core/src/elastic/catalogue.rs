@@ -148,28 +148,34 @@ pub(super) fn fronts(slipped: &[Slipped], shape: Shape, edges: Edges) -> [f64; 2
     let columns = shape.sides()[1];
     let epicentre = slipped[0].cell;
     let in_row = |s: &&Slipped| s.cell / columns == epicentre / columns;
-    [false, true].map(|up| {
-        let distance = |cell: usize| {
-            let (from, to) = if up { (epicentre, cell) } else { (cell, epicentre) };
-            match edges {
-                // Around the chain up to where fronts from both sides meet.
-                Edges::Periodic => Some((to + columns - from) % columns).filter(|d| 2 * d <= columns),
-                Edges::Open => to.checked_sub(from),
-            }
-        };
-        let start = |s: &Slipped| Some((distance(s.cell)?, s.start));
-        let starts: Vec<(usize, f64)> = slipped.iter().filter(in_row).filter_map(start).collect();
-        speed(&front(&starts).1)
-    })
+    let starts: Vec<(usize, f64)> =
+        slipped.iter().filter(in_row).map(|s| (s.cell % columns, s.start)).collect();
+    [false, true].map(|up| speed(&front(&starts, epicentre % columns, up, (columns, edges)).1))
 }
 
-/// The front of slip, from the distances of cells from the epicentre and the times at which they began to slip: the first distance,
-/// and the times at which the front had come as far as this and each following distance.
+/// The front of slip towards smaller numbers of cells, or larger ones (`up`), along a chain of so many cells with these edges, from
+/// cells, the times at which they began to slip, and the epicentre: the first distance from it, and the times at which the front had
+/// come as far as this and each following distance.
 ///
 /// It has come as far as a distance when a cell there or beyond begins to slip: strong cells may begin later than those ahead of
 /// them, or not at all. The first distance is that of the edge of the nucleation patch, whose cells lose balance at the same time;
 /// the front ends where it would pass over five cells.
-pub fn front(starts: &[(usize, f64)]) -> (usize, Vec<f64>) {
+pub fn front(
+    starts: &[(usize, f64)],
+    epicentre: usize,
+    up: bool,
+    (cells, edges): (usize, Edges),
+) -> (usize, Vec<f64>) {
+    let distance = |cell: usize| {
+        let (from, to) = if up { (epicentre, cell) } else { (cell, epicentre) };
+        match edges {
+            // Around the chain up to where fronts from both sides meet.
+            Edges::Periodic => Some((to + cells - from) % cells).filter(|d| 2 * d <= cells),
+            Edges::Open => to.checked_sub(from),
+        }
+    };
+    let starts: Vec<(usize, f64)> =
+        starts.iter().filter_map(|&(cell, start)| Some((distance(cell)?, start))).collect();
     let Some(farthest) = starts.iter().map(|start| start.0).max() else { return (0, Vec::new()) };
     let mut times = vec![f64::INFINITY; farthest + 1];
     starts.iter().for_each(|&(distance, start)| times[distance] = start);

@@ -164,6 +164,7 @@ fn at_velocity(
     let limit = springs.limit(task.resolution, &mut Part::new(part, SHARES[0], SHARES[1]))?;
     let done = SHARES[0] + SHARES[1];
     let (regime, map) = regimes(&springs, stiffnesses, &mut Part::new(part, done, 1.0 - done))?;
+    let limit = stiffnesses.iter().zip(&map).fold(limit, |limit, (&at, regime)| limit.with(at, regime));
     let mut numbers = springs.answer(regime, limit).numbers(velocity);
     let mut scatter = Vec::new();
     if model.ensemble.is_some() {
@@ -227,7 +228,8 @@ fn simulated(
 ) -> Result<(SimulatedStickSlip, Vec<Vec<Regime>>)> {
     let found = each_simulation(model, springs, task.simulations(), monitor, |springs, part| {
         let limit = springs.limit_near(expected, task.resolution, &mut Part::new(part, 0.0, 0.5))?;
-        Ok((limit, regimes(springs, stiffnesses, &mut Part::new(part, 0.5, 0.5))?))
+        let (regime, map) = regimes(springs, stiffnesses, &mut Part::new(part, 0.5, 0.5))?;
+        Ok((limit.with(springs.stiffness(), &regime), (regime, map)))
     })?;
     let behind = |i: usize| found.iter().map(|(_, (_, map))| map[i]).collect();
     let map = (0..stiffnesses.len()).map(behind).collect();

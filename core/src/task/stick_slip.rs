@@ -203,9 +203,10 @@ impl Springs {
     /// # Errors
     /// Those of [`PersistenceLimit::find`].
     pub fn limit(&self, resolution: f64, monitor: &mut dyn Monitor) -> Result<PersistenceLimit> {
-        // Stick-slip has to begin, by the first pull or from steady sliding, so that the search begins there.
-        let found = self.critical.into_iter().filter(|critical| critical.is_finite());
-        self.limit_from(found.fold(0.0, f64::max), resolution, monitor)
+        // Stick-slip has to begin, by the first pull or from steady sliding, so that the search begins there; behind any spring
+        // where the force jumps.
+        let begins = self.critical.map(|critical| if critical.is_finite() { critical } else { self.all });
+        self.limit_from(begins.into_iter().fold(0.0, f64::max), resolution, monitor)
     }
 
     /// The same in a search that begins where stick-slip over infinitely many contacts ends, `expected`, if it does.
@@ -243,10 +244,11 @@ impl Springs {
         self.table.stiffness
     }
 
-    /// The answer, with a regime and a limit that were found.
+    /// The answer, with the regime of the block and a limit that were found.
     pub fn answer(&self, regime: Regime, limit: PersistenceLimit) -> StickSlipStability {
         let [critical_stiffness, critical_stiffness_sliding] = self.critical;
         let stiffness = self.stiffness();
+        let limit = limit.with(stiffness, &regime);
         StickSlipStability { stiffness, regime, limit, critical_stiffness, critical_stiffness_sliding }
     }
 }

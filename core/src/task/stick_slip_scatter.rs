@@ -66,7 +66,7 @@ pub fn stick_slip_scatter(
     let found = each_simulation(model, &springs, simulations, part, |springs, part| {
         let regime = springs.regime(springs.stiffness(), &mut Part::new(part, 0.0, 0.1))?;
         let limit = springs.limit_near(expected.limit, resolution, &mut Part::new(part, 0.1, 0.9))?;
-        Ok((regime, limit))
+        Ok((regime, limit.with(springs.stiffness(), &regime)))
     })?;
     report(monitor, 1.0)?;
     let (regimes, limits) = found.into_iter().unzip();

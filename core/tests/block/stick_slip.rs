@@ -1,9 +1,9 @@
 //! Whether a slider sticks and slips: against closed forms and tables of time-independent contacts, long drives, and contacts one
 //! by one.
 
-use crate::common::{contacts, gaussian, initial, point};
+use crate::common::{contacts, gaussian, initial, mixture, point};
 use asperity::Error;
-use asperity::block::{Block, Loading, Regime, Slide, Slip};
+use asperity::block::{Block, Loading, PersistenceLimit, Regime, Slide, Slip};
 use asperity::contacts::{Ageing, Contacts, Rules};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
@@ -73,6 +73,85 @@ fn contacts_that_wait_for_the_arrest_slip_for_ever_below_a_second_stiffness() {
         let found = athermal(std, 0.5, Slip::Arrest);
         let [low, high] = [found.limit.persists, found.limit.ended].map(|k| k / found.critical_stiffness);
         assert!(low > from && high < to, "σ = {std}: {low} to {high}");
+    }
+}
+
+/// Slips of a block over contacts that wait for the arrest, one after the other up to so many: the master equation on a grid of this
+/// step, from stretches of 0, for the survival of thresholds on the grid.
+fn slips_on_a_grid(survival: &[f64], step: f64, stiffness: f64, most: usize) -> usize {
+    // What is left of the contacts of a stretch one step later.
+    let left: Vec<f64> =
+        survival.windows(2).map(|s| if s[0] > 1e-16 { s[1] / s[0] } else { 0.0 }).chain([0.0]).collect();
+    let force = |density: &[f64]| step * density.iter().enumerate().map(|(i, q)| i as f64 * q).sum::<f64>();
+    let shift = |density: &mut Vec<f64>| -> f64 {
+        density.rotate_right(1);
+        density[0] = 0.0;
+        let mut broken = 0.0;
+        for i in 1..density.len() {
+            let kept = density[i] * left[i - 1];
+            broken += density[i] - kept;
+            density[i] = kept;
+        }
+        broken
+    };
+    let mut density = vec![0.0; survival.len()];
+    density[0] = 1.0;
+    let (mut position, mut last, mut longest, mut slips) = (0.0, 0.0, 1.0, 0);
+    // Four times the longest distance without a slip is the end.
+    while slips < most && position - last <= 4.0 * longest {
+        let before = density.clone();
+        let drive = position + force(&before) / stiffness;
+        // Contacts that break in a step re-form in its middle.
+        let half = 0.5 * shift(&mut density);
+        density[0] += half;
+        density[1] += half;
+        position += step;
+        if position + force(&density) / stiffness >= drive {
+            continue;
+        }
+        (density, position) = (before, position - step);
+        longest = f64::max(longest, position - last);
+        let mut broken = 0.0;
+        while force(&density) < stiffness * (drive - position) || broken == 0.0 {
+            broken += shift(&mut density);
+            position += step;
+        }
+        density[0] += broken;
+        (last, slips) = (position, slips + 1);
+    }
+    slips
+}
+
+/// Thresholds with a point mass make the force of the first pull jump: K_c is infinite, and says nothing of where stick-slip ends.
+/// On grids of steps of 2e-3 and 1e-3 it ends at 0.938 and 0.936, so 0.933 in the limit.
+#[test]
+fn stick_slip_over_a_point_mass_ends_at_a_finite_stiffness() {
+    let thresholds = mixture(&[(0.3, point(1.0)), (0.7, gaussian(1.0, 0.2))]);
+    let step = 2e-3;
+    // The point mass is above the last point of the grid that survives it.
+    let survival = |i: usize| {
+        let x = i as f64 * step;
+        thresholds.survival(if (x - 1.0).abs() < 1e-9 { x + 1e-9 } else { x })
+    };
+    let grid: Vec<f64> = (0..1300).map(survival).collect();
+    let [soft, stiff] = [0.90, 0.97].map(|stiffness| slips_on_a_grid(&grid, step, stiffness, 160));
+    assert!(soft == 160 && stiff < 40, "{soft} {stiff}");
+    let model = model(contacts(&thresholds, &point(0.0)), 0.5, Slip::Arrest);
+    let found = stick_slip_stability(&model, None, RESOLUTION, &mut ()).unwrap();
+    assert_eq!(found.critical_stiffness, f64::INFINITY);
+    let PersistenceLimit { persists, ended, .. } = found.limit;
+    // The resolution of the search, and the 5e-3 between the grid and its limit.
+    assert!(persists > 0.90 && ended < 0.97 && ended <= (1.0 + RESOLUTION) * persists, "{found:?}");
+}
+
+/// Contacts that are all alike keep in step behind every spring: the stiffnesses up to that of the block are none at which it ends.
+#[test]
+fn stick_slip_of_equal_contacts_has_no_end() {
+    for (stiffness, persists) in [(1.0, 16.0), (50.0, 50.0)] {
+        let model = model(contacts(&point(1.0), &point(0.0)), stiffness, Slip::Arrest);
+        let found = stick_slip_stability(&model, None, RESOLUTION, &mut ()).unwrap();
+        assert!(matches!(found.regime, Regime::Persistent { .. }), "{found:?}");
+        assert_eq!((found.limit.persists, found.limit.ended), (persists, f64::INFINITY));
     }
 }
 
