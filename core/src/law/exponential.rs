@@ -95,6 +95,10 @@ impl Law for Exponential {
         breakpoint_at_zero(0.0, 1.0 / self.mean)
     }
 
+    fn constant_hazard(&self) -> Option<f64> {
+        Some(1.0 / self.mean)
+    }
+
     fn decay_rate(&self) -> f64 {
         1.0 / self.mean
     }

@@ -246,6 +246,11 @@ pub trait Law: Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// The hazard rate of a distribution without memory, where it is the same at every x; `None` for others.
+    fn constant_hazard(&self) -> Option<f64> {
+        None
+    }
+
     /// Largest λ for which E[e^{λξ}] is reliable: infinite unless the tail was truncated. Relaxation faster
     /// than exp(−λX) is then not determined.
     fn known_rate(&self) -> f64 {

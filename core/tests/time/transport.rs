@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::common::{gaussian, point, rectangular};
+use crate::common::{gaussian, mixture, point, rectangular};
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::history::{History, Piece};
-use asperity::law::{Gamma, SharedLaw};
+use asperity::law::{Exponential, Gamma, SharedLaw};
 use asperity::master::{MasterEquation, Trace, Transport};
 use asperity::monitor::Monitor;
 
@@ -357,6 +357,31 @@ fn rules_that_fade_leave_athermal_contacts() {
         let off = force(rules.clone()).iter().zip(&athermal).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off < 1e-5 + left, "{rules:?}: {off:e}");
     }
+}
+
+/// Exponential free times have no memory: how many contacts are free says all. A gamma distribution of shape 1 is the same one,
+/// for which the history of breaks is kept.
+#[test]
+fn free_times_without_memory_are_those_of_a_history_of_breaks() {
+    let followed = |delay: SharedLaw| {
+        let rules = Rules { delay: delay.into(), ..ageing(logarithmic()) };
+        let mixed = mixture(&[(0.3, point(1.0)), (0.7, gaussian(1.0, 0.2))]);
+        let initial = Initial { law: point(0.0), start: Start::Relaxed };
+        let mut transport = Transport::new_with(contacts(mixed, rules), &initial, 1e-5, &mut ()).unwrap();
+        transport.follow(&wild(), &times(&wild(), 40)).unwrap()
+    };
+    let by_rate = followed(Arc::new(Exponential::new(0.3).unwrap()));
+    let by_history = followed(Arc::new(Gamma::new(0.3, 0.3).unwrap()));
+    let apart = |of: fn(&Trace) -> &[f64]| {
+        of(&by_rate).iter().zip(of(&by_history)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    // The table of the survival of free times has an error of 1e-15, and three nodes in each past step less than the tolerance.
+    assert!(
+        apart(|trace| &trace.force) < 1e-7 && apart(|trace| &trace.free) < 1e-7,
+        "{}",
+        apart(|t| &t.force)
+    );
+    assert!(by_rate.free.iter().any(|&free| free > 0.1));
 }
 
 #[test]

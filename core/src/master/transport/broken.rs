@@ -50,8 +50,8 @@ pub(super) struct DelayedPointMass {
     pub(super) mass: f64,
 }
 
-/// N(t), the fraction of contacts broken until t, kept for the delay τ, or for the longest free time; simultaneous breaks are
-/// kept separately.
+/// N(t), the fraction of contacts broken until t, kept for the delay τ, or for the longest free time of a distribution with memory;
+/// simultaneous breaks are kept separately.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Broken {
     /// The longest time for which contacts are free.
@@ -174,6 +174,9 @@ impl Broken {
     /// What contacts that broke before a step contribute to those that form in it; `None` with one delay for all.
     pub(super) fn free_before(&self, start: f64, duration: f64) -> Option<FreeAfter> {
         let (times, now) = (self.times.as_ref()?, StepInterval { start, duration });
+        if let Some(free) = times.free_without_memory(self.one_by_one(), duration) {
+            return Some(free);
+        }
         let one_by_one =
             self.past.iter().map(|past| times.free(past.interval(), |s| past.fraction.rate(s), now));
         let parted = self.parted.iter().map(|broken| {
@@ -270,7 +273,10 @@ impl Broken {
     pub(super) fn keep(&mut self, start: f64, duration: f64, fraction: BrokenFraction, born: f64) {
         let before = self.broken.value();
         if self.delay > 0.0 {
-            self.past.push_back(BreakHistory { start, duration, before, fraction });
+            // Without memory it does not matter when the free contacts broke.
+            if !self.times.as_ref().is_some_and(|times| times.is_memoryless()) {
+                self.past.push_back(BreakHistory { start, duration, before, fraction });
+            }
             let horizon = start + duration - self.delay;
             while self.past.front().is_some_and(|past| past.start + past.duration < horizon) {
                 self.past.pop_front();

@@ -89,6 +89,19 @@ impl FreeTimes {
         self.law.mean()
     }
 
+    /// Of so many free contacts at the start of a step, those that are free, if it does not matter when they broke: without memory
+    /// all re-form at one rate.
+    pub(super) fn free_without_memory(&self, free: f64, duration: f64) -> Option<FreeAfter> {
+        let rate = self.law.constant_hazard()?;
+        let formed = -(-rate * duration).exp_m1();
+        Some(FreeAfter { end: free * (1.0 - formed), integral: free * formed / rate })
+    }
+
+    /// Whether free times have no memory.
+    pub(super) fn is_memoryless(&self) -> bool {
+        self.law.constant_hazard().is_some()
+    }
+
     /// Of contacts that broke in a past step, or up to the end of the present one, those that are free, relative to the start
     /// of the present step `now`.
     ///
