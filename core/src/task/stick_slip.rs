@@ -78,6 +78,9 @@ pub fn stick_slip_stability(
     Ok(answer)
 }
 
+/// About how often the stiffness is halved until stick-slip persists.
+const HALVINGS: f64 = 3.0;
+
 /// Contacts that wait for a slider behind springs of any stiffness.
 pub(super) struct Springs {
     table: scenario::Block,
@@ -234,8 +237,13 @@ impl Springs {
         let highest = highest.max(SOFTEST * self.all);
         let lowest = (SOFTEST * self.all).max(self.block.least_stiffness());
         let range = [lowest.min(highest), highest];
+        // A few halvings, then bisection of one of them.
+        let motions = HALVINGS + (2f64.ln() / resolution.ln_1p()).log2().max(0.0).ceil();
+        let mut done = 0.0;
         PersistenceLimit::find(range, resolution, |stiffness| {
-            self.regime(stiffness, &mut Aside { fraction: 0.0, monitor })
+            let part = &mut Part::new(monitor, done / motions, 1.0 / motions);
+            done = (done + 1.0).min(motions - 1.0);
+            self.regime(stiffness, part)
         })
     }
 
