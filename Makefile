@@ -229,7 +229,9 @@ explorer: $(page)
 	node explorer/test.mjs $(engine) $(page) $(target)/release/asperity
 else
 explorer:
-	@echo "explorer: not checked, Rust's standard library for WebAssembly is missing: rustup target add wasm32-unknown-unknown"
+	@echo "explorer: not checked: $$(rustc --version) has no standard library for wasm32-unknown-unknown"
+	@echo "  with rustup: rustup target add wasm32-unknown-unknown"
+	@echo "  with a compiler of a distribution: its package of that library, of the same version (Debian: libstd-rust-dev-wasm32)"
 endif
 
 $(engine): $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'engine/build.rs' 'explorer' 'wasm' '*Cargo.toml' Cargo.lock)

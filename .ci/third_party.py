@@ -12,7 +12,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 NOTICES = ROOT / "THIRD-PARTY.txt"
-PLOTS = ROOT / "explorer" / "uplot"
 # What the wheel and the command are made of where they are built; other systems add crates of the same
 # licences.
 PLATFORM = "x86_64-unknown-linux-gnu"
@@ -98,23 +97,15 @@ def texts(package: dict) -> list:
     ] or [absent]
 
 
-def plots_version() -> str:
-    """The version of uPlot, which draws the plots of the explorer."""
-    lock = json.loads((PLOTS.parent / "package-lock.json").read_text(encoding="utf-8"))
-    return lock["packages"]["node_modules/uplot"]["version"]
-
-
 def notices(found: dict) -> str:
     """Every text once, under the crates that it belongs to."""
     crates = defaultdict(list)
     for package in packages(found, (None,)):
         for text in texts(package):
             crates[text].append(f"{package['name']} {package['version']} ({package['license']})")
-    crates[(PLOTS / "LICENSE").read_text(encoding="utf-8").strip()].append(f"uPlot {plots_version()} (MIT)")
     head = (
-        "asperity is made of the crates below, besides its own, and of the script uPlot. Each stands under "
-        "one of its\nlicences, whose text follows the names. Written by .ci/third_party.py; `asperity "
-        "notices` prints it.\n"
+        "asperity is made of the crates below, besides its own. Each stands under one of its licences, whose "
+        "text\nfollows the names. Written by .ci/third_party.py; `asperity notices` prints it.\n"
     )
     parts = [f"{RULE}\n{chr(10).join(names)}\n\n{text}\n" for text, names in crates.items()]
     return "\n".join([head, *sorted(parts)])

@@ -1,37 +1,47 @@
 // The explorer: the text of a scenario is its state. Controls, dragged points and the text itself change it, the engine answers,
-// and everything is drawn from the answer.
+// and says what is shown.
 "use strict";
+
+const state = {
+  text: "",
+  /** Changes that the text does not have yet, by what they change. @type {Map<string, Change | Change[]>} */
+  changes: new Map(),
+  position: 1,
+  /** @type {Partial<Answer>} */
+  shown: {},
+  /** @type {{position: number[], force: number[], columns: string[]} | null} */
+  measured: null,
+  /** What the readings are, until something changes. */
+  readings: "",
+  /** What is wrong with the link by which the page was opened. */
+  note: "",
+};
 
 const area = /** @type {HTMLTextAreaElement} */ (byId("text"));
 const scrubber = /** @type {HTMLInputElement} */ (byId("position"));
+const plots = byId("plots");
+const figures = Object.fromEntries(Array.from(plots.querySelectorAll("figure"), (figure) => [figure.id, new Figure(figure)]));
+const distance = () => state.shown.force?.position.at(-1) ?? 12;
 
-/** What is wrong with the scenario, and with the last file. */
-const wrong = { scenario: "", file: "" };
+/** What an answer has at a path, such as `force.position`. @param {string} path @returns {(number | null)[]} */
+const found = (path) => path.split(".").reduce((part, name) => part?.[name], /** @type {any} */ (state.shown)) ?? [];
 
-/** @param {string} message @param {keyof typeof wrong} [of] */
-function fail(message, of = "scenario") {
-  wrong[of] = message;
-  byId("errors").hidden = !(wrong.scenario || wrong.file);
-  byId("errors").textContent = [wrong.scenario, wrong.file].filter(Boolean).join("\n");
-}
+/** Says what is wrong with the scenario, or with the last file. @param {string} message @param {"scenario" | "file"} [of] */
+const fail = (message, of = "scenario") => void (byId(`wrong-${of}`).textContent = message);
 
 /** Asks for a preview; the answer to it asks for the full accuracy. */
 function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretches"]) {
-  engine.ask(() => ({ text: state.text, changes: [...state.changes.values()], parts, position: state.position, preview }));
+  const width = parseFloat(getComputedStyle(plots).gridTemplateColumns);
+  const view = { width, whole: plots.clientWidth, readings: state.measured !== null };
+  engine?.ask(() => ({ text: state.text, changes: [...state.changes.values()].flat(), parts, position: state.position, preview, view }));
 }
 
-/** Puts a change in the place of an older one of the same thing. @param {string} what @param {Change} change */
-function put(what, change) {
-  state.changes.set(what, change);
-  state.note = "";
+/** Notes a change in the place of an older one of the same thing. @param {string} change in JSON, of which x and y fill places */
+function put(change, x = "", y = "") {
+  state.changes.set(change, JSON.parse(change.replace(/\$x/g, x).replace(/\$y/g, y)));
+  state.note = state.readings = "";
   update();
 }
-
-/** @param {string} key @param {string | null} value as TOML */
-const change = (key, value) => put(key, { key, value });
-
-/** @param {string} key @param {LawChange} law */
-const reshape = (key, law) => put(`${key} ${Object.keys(law)[0]} ${law.move?.handle ?? law.weight?.part}`, { key, law });
 
 /** @param {number} x */
 function scrub(x) {
@@ -51,127 +61,65 @@ function receive(answer, request, milliseconds) {
   const { invalid } = answer;
   const where = invalid?.line ? `line ${invalid.line}: ` : "";
   fail([state.note, invalid && where + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n"));
-  for (const [what, change] of state.changes) if (request.changes.includes(change)) state.changes.delete(what);
+  for (const [what, change] of state.changes) if ([change].flat().every((one) => request.changes.includes(one))) state.changes.delete(what);
   const current = request.text === state.text;
   if (current) {
     state.text = answer.text;
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
   }
   if (invalid) byId("status").textContent = "not valid: the last valid scenario is shown";
-  if (invalid || !answer.scenario) {
+  if (invalid || !answer.view) {
     // A value that was refused leaves its field.
-    if (request.changes.length && state.shown.scenario) show(request.preview);
+    if (request.changes.length && state.shown.view) showControls(state.shown.view.controls);
     return;
   }
-  // What was computed last is shown until the new is there, but not on another sheet.
-  const sheet = sheetOf(answer.scenario);
-  if (sheet !== byId("plots").dataset.sheet) state.shown = {};
-  Object.assign(state.shown, answer);
-  units = answer.units ?? {};
-  // Of what was asked for nothing old is left; the full answer has all that there is.
-  for (const part of request.preview ? request.parts : PARTS) if (!answer[part]) delete state.shown[part];
-  if (answer.stretches && request.position === state.position) state.position = answer.stretches.position;
-  byId("plots").dataset.sheet = sheet;
-  if (current) texts[sheet] = state.text;
-  for (const button of sheets) button.setAttribute("aria-current", button.dataset.sheet === sheet ? "page" : "false");
-  show(request.preview);
+  show(answer, request);
+  if (current) texts[answer.view.sheet] = state.text;
   const cost = `${milliseconds.toFixed(0)} ms`;
-  byId("status").textContent = request.preview ? `preview, ${cost} …` : `full accuracy, ${cost}`;
-  if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...details(answer.scenario)]);
+  byId("status").textContent = state.readings || (request.preview ? `preview, ${cost} …` : `full accuracy, ${cost}`);
+  if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...answer.view.details]);
 }
 
-/** @type {Part[]} */
-const PARTS = ["force", "stretches", "block", "task", "critical_stiffness"];
+/** The pictures of what a preview has; others stay until the new ones are there. */
+const QUICK = ["force", "laws", "stretches"];
 
-/** What takes longer than a preview: the map where thresholds have a width, and the motion or the task. @param {any} scenario @returns {Part[]} */
-function details(scenario) {
-  const [law] = /** @type {any[]} */ (Object.values(scenario.contacts.thresholds ?? {}));
-  /** @type {Part[]} */
-  const motion = scenario.interface ? ["task"] : scenario.block && scenario.drive ? ["block"] : scenario.pull || scenario.drive ? [] : ["task"];
-  return law?.std > 0 && !motion.includes("task") ? ["critical_stiffness", ...motion] : motion;
-}
-
-const editors = LAWS.map(({ name, key }) => {
-  const parent = byId(name);
-  return { key, editor: new LawEditor(parent, key, parent.querySelector("legend")?.textContent ?? "", [...FAMILIES, "mixture"]) };
-});
-/** The numbers that have a slider, where the scenario has them. @type {[string, string][]} */
-const NUMBERS = [
-  ["block.stiffness", "<i>K</i>"], ["contacts.count", "<i>N</i><sub>c</sub>"], ["contacts.stiffness", "⟨<i>k</i>⟩"], ["drive.distance", "distance"], ["drive.velocity", "velocity"],
-  ["block.slip.damped.damping", "<i>γ</i>"], ["block.slip.inertial.mass", "<i>M</i>"], ["block.slip.inertial.damping", "<i>γ</i>"],
-  ["contacts.temperature.energy", "<i>T</i>"], ["contacts.ageing.logarithmic.growth", "ageing"],
-  ["interface.connection", "<i>K</i><sub>0</sub>"], ["interface.coupling.neighbours.stiffness", "<i>K</i><sub>int</sub>"], ["interface.disorder.std", "disorder"],
-];
-const rows = NUMBERS.map(([key, label]) => ({ key, row: new NumberRow(byId("slider"), key, label) }));
-const slip = element("select", { id: "block.slip" });
-slip.onchange = () => change("block.slip", JSON.stringify(slip.value));
-const slipRow = element("div", { class: "row wide" }, '<label for="block.slip">slip rule</label>');
-slipRow.append(slip);
-byId("slider").append(slipRow);
-
-/** Shows the rule of slip. One that has parameters is begun in the text. @param {string | Record<string, any> | undefined} rule */
-function showSlip(rule) {
-  slipRow.hidden = !rule;
-  const name = typeof rule === "string" ? rule : Object.keys(rule ?? {})[0];
-  slip.replaceChildren(...options([...new Set(["reset", "overdamped", "arrest", name])]));
-  slip.value = name;
-}
-
-/** A number with the digits that are right, and its unit. @param {Extended | undefined | null} value @param {number} error relative @param {string} quantity */
-function digits(value, error, quantity) {
-  if (typeof value !== "number") return value ?? "—";
-  const right = !(error > 0) ? 10 : Math.floor(-Math.log10(error));
-  const shown = value === 0 ? "0" : value.toPrecision(Math.min(Math.max(right, 2), 10)).replace("e", " e");
-  return (units[quantity] ?? "1") === "1" ? shown : `${shown} ${escaped(units[quantity])}`;
-}
-
-/** @param {number} error relative error of forces */
-function numbers(error) {
-  const { force, block, task } = state.shown;
-  const sliding = block?.summary;
-  const catalogue = task?.summary.catalogue;
-  const found = /** @type {[string, Extended | undefined | null, number, string][]} */ ([
-    ["static friction <i>F</i><sub>s</sub>", force && (force.static_friction?.value ?? "not reached"), error, "force"],
-    ["at <i>X</i><sub>s</sub>", force?.static_friction?.position, Math.sqrt(error), "length"],
-    ["kinetic friction <i>F</i><sub>k</sub>", force?.kinetic_friction, error, "force"],
-    ["relaxation length <i>X</i>*", force?.relaxation_length, Math.sqrt(error), "length"],
-    ["critical stiffness <i>K</i><sub>c</sub>", force?.critical_stiffness, 10 * error, "stiffness"],
-  ]);
-  if (sliding) found.push(["sliding", sliding.regime, 0, ""], ["slips", String(sliding.slips), 0, ""], ["period", sliding.period, 1e-6, "length"], ["mean force drop", sliding.mean_drop, 1e-6, "force"]);
-  if (catalogue) found.push(["events", String(catalogue.events), 0, ""], ["cells of the largest", String(catalogue.largest?.cells ?? "—"), 0, ""]);
-  byId("numbers").innerHTML = found.map(([name, ...value]) => `<tr><td>${name}</td><td>${digits(...value)}</td></tr>`).join("");
-}
-
-/** @param {boolean} preview */
-function show(preview) {
-  const { force, stretches, critical_stiffness: curve, scenario } = state.shown;
-  for (const { key, editor } of editors) editor.show(valueAt(key));
-  for (const { key, row } of rows) row.show(valueAt(key));
-  showSlip(scenario.block?.slip);
-  charts.force.element.hidden = !force;
-  charts.laws.element.hidden = charts.stretches.element.hidden = !stretches;
-  charts.force.set(force ? [force.position, force.force, force.position.map(() => force.kinetic_friction)] : [[], [], []]);
-  charts.laws.set(stretches ? [stretches.law_stretch, ...LAWS.map(({ name }) => stretches[name].values)] : [[], [], [], []]);
-  charts.stretches.set(stretches ? [stretches.stretch, stretches.density.values, stretches.steady.values] : [[], [], []]);
-  if (stretches) {
-    scrubber.value = String(Math.round((1000 * state.position) / distance()));
-    byId("at").textContent = `X = ${rounded(state.position)}`;
+/** Shows an answer. @param {Answer} answer @param {EngineRequest} request */
+function show(answer, { preview, position }) {
+  const { sheet, controls, panels, numbers, length } = /** @type {Shown} */ (answer.view);
+  // What was computed last is not shown on another sheet.
+  const stays = preview && sheet === plots.dataset.sheet;
+  const { force, stretches, ...lasting } = state.shown;
+  state.shown = stays ? { ...lasting, ...answer } : answer;
+  plots.dataset.sheet = sheet;
+  for (const button of sheets) button.setAttribute("aria-current", button.dataset.sheet === sheet ? "page" : "false");
+  showControls(controls);
+  for (const [id, figure] of Object.entries(figures)) {
+    const before = stays && !QUICK.includes(id) ? figure.panel : null;
+    figure.show(panels.find((panel) => panel.id === id) ?? before);
   }
-  showMotion();
-  showChain();
-  charts.map.element.hidden = !curve;
-  charts.map.set(curve ? [curve.width, curve.critical_stiffness.map(finite)] : [[], []]);
-  // The accuracy is that of forces per stiffness of the contacts, a length.
-  numbers(preview ? 3e-4 : Math.max((force?.accuracy ?? 0) / (force?.static_friction?.position ?? distance()), 1e-12));
+  byId("numbers").innerHTML = numbers.map(([name, value]) => `<tr><td>${name}</td><td>${value}</td></tr>`).join("");
+  if (!answer.stretches) return;
+  if (position === state.position) state.position = answer.stretches.position;
+  scrubber.value = String(Math.round((1000 * state.position) / distance()));
+  byId("at").textContent = `X = ${rounded(state.position)}${length}`;
 }
 
-area.oninput = () => {
-  state.text = area.value;
+/** Takes another text. @param {string} text @param {string} [note] what is wrong with its link */
+function take(text, note = "") {
+  state.text = text;
   state.changes.clear();
-  state.note = "";
+  [state.note, state.readings] = [note, ""];
   update();
-};
+}
+area.oninput = () => take(area.value);
 scrubber.oninput = () => scrub((Number(scrubber.value) / 1000) * distance());
+
+/** Pictures have the width of the page. */
+let drawn = plots.clientWidth;
+new ResizeObserver(() => {
+  if (plots.clientWidth !== drawn) update();
+  drawn = plots.clientWidth;
+}).observe(plots);
 
 /** @type {number | undefined} */
 let playing;
@@ -188,28 +136,24 @@ byId("play").onclick = () => play(playing === undefined);
 const examples = [.../** @type {NodeListOf<HTMLScriptElement>} */ (document.querySelectorAll("script.example"))];
 const chosen = /** @type {HTMLSelectElement} */ (byId("examples"));
 // A scenario of the user's own is none of them.
-chosen.append(Object.assign(new Option("Examples"), { disabled: true }), ...options(examples.map((example) => example.title)));
+chosen.append(Object.assign(new Option("Examples"), { disabled: true }), ...examples.map(({ title }) => new Option(title, title)));
 
 /** Replaces the scenario. @param {string} text @param {number} [example] its number, if it is one @param {string} [note] what is wrong with its link */
 function begin(text, example = -1, note = "") {
   play(false);
   chosen.selectedIndex = example + 1;
-  state.text = area.value = text.trimStart();
-  state.changes.clear();
-  state.note = note;
-  update();
+  area.value = text.trimStart();
+  take(area.value, note);
 }
 chosen.onchange = () => begin(examples[chosen.selectedIndex - 1].text, chosen.selectedIndex - 1);
 
-/** The sheet of a scenario. @param {any} scenario */
-const sheetOf = (scenario) => (scenario.interface ? "chain" : scenario.velocity_curve || scenario.hold_curve || scenario.protocol || scenario.creep ? "time" : "slider");
 /** The last text of each sheet. @type {Record<string, string>} */
 const texts = {};
 const sheets = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#sheets button"))];
 for (const sheet of sheets) {
   const name = sheet.dataset.sheet ?? "";
   sheet.onclick = () => {
-    const here = byId("plots").dataset.sheet ?? "";
+    const here = plots.dataset.sheet ?? "";
     if (name === here) return;
     texts[here] = area.value;
     begin(texts[name] ?? examples.find((example) => example.dataset.sheet === name)?.text ?? "");
@@ -230,11 +174,12 @@ const quoted = (text) => text.replace(/\\|'''/g, (found) => found.replace(/./g, 
 byId("python").onclick = () => copy(`import asperity as asp\n\nresult = asp.run('''\n${quoted(state.text)}''')\nprint(result)\nresult.plot()\n`, "Python");
 
 /** Shows readings, or none. @param {typeof state.measured} readings */
-function showReadings(readings) {
+function showReadings(readings, words = "") {
   state.measured = readings;
+  state.readings = words;
   byId("forget").hidden = !readings;
   fail("", "file");
-  charts.force.plot.redraw(false);
+  update();
 }
 byId("forget").onclick = () => showReadings(null);
 
@@ -245,12 +190,11 @@ async function measured(file) {
     if (file.size > 20e6) throw new Error(`expected a file below 20 MB, got ${(file.size / 1e6).toFixed(0)} MB`);
     const readings = readCurve(await file.text());
     const { position, force, columns } = readings;
-    showReadings(readings);
-    byId("status").textContent = `${position.length} readings: ${columns.join(" and ")}`;
-    const { x, y } = charts.force.plot.scales;
-    const within = (/** @type {number} */ value, /** @type {uPlot.Scale} */ { min, max }) => value >= (min ?? 0) && value <= (max ?? 0);
+    const words = `${position.length} readings: ${columns.join(" and ")}`;
+    const { x, y } = figures.force.panel ?? {};
+    const within = (/** @type {number} */ value, /** @type {Axis | undefined} */ axis) => !axis || (value >= axis.min && value <= axis.max);
     const outside = position.filter((at, i) => !within(at, x) || !within(force[i], y)).length;
-    if (outside) byId("status").textContent += `; ${outside} of them beyond the axes`;
+    showReadings(readings, outside ? `${words}; ${outside} of them beyond the axes` : words);
   } catch (error) {
     fail(`${file?.name}: ${error instanceof Error ? error.message : error}`, "file");
   }
@@ -293,6 +237,6 @@ addEventListener("hashchange", () => {
 /** @type {Requests} */
 let engine;
 Promise.resolve({ browser: browserEngine, command: commandEngine, notebook: notebookEngine }[settings.engine]()).then((found) => {
-  engine = new Requests(found, receive, fail, progressed);
+  engine = new Requests(found, { received: receive, failed: fail, progressed });
   begin(linked(), location.hash.length > 1 || settings.scenario ? -1 : 0, state.note);
 }, (error) => fail(`The engine did not start: ${error}`));

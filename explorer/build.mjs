@@ -12,8 +12,8 @@ const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base
 const [, , module, output] = process.argv;
 if (!module || !output) throw new Error("usage: node build.mjs ENGINE.wasm OUTPUT.html");
 
-const style = ["uplot/uPlot.min.css", "explorer.css"].map(here).join("");
-const scripts = ["uplot/uPlot.iife.min.js", "engine.js", "csv.js", "plots.js", "controls.js", "figures.js", "app.js"].map(here);
+const style = here("explorer.css");
+const scripts = ["engine.js", "csv.js", "controls.js", "panels.js", "app.js"].map(here);
 const policy = [
   "default-src 'none'",
   `script-src 'wasm-unsafe-eval' ${scripts.map(hash).join(" ")} blob:`,

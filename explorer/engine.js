@@ -98,14 +98,10 @@ function notebookEngine() {
 
 /** Requests to an engine: one at work, one waiting; a newer one replaces the one that waits. */
 class Requests {
-  /**
-   * @param {Engine} engine
-   * @param {(answer: Answer, request: EngineRequest, milliseconds: number) => void} received
-   * @param {(message: string) => void} failed
-   * @param {(fraction: number | null, milliseconds: number) => void} progressed hears of null at the end
-   */
-  constructor(engine, received, failed, progressed) {
+  /** @param {Engine} engine @param {Page} page */
+  constructor(engine, page) {
     this.engine = engine;
+    this.page = page;
     /** @type {EngineRequest | null} */
     this.working = null;
     /** @type {(() => EngineRequest) | null} */
@@ -113,9 +109,6 @@ class Requests {
     this.giveUp = new AbortController();
     /** When the work began, in milliseconds. */
     this.begun = 0;
-    this.received = received;
-    this.failed = failed;
-    this.progressed = progressed;
   }
 
   /** @param {() => EngineRequest} request made once it is sent, from what is known by then */
@@ -136,16 +129,16 @@ class Requests {
     this.giveUp = new AbortController();
     const begun = (this.begun = performance.now());
     const own = () => this.working === request;
-    this.progressed(null, 0);
+    this.page.progressed(null, 0);
     try {
-      const answer = await this.engine.compute(request, this.giveUp.signal, (fraction) => own() && this.progressed(fraction, performance.now() - begun));
-      if (own()) this.received(answer, request, performance.now() - begun);
+      const answer = await this.engine.compute(request, this.giveUp.signal, (fraction) => own() && this.page.progressed(fraction, performance.now() - begun));
+      if (own()) this.page.received(answer, request, performance.now() - begun);
     } catch (error) {
-      if (own()) this.failed(error instanceof Error ? error.message : String(error));
+      if (own()) this.page.failed(error instanceof Error ? error.message : String(error));
     }
     if (!own()) return;
     this.working = null;
-    this.progressed(null, 0);
+    this.page.progressed(null, 0);
     this.next();
   }
 }

@@ -1,14 +1,16 @@
-// What the engine is asked and what it answers, as in `engine/src/request.rs` and `answer.rs`; and the shapes of plots.
+// What the engine is asked and what it answers, as in `engine/src/request.rs` and `answer.rs`.
 
-/** A change of a distribution: another family; what is dragged on its curve; a node of a polygon that is added or removed; the weight of a part of a mixture, its last part in two halves, or one part less. */
+/** A change of a distribution: another family; another width; what is dragged on its curve; a node of a polygon that is added or removed; the weight of a part of a mixture, its last part in two halves, or one part less. */
 type LawChange = {
-  family?: string; move?: { handle: number; stretch: number; density: number }; add?: number | null; remove?: number;
+  family?: string; width?: number; move?: { handle: number; stretch: number; density: number }; add?: number | null; remove?: number;
   weight?: { part: number; weight: number }; split?: null; remove_part?: number;
 };
 /** A key of the scenario, and its new value as TOML or what changes in the distribution that is there. */
-type Change = { key: string; value?: string | null; law?: LawChange };
+type Change = { key: string; value?: string | null; slip?: string; law?: LawChange };
 type Part = "force" | "stretches" | "critical_stiffness" | "block" | "task";
-type EngineRequest = { text: string; changes: Change[]; parts: Part[]; position: number; preview: boolean };
+type EngineRequest = { text: string; changes: Change[]; parts: Part[]; position: number; preview: boolean; view?: View };
+/** Widths of a picture, and of one that is as wide as all of them; whether readings are shown. */
+type View = { width: number; whole: number; readings: boolean };
 
 /** A number, or a word such as "infinite". */
 type Extended = number | string;
@@ -30,40 +32,42 @@ type StretchDistributions = {
   density: Density; steady: Density; thresholds: Density; reforming: Density; initial: Density;
 };
 type Answer = {
-  text: string; scenario?: any; units?: Record<string, string>; failures?: string[];
-  handles?: { key: string; handle: number; stretch: number; density: number; weight: number; node: boolean }[];
+  text: string; scenario?: any; view?: Shown; failures?: string[];
   invalid?: { key: string; message: string; help: string | null; line: number | null };
   force?: ForceCurve; stretches?: StretchDistributions; block?: Computed; task?: Computed;
   critical_stiffness?: { width: number[]; critical_stiffness: Extended[] };
 };
 
+/** What the page shows: `details` can be asked for; rows of numbers are in HTML; `length` is the unit. */
+type Shown = {
+  sheet: string; details: Part[]; controls: Row[]; panels: Panel[]; numbers: [name: string, value: string][]; length: string;
+};
+/** A row of controls. */
+type Row = { group: string; id: string; class: string; label: string; items: Item[] };
+/** A control, with its change in JSON. */
+type Item = {
+  kind: "range" | "number" | "select" | "button"; id: string; name: string; value: string; change: string;
+  options: string[]; ends: [number, number]; logarithmic: boolean; disabled: boolean;
+};
+/** From the left and from above, in pixels of a picture. */
+type Pixel = [x: number, y: number];
+type Axis = { min: number; max: number; logarithmic: boolean };
+/** A picture, with the plot within it in pixels: left, top, width and height. */
+type Panel = {
+  id: string; title: string; svg: string; size: [number, number]; plot: [number, number, number, number];
+  x: Axis; y: Axis; handles: Handle[]; scrub: boolean; add: string; columns: Column[];
+};
+type Handle = { at: Pixel; change: string; remove: string };
+/** Values here, or in the answer at the path `of`; each follows itself `times` times, and they begin again until there are `rows`. */
+type Column = { name: string; of: string; values: (number | null)[]; times: number; rows: number };
+
+/** What hears of requests: `progressed` of null at the end. */
+type Page = {
+  received: (answer: Answer, request: EngineRequest, milliseconds: number) => void;
+  failed: (message: string) => void;
+  progressed: (fraction: number | null, milliseconds: number) => void;
+};
 type Engine = {
   /** `progress` hears now and then of the fraction that is done. */
   compute: (request: EngineRequest, giveUp: AbortSignal, progress: (fraction: number) => void) => Promise<Answer>;
-};
-
-/** Words, and the quantity whose unit they have; "number" has none. */
-type Named = [words: string, quantity: string];
-/** A line, or something else of which the legend has an entry. */
-type Line = { label: string; color: string; dash?: number[]; as?: "dots" | "rings" | "band" };
-type Handle = { x: number; y: number; move: (x: number, y: number) => void; remove?: () => void };
-/** Values of cells, row by row, where each row begins, and what they are. */
-type Field = { at: number[]; cells: number; values: number[]; of: Named };
-type Shape = {
-  /** What the horizontal and the vertical axis measure. */
-  x: Named; y: Named;
-  lines: Line[];
-  /** Whether the horizontal and the vertical axis are logarithmic. */
-  logarithmic?: [boolean, boolean];
-  marks?: (pen: Pen) => void;
-  /** What the legend says of marks that are there. */
-  keys?: () => Line[];
-  /** What the marks show, for the file of numbers. */
-  more?: () => [Named, number[]][];
-  handles?: () => Handle[];
-  scrub?: (x: number) => void;
-  /** Called where the plot is clicked twice. */
-  add?: (x: number) => void;
-  /** What is drawn in colours over both axes, instead of lines. */
-  field?: () => Field;
 };

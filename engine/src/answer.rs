@@ -1,13 +1,16 @@
 //! What the engine answers.
 
-use std::collections::BTreeMap;
+use std::ops::Deref;
+use std::sync::Arc;
 
 use asperity::master::Extremum;
 use asperity::record::Record;
 use asperity::scenario::Scenario;
 use asperity::task::summary::{Extended, Summary};
 use asperity_runner::input::Diagnostic;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+
+use crate::shown::Shown;
 
 /// The answer to a request: a part is absent if it was not asked for, or failed.
 #[derive(Debug, Default, Serialize)]
@@ -17,12 +20,9 @@ pub struct Answer {
     /// The scenario with every default written out; absent if it is invalid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<Box<Scenario>>,
-    /// The label of the unit of each quantity; 1 without a unit.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub units: BTreeMap<&'static str, String>,
-    /// What can be dragged on the curves of the distributions.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub handles: Vec<Handle>,
+    /// What a page shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<Shown>,
     /// Why the scenario is invalid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub invalid: Option<Invalid>,
@@ -82,23 +82,6 @@ impl From<&Diagnostic> for Invalid {
         });
         Self { key: error.key.clone(), message: error.to_string(), help: error.help.clone(), line }
     }
-}
-
-/// A place on the curve of a distribution that can be dragged.
-#[derive(Debug, Serialize)]
-pub struct Handle {
-    /// The key of the distribution, or of the part of a mixture.
-    pub key: String,
-    /// Its number there, from 0 on.
-    pub handle: usize,
-    /// Where it is, a length.
-    pub stretch: f64,
-    /// The density there, per length, of the distribution that is drawn.
-    pub density: f64,
-    /// The weight of the point mass there; 0 where there is none.
-    pub weight: f64,
-    /// Whether it is a node of a polygon, which can be removed.
-    pub node: bool,
 }
 
 /// F(X) of a rigid slider.
@@ -184,9 +167,34 @@ pub struct WidthCurve {
     pub kinetic_friction: Vec<f64>,
 }
 
-/// The result of a task.
+/// The result of a task, which the engine may know, too.
+#[derive(Debug, Clone)]
+pub struct Computed(Arc<Found>);
+
+impl Computed {
+    /// The result of a task.
+    pub fn new(summary: Summary, record: Record) -> Self {
+        Self(Arc::new(Found { summary, record }))
+    }
+}
+
+impl Deref for Computed {
+    type Target = Found;
+
+    fn deref(&self) -> &Found {
+        &self.0
+    }
+}
+
+impl Serialize for Computed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
+    }
+}
+
+/// Numbers and arrays of a task.
 #[derive(Debug, Serialize)]
-pub struct Computed {
+pub struct Found {
     /// Its numbers.
     pub summary: Summary,
     /// Its arrays.

@@ -9,6 +9,7 @@ use toml_edit::{DocumentMut, Formatted, InlineTable, Item, Table, TableLike, Val
 use crate::law_change::{self, LawChange};
 use crate::replace::replace;
 use crate::request::Change;
+use crate::slip_rule;
 
 /// Mean of a distribution that replaces one of mean 0, in mean thresholds.
 const SCALE: f64 = 0.1;
@@ -23,13 +24,14 @@ pub fn changed(text: &str, changes: &[Change]) -> Result<String, String> {
     }
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
     for change in changes {
-        let value = match (&change.law, &change.value) {
-            (Some(law), _) => Some(with_law(&document, &change.key, law)?),
-            (None, Some(value)) => {
+        let value = match change {
+            Change { law: Some(law), .. } => Some(with_law(&document, &change.key, law)?),
+            Change { slip: Some(name), .. } => Some(with_slip(&document, name)?),
+            Change { value: Some(value), .. } => {
                 let parsed = value.parse();
                 Some(parsed.map_err(|_| format!("{}: expected a value in TOML, got {value}", change.key))?)
             }
-            (None, None) => None,
+            _ => None,
         };
         apply(document.as_table_mut(), &change.key, value)?;
     }
@@ -38,13 +40,27 @@ pub fn changed(text: &str, changes: &[Change]) -> Result<String, String> {
 
 /// The distribution at `key` after a change of it; its numbers have the five digits that a hand can choose.
 fn with_law(document: &DocumentMut, key: &str, change: &LawChange) -> Result<Value, String> {
-    let input =
-        input::parse_complete(&document.to_string(), "scenario").map_err(|error| error.to_string())?;
-    let old =
-        law_at(&input.scenario, key).ok_or_else(|| format!("{key}: expected the key of a distribution"))?;
-    let contacts = input.scenario.contacts.build().map_err(|error| error.to_string())?;
+    let scenario = scenario(document)?;
+    let old = law_at(&scenario, key).ok_or_else(|| format!("{key}: expected the key of a distribution"))?;
+    let contacts = scenario.contacts.build().map_err(|error| error.to_string())?;
     let new = law_change::changed(old, change, SCALE * contacts.thresholds.mean());
     let new = new.map_err(|words| format!("{key}.{}: {words}", old.name()))?;
+    rounded(&new)
+}
+
+/// The rule of slip of this name, with numbers that belong to the scenario.
+fn with_slip(document: &DocumentMut, name: &str) -> Result<Value, String> {
+    let scenario = scenario(document)?;
+    let rule = slip_rule::of_name(&scenario, name);
+    rounded(&rule.ok_or_else(|| format!("block.slip: expected a rule of slip, got {name}"))?)
+}
+
+fn scenario(document: &DocumentMut) -> Result<Scenario, String> {
+    let input = input::parse_complete(&document.to_string(), "scenario");
+    Ok(input.map_err(|error| error.to_string())?.scenario)
+}
+
+fn rounded(new: &impl Serialize) -> Result<Value, String> {
     let mut value = new.serialize(ValueSerializer::new()).map_err(|error| error.to_string())?;
     round(&mut value);
     Ok(value)
@@ -110,7 +126,7 @@ mod tests {
     const TEXT: &str = "# A block.\n[contacts]\nthresholds.gaussian = { mean = 1.0, std = 0.05 }   # P_c\n\n[drive]\ndistance = 9.0 # far\n";
 
     fn change(key: &str, value: &str) -> Change {
-        Change { key: key.into(), value: (!value.is_empty()).then(|| value.into()), law: None }
+        Change { key: key.into(), value: (!value.is_empty()).then(|| value.into()), ..Change::default() }
     }
 
     #[test]
@@ -156,7 +172,7 @@ mod tests {
     }
 
     fn reshaped(text: &str, key: &str, law: LawChange) -> Result<String, String> {
-        changed(text, &[Change { key: key.into(), value: None, law: Some(law) }])
+        changed(text, &[Change { key: key.into(), law: Some(law), ..Change::default() }])
     }
 
     #[test]

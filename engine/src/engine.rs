@@ -8,11 +8,13 @@ use asperity_runner::input;
 
 use crate::answer::{Answer, Computed, WidthCurve};
 use crate::edit::changed;
-use crate::handles;
 use crate::limits::Limits;
-use crate::request::{Part, Request};
+use crate::panels::{self, Known};
+use crate::picture::Labels;
+use crate::request::{Part, Request, View};
+use crate::shown::Shown;
 use crate::solved::Solved;
-use crate::width_curve;
+use crate::{controls, numbers, sheet, width_curve};
 
 /// Points of the trace of a block.
 const POINTS: usize = 1001;
@@ -23,6 +25,8 @@ pub struct Engine {
     limits: Option<Limits>,
     solved: Option<Solved>,
     widths: Option<(String, WidthCurve)>,
+    motion: Option<(String, Computed)>,
+    sheet: &'static str,
 }
 
 impl Engine {
@@ -73,11 +77,32 @@ impl Engine {
                 Err(error) => answer.failures.push(sentence(part, &error)),
             }
         }
-        let label = |quantity: Quantity| (quantity.name(), input.scenario.units.label(quantity));
-        answer.units = Quantity::ALL.map(label).into();
-        answer.handles = handles::of_scenario(&input.scenario);
+        if let Some(view) = &request.view {
+            answer.view = Some(self.shown(&input.scenario, (request, view), &answer));
+        }
         answer.scenario = Some(Box::new(input.scenario));
         answer
+    }
+
+    /// What a page shows of an answer, and of what was computed last until the new is there.
+    fn shown(&mut self, scenario: &Scenario, (request, view): (&Request, &View), answer: &Answer) -> Shown {
+        let sheet = sheet::name(scenario);
+        // What was computed last is not shown on another sheet.
+        let stays = request.preview && self.sheet == sheet;
+        self.sheet = sheet;
+        let motion = self.motion.as_ref().filter(|_| stays).map(|(_, motion)| motion);
+        let motion = answer.block.as_ref().or(answer.task.as_ref()).or(motion);
+        let widths = self.widths.as_ref().filter(|_| stays).map(|(_, widths)| widths);
+        let widths = answer.critical_stiffness.as_ref().or(widths);
+        let known = Known { scenario, answer, motion, widths, view };
+        Shown {
+            sheet,
+            details: sheet::details(scenario),
+            controls: controls::rows(scenario),
+            panels: panels::panels(&known),
+            numbers: numbers::rows(scenario, answer.force.as_ref(), request.preview, motion),
+            length: Labels(&scenario.units).unit(Quantity::Length),
+        }
     }
 
     /// Adds a part to an answer.
@@ -97,8 +122,11 @@ impl Engine {
                 answer.stretches = Some(solved.stretches(request.position)?);
             }
             Part::CriticalStiffness => answer.critical_stiffness = Some(self.widths(scenario, monitor)?),
-            Part::Block => answer.block = block(scenario, monitor)?,
-            Part::Task => answer.task = Some(computed(scenario, monitor)?),
+            Part::Block => {
+                let block = block(scenario);
+                answer.block = block.map(|scenario| self.computed(&scenario, monitor)).transpose()?;
+            }
+            Part::Task => answer.task = Some(self.computed(scenario, monitor)?),
         }
         Ok(())
     }
@@ -109,7 +137,7 @@ impl Engine {
     }
 
     fn widths(&mut self, scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<WidthCurve> {
-        let description = width_curve::description(scenario)?;
+        let description = width_curve::description(scenario);
         if let Some((_, known)) = self.widths.as_ref().filter(|(of, _)| *of == description) {
             return Ok(known.clone());
         }
@@ -117,18 +145,25 @@ impl Engine {
         self.widths = Some((description, curve.clone()));
         Ok(curve)
     }
+
+    /// The result of the task of `scenario`, which a page may ask for again to draw it in another size.
+    fn computed(&mut self, scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Computed> {
+        let description = serde_json::to_string(scenario).unwrap_or_default();
+        if let Some((_, known)) = self.motion.as_ref().filter(|(of, _)| *of == description) {
+            return Ok(known.clone());
+        }
+        let (summary, record) = task::run(scenario, monitor)?;
+        let found = Computed::new(summary, record);
+        self.motion = Some((description, found.clone()));
+        Ok(found)
+    }
 }
 
-/// The motion of the block of `scenario` along its drive, by the master equation alone; none without `[block]` and `[drive]`.
-fn block(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Option<Computed>> {
-    let (Some(_), Some(drive)) = (&scenario.block, &scenario.drive) else { return Ok(None) };
+/// The scenario of the motion of the block of `scenario` along its drive, by the master equation alone; none without `[block]` and `[drive]`.
+fn block(scenario: &Scenario) -> Option<Scenario> {
+    let (Some(_), Some(drive)) = (&scenario.block, &scenario.drive) else { return None };
     let drive = Drive { points: POINTS, ..drive.clone() };
-    computed(&Scenario { drive: Some(drive), ensemble: None, ..scenario.clone() }, monitor).map(Some)
-}
-
-fn computed(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Computed> {
-    let (summary, record) = task::run(scenario, monitor)?;
-    Ok(Computed { summary, record })
+    Some(Scenario { drive: Some(drive), ensemble: None, ..scenario.clone() })
 }
 
 fn sentence(part: Part, error: &Error) -> String {

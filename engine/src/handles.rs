@@ -3,14 +3,30 @@
 use asperity::law::{Law as _, Weibull};
 use asperity::scenario::{Law, Scenario};
 
-use crate::answer::Handle;
 use crate::polygon::Polygon;
+
+/// A place on the curve of a distribution that can be dragged.
+#[derive(Debug)]
+pub struct LawHandle {
+    /// The key of the distribution, or of the part of a mixture.
+    pub key: String,
+    /// Its number there, from 0 on.
+    pub handle: usize,
+    /// Where it is, a length.
+    pub stretch: f64,
+    /// The density there, per length, of the distribution that is drawn.
+    pub density: f64,
+    /// The weight of the point mass there; 0 where there is none.
+    pub weight: f64,
+    /// Whether it is a node of a polygon, which can be removed.
+    pub node: bool,
+}
 
 /// Least width that is left, in the mean.
 const NARROWEST: f64 = 1e-3;
 
 /// The handles of the distributions of `scenario`.
-pub fn of_scenario(scenario: &Scenario) -> Vec<Handle> {
+pub fn of_scenario(scenario: &Scenario) -> Vec<LawHandle> {
     let contacts = &scenario.contacts;
     let thresholds = contacts.thresholds.as_ref().map(|law| ("contacts.thresholds", law));
     let others = [("contacts.reforming", &contacts.reforming), ("initial", &scenario.initial)];
@@ -18,10 +34,10 @@ pub fn of_scenario(scenario: &Scenario) -> Vec<Handle> {
 }
 
 /// The handles of a distribution; of a mixture those of its parts, nodes aside.
-fn handles(key: &str, law: &Law) -> Vec<Handle> {
+fn handles(key: &str, law: &Law) -> Vec<LawHandle> {
     if let Ok(polygon) = Polygon::of(law) {
         let nodes = polygon.nodes.iter().enumerate();
-        let handle = |(handle, &(stretch, density))| Handle {
+        let handle = |(handle, &(stretch, density))| LawHandle {
             key: key.to_owned(),
             handle,
             stretch,
@@ -38,7 +54,7 @@ fn handles(key: &str, law: &Law) -> Vec<Handle> {
     let handle = |Place { key, handle, stretch, within }| {
         let density = within.map_or(0.0, |x| whole.density(x));
         let weight = if within.is_none() { weight(stretch) } else { 0.0 };
-        Handle { key, handle, stretch, density, weight, node: false }
+        LawHandle { key, handle, stretch, density, weight, node: false }
     };
     places.into_iter().map(handle).collect()
 }

@@ -6,9 +6,12 @@ use serde::Deserialize;
 
 use crate::handles;
 use crate::polygon::{Polygon, REACH};
+use crate::width;
 
 /// Coefficient of variation of a distribution that takes the place of one without a width.
 const WIDTH: f64 = 0.2;
+/// Least standard deviation, in the mean.
+const LEAST: f64 = 1e-4;
 /// The name of polygons in scenarios.
 const POLYGON: &str = "tabulated";
 /// The name of mixtures in scenarios.
@@ -33,6 +36,8 @@ pub enum LawChange {
         /// The density there, per length, for a node.
         density: f64,
     },
+    /// Another standard deviation and the same mean; of a mixture that of the first part with one, the others in proportion.
+    Width(f64),
     /// A node is added on the curve of the density, in the middle of the longest side unless a stretch is given.
     Add(Option<f64>),
     /// A node is removed.
@@ -62,6 +67,10 @@ pub fn changed(law: &Law, change: &LawChange, scale: f64) -> Result<Law, String>
             polygon.check(*handle)?;
             polygon.move_node(*handle, *stretch, *density);
             Ok(polygon.law())
+        }
+        LawChange::Width(std) => {
+            let least = LEAST * width::mean(law);
+            Ok(width::changed(law, std.max(least)))
         }
         LawChange::Add(stretch) => {
             let mut polygon = Polygon::of(law)?;

@@ -18,17 +18,15 @@ pub enum Server {
     Notebook,
 }
 
-/// The scripts, in the order in which they run. uPlot draws the curves.
-const SCRIPTS: [&str; 7] = [
-    shipped!("uplot/uPlot.iife.min.js"),
+/// The scripts, in the order in which they run.
+const SCRIPTS: [&str; 5] = [
     shipped!("engine.js"),
     shipped!("csv.js"),
-    shipped!("plots.js"),
     shipped!("controls.js"),
-    shipped!("figures.js"),
+    shipped!("panels.js"),
     shipped!("app.js"),
 ];
-const STYLES: [&str; 2] = [shipped!("uplot/uPlot.min.css"), shipped!("explorer.css")];
+const STYLE: &str = shipped!("explorer.css");
 const TEMPLATE: &str = shipped!("index.html");
 
 /// What a browser may load and run in a page whose scripts and styles have this `nonce`.
@@ -45,7 +43,7 @@ pub fn page(server: Server, nonce: &str, scenario: Option<&str>) -> String {
     let engine = if server == Server::Command { "command" } else { "notebook" };
     // A text cannot end the element that it stands in.
     let settings = json!({ "engine": engine, "scenario": scenario }).to_string().replace('<', "\\u003c");
-    let styles = format!("<style nonce=\"{nonce}\">{}</style>", STYLES.concat());
+    let styles = format!("<style nonce=\"{nonce}\">{STYLE}</style>");
     let scripts = SCRIPTS.map(|script| format!("<script nonce=\"{nonce}\">{script}</script>")).join("\n");
     // The settings come last, since a scenario may hold any text.
     TEMPLATE
@@ -59,13 +57,6 @@ pub fn page(server: Server, nonce: &str, scenario: Option<&str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn uplot_is_the_version_of_the_tests() {
-        let lock: serde_json::Value = serde_json::from_str(shipped!("package-lock.json")).unwrap();
-        let version = lock["packages"]["node_modules/uplot"]["version"].as_str().unwrap();
-        assert!(SCRIPTS[0].lines().next().unwrap().contains(&format!("(v{version})")), "{version}");
-    }
 
     #[test]
     fn a_scenario_stays_within_its_element() {

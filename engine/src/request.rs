@@ -1,6 +1,6 @@
 //! What is asked of the engine.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::law_change::LawChange;
 
@@ -22,6 +22,21 @@ pub struct Request {
     /// Whether a preview is enough: F to 1e-4 of N_c⟨k⟩ instead of 1e-10.
     #[serde(default)]
     pub preview: bool,
+    /// The page that shows the answer; without one there are neither pictures nor controls.
+    #[serde(default)]
+    pub view: Option<View>,
+}
+
+/// How a page shows an answer.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct View {
+    /// Width of a picture in pixels.
+    pub width: f64,
+    /// Width of one that is as wide as all of them.
+    pub whole: f64,
+    /// Whether readings are shown with the force.
+    pub readings: bool,
 }
 
 /// A value to replace in the text of a scenario.
@@ -33,13 +48,16 @@ pub struct Change {
     /// The value as TOML; without one, the key is removed.
     #[serde(default)]
     pub value: Option<String>,
+    /// Instead of a value, the name of a rule of slip, which gets ordinary numbers.
+    #[serde(default)]
+    pub slip: Option<String>,
     /// Instead of a value, what changes in the distribution that is there.
     #[serde(default)]
     pub law: Option<LawChange>,
 }
 
 /// A part of an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
     /// F(X) of a rigid slider, with F_s, F_k, X* and K_c.

@@ -1,6 +1,5 @@
 //! Friction against the standard deviation of the thresholds, for maps of stick-slip over K and σ.
 
-use asperity::law::Law;
 use asperity::master::Tolerance;
 use asperity::monitor::{Aside, Monitor};
 use asperity::scenario::Scenario;
@@ -9,6 +8,7 @@ use asperity::{Error, Result};
 
 use crate::answer::WidthCurve;
 use crate::solved::{equation, pulled};
+use crate::width;
 
 /// Coefficients of variation: from thresholds that are almost equal to those of an exponential distribution.
 const NARROWEST: f64 = 0.02;
@@ -23,22 +23,23 @@ const DISTANCE: f64 = 4.0;
 /// Friction of the contacts of `scenario` with thresholds of other widths, for those widths that are possible.
 ///
 /// # Errors
-/// Thresholds without a parameter `std`; no width that is possible; those of the solver; stopped by the monitor.
+/// Thresholds without a width that can be chosen; no width that is possible; those of the solver; stopped by the monitor.
 pub fn width_curve(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<WidthCurve> {
     let pulled = pulled(scenario);
     let model = pulled.build()?;
     let velocity = pulled.pull.as_ref().and_then(|pull| pull.velocity);
-    let thresholds = &model.contacts.thresholds;
-    if !thresholds.parameters().iter().any(|parameter| parameter.name == "std") {
-        let expected = "a distribution with a parameter std, for a map over the width of the thresholds";
-        return Err(Error::invalid("contacts.thresholds", expected, thresholds.name()));
-    }
-    let mean = scale(thresholds.as_ref());
+    let thresholds = pulled.contacts.thresholds.as_ref().filter(|law| width::of(law).is_some());
+    let Some(thresholds) = thresholds else {
+        let expected = "a distribution with a width, for a map over the width of the thresholds";
+        return Err(Error::invalid("contacts.thresholds", expected, model.contacts.thresholds.name()));
+    };
+    let mean = width::mean(thresholds);
+    let reach = DISTANCE * model.contacts.thresholds.mean().max(mean);
     let friction = |width: f64, monitor: &mut dyn Monitor| {
         let mut contacts = model.contacts.clone();
-        contacts.thresholds = thresholds.with_parameter("std", width)?;
+        contacts.thresholds = width::changed(thresholds, width).build()?;
         let equation = equation(contacts, &model.initial, velocity, monitor)?;
-        let pull = equation.pull_with(DISTANCE * mean, Tolerance::from(TOLERANCE), monitor)?;
+        let pull = equation.pull_with(reach, Tolerance::from(TOLERANCE), monitor)?;
         Ok((equation.steady_state().kinetic_friction(), pull))
     };
     let mut curve = WidthCurve::default();
@@ -67,21 +68,10 @@ fn widths(mean: f64) -> impl Iterator<Item = f64> {
     (0..WIDTHS).map(move |i| mean * NARROWEST * (step * i as f64).exp())
 }
 
-/// The mean before truncation, where it is a parameter: it does not change with the width.
-fn scale(law: &dyn Law) -> f64 {
-    let parameters = law.parameters();
-    let mean = parameters.iter().find(|parameter| parameter.name == "mean");
-    mean.map_or_else(|| law.mean(), |parameter| parameter.value)
-}
-
 /// What the curve depends on: the scenario of the pull, with thresholds of one width.
-///
-/// # Errors
-/// An invalid value.
-pub fn description(scenario: &Scenario) -> Result<String> {
+pub fn description(scenario: &Scenario) -> String {
     let mut pulled = pulled(scenario);
-    let thresholds = pulled.contacts.build()?.thresholds;
-    let thresholds = thresholds.with_parameter("std", NARROWEST * scale(thresholds.as_ref()));
-    pulled.contacts.thresholds = None;
-    Ok(serde_json::to_string(&pulled).unwrap_or_default() + &format!("{thresholds:?}"))
+    let thresholds = pulled.contacts.thresholds.take();
+    pulled.contacts.thresholds = thresholds.map(|law| width::changed(&law, NARROWEST * width::mean(&law)));
+    serde_json::to_string(&pulled).unwrap_or_default()
 }

@@ -74,8 +74,8 @@ fn solutions_are_kept_and_give_what_new_ones_give() {
     let parts = [Part::Force, Part::Stretches, Part::CriticalStiffness];
     let all: Vec<_> = parts.iter().map(|&part| engine.answer(&request(&[part]), &mut ())).collect();
     // One change in between, and back.
-    let change =
-        Change { key: "contacts.thresholds.gaussian.std".into(), value: Some("0.4".into()), law: None };
+    let value = Some("0.4".into());
+    let change = Change { key: "contacts.thresholds.gaussian.std".into(), value, ..Change::default() };
     let changed = engine.answer(&Request { changes: vec![change], ..request(&[Part::Force]) }, &mut ());
     assert!(changed.text.contains("std = 0.4 } # narrow"), "{}", changed.text);
     assert_ne!(changed.force.unwrap().force, all[0].force.as_ref().unwrap().force);
@@ -147,14 +147,6 @@ fn the_block_moves_as_its_task_says() {
     assert_eq!(block.summary.numbers.sliding().unwrap().slips, slips);
     let without = TEXT.replace("[block]\nstiffness = 0.3\nslip = \"overdamped\"\n", "");
     assert!(answer(&Request { text: without, ..request(&[Part::Block]) }).block.is_none());
-}
-
-#[test]
-fn units_are_labelled() {
-    let text = format!("{TEXT}[units]\nlength = \"µm\"\nforce = \"mN\"\n");
-    let units = answer(&Request { text, ..request(&[]) }).units;
-    assert_eq!((units["length"].as_str(), units["stiffness"].as_str()), ("µm", "mN/µm"));
-    assert_eq!((units["per_length"].as_str(), units["number"].as_str()), ("1/µm", "1"));
 }
 
 #[test]

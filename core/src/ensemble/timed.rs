@@ -14,6 +14,7 @@ use crate::contacts::{Contacts, Rules};
 use crate::error::positive;
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Watch, report};
+use crate::numerics::order::sort_by_number;
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
 
@@ -193,7 +194,7 @@ impl<'a> Follow<'a> {
         let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Observation::Force(i)));
         let stretches = shots.iter().enumerate().map(|(i, &time)| mark(time, Observation::Stretch(i)));
         let mut marks: Vec<ObservationTime> = forces.chain(stretches).collect();
-        marks.sort_by(|a, b| a.time.total_cmp(&b.time));
+        sort_by_number(&mut marks, |item| item.time);
         let times = marks.iter().map(|mark| mark.time).collect();
         Ok(Self { ensemble, passage: Passage::of(ensemble, monitor)?, history, snapshots, marks, times })
     }

@@ -11,6 +11,7 @@ use super::likelihood::Likelihood;
 use super::{Fit, Measurement};
 use crate::master::Pull;
 use crate::monitor::{Monitor, Part};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// Largest factor that is tried, and its inverse the smallest; number of factors between it and 1.
@@ -155,7 +156,7 @@ impl Fit {
             all.extend(tried.into_iter().zip(least).filter_map(|(scaled, least)| scaled.filter(|_| least)));
         }
         all.retain(|scaled| is_far(scaled) && scaled.squares < BETTER * given);
-        all.sort_by(|a, b| weighted(a).total_cmp(&weighted(b)));
+        sort_by_number(&mut all, weighted);
         all.truncate(MOST);
         all
     }

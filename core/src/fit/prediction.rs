@@ -5,6 +5,7 @@ use super::expected::{ExpectedReadings, Values};
 use super::likelihood::Errors;
 use super::measurement::Measurement;
 use crate::monitor::{Monitor, Part};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// Readings that are expected of the fitted contacts.
@@ -41,7 +42,7 @@ impl Estimates {
             return Err(Error::invalid(format!("position.{i}"), "a finite number", positions[i]));
         }
         let mut order: Vec<usize> = (0..positions.len()).collect();
-        order.sort_by(|&a, &b| positions[a].total_cmp(&positions[b]));
+        sort_by_number(&mut order, |&a| positions[a]);
         let Some(&last) = order.last() else { return Ok(Prediction::default()) };
         let (likelihood, coordinates) = (&self.ended.likelihood, &self.ended.optimum.coordinates);
         let values = likelihood.values(coordinates);

@@ -2,6 +2,7 @@
 //! they resolve it, then merged.
 
 use crate::numerics::legendre::{Nodal, RULE, derivative, series};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::{Error, Float, Result};
 
@@ -207,7 +208,7 @@ fn bisected(
             pending.into_iter().partition(|cell| cell.is_resolved(&masses, tolerance));
         done.extend(resolved.into_iter().map(|cell| RefinedCell { non_smooth: cell.is_slow(), ..cell }));
         if rest.is_empty() {
-            done.sort_by(|a, b| a.low.total_cmp(&b.low));
+            sort_by_number(&mut done, |item| item.low);
             // Of neighbours that contain the same point, the last.
             for i in 1..done.len() {
                 done[i - 1].non_smooth &= !done[i].non_smooth;
@@ -297,7 +298,7 @@ struct RefinedMasses(Vec<(f64, f64, f64)>);
 impl RefinedMasses {
     fn new<'a>(cells: impl Iterator<Item = &'a RefinedCell>) -> Self {
         let mut masses: Vec<_> = cells.map(|cell| (cell.low, cell.moment(0), cell.moment(0))).collect();
-        masses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut masses, |item| item.0);
         for i in 1..masses.len() {
             masses[i].1 += masses[i - 1].1;
         }

@@ -7,6 +7,7 @@ use super::quadrature::double_exponential;
 use super::range::length;
 use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, shared};
 use crate::numerics::legendre::RULE;
+use crate::numerics::order::sort_by_number;
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -46,7 +47,7 @@ impl Root {
         let positions = areas.breakpoints().into_iter().map(|b| b.position);
         let positions = positions.chain(areas.atoms().into_iter().map(|atom| atom.position));
         let mut breakpoints: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();
-        breakpoints.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut breakpoints, |item| item.0);
         breakpoints.dedup();
         let lowest = factor * areas.quantile(0.0).sqrt();
         let mut law = Self { factor, areas, breakpoints, nodes: Vec::new(), lowest, std: 0.0 };

@@ -8,6 +8,7 @@ use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Breakpoint, SharedLaw, Zone};
 use crate::monitor::{Cost, Monitor, Watch};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -225,7 +226,7 @@ impl<'a> Carried<'a> {
         end: f64,
     ) -> Self {
         let mut simultaneous: Vec<_> = breaking.iter().flat_map(|b| b.simultaneous.iter().copied()).collect();
-        simultaneous.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut simultaneous, |item| item.0);
         Self { stiffness, breaking, moments, end, simultaneous }
     }
 

@@ -5,6 +5,7 @@ use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
 use crate::contacts::{Stiffness, StiffnessTable};
 use crate::law::{Atom, Breakpoint, Law, Zone};
+use crate::numerics::order::sort_by_number;
 
 /// Moments of the breaking stretches are computed up to the fourth.
 pub(super) const MOMENTS: usize = 5;
@@ -72,7 +73,7 @@ impl<'a> Breaking<'a> {
             .flat_map(|atom| self.layer.point_masses.iter().map(move |point_mass| (point_mass, atom)));
         let mut simultaneous: Vec<_> =
             pairs.filter_map(|(point_mass, atom)| meets(point_mass, atom)).collect();
-        simultaneous.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut simultaneous, |item| item.0);
         simultaneous
     }
 

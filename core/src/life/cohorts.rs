@@ -15,6 +15,7 @@ use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::{Cost, Watch};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
 
@@ -431,7 +432,7 @@ impl Cohorts {
                 out.push((met.position, 0.5 * point_mass.weight * met.amplitude * stretch.powi(power)));
             }
         }
-        out.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut out, |item| item.0);
         out
     }
 

@@ -10,6 +10,7 @@ use crate::contacts::Contacts;
 use crate::law::Law;
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::breakpoints::same_position;
+use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::Piecewise;
 
 /// Breakpoints are dropped if their effect on cells that resolve P_c is below this, per mean threshold.
@@ -127,7 +128,7 @@ impl Layer {
     fn merge(&mut self, other: Self) {
         self.density = self.density.added(&other.density, RESOLUTION);
         self.point_masses.extend(other.point_masses);
-        self.point_masses.sort_by(|a, b| a.position.total_cmp(&b.position));
+        sort_by_number(&mut self.point_masses, |item| item.position);
         self.point_masses.dedup_by(|b, a| {
             let same = same_position(a.position, b.position) && a.passed == b.passed;
             a.weight += if same { b.weight } else { 0.0 };

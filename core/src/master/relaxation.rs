@@ -9,6 +9,7 @@ use crate::Result;
 use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};
 use crate::monitor::{Monitor, Watch};
+use crate::numerics::order::sort_by_number;
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and c_j =
 /// φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
@@ -280,7 +281,7 @@ impl<'a, 'm> Transform<'a, 'm> {
                     found.push(s);
                 }
             }
-            found.sort_by(|a, b| b.re.total_cmp(&a.re));
+            sort_by_number(&mut found, |item| -item.re);
             if found.first().is_some_and(|slowest| self.zeros_right_of(0.98 * slowest.re) == 0) {
                 break;
             }

@@ -8,6 +8,7 @@ use crate::life::{Births, Layer, Life, ORDERS};
 use crate::monitor::{Aside, Monitor, Rising};
 use crate::numerics::breakpoints::{Atom, Breakpoint};
 use crate::numerics::legendre::NODES;
+use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::{Accuracy, Kernel, Solution, solve};
 use crate::{Error, Result};
@@ -161,7 +162,7 @@ impl RenewalSolution {
         let width = |cell: usize| edges[cell + 1] - edges[cell];
         let mut cells: Vec<usize> =
             (0..edges.len() - 1).filter(|&cell| width(cell) > CLEAR * edges[cell]).collect();
-        cells.sort_by(|&a, &b| width(a).total_cmp(&width(b)));
+        sort_by_number(&mut cells, |&a| width(a));
         cells.into_iter().take(4).map(|cell| self.test_point(cell))
     }
 

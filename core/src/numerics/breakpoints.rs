@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use serde::{Deserialize, Serialize};
 
 use crate::monitor::{Monitor, report};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// A point mass (Dirac delta): `weight` at `position`.
@@ -36,14 +37,14 @@ pub struct Breakpoint {
 impl Atom {
     /// Puts point masses in the order of their positions; those at one place keep theirs.
     pub(crate) fn sort(atoms: &mut [Self]) {
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        sort_by_number(atoms, |item| item.position);
     }
 }
 
 impl Breakpoint {
     /// Puts breakpoints in the order of their positions; those at one place keep theirs.
     pub(crate) fn sort(breakpoints: &mut [Self]) {
-        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+        sort_by_number(breakpoints, |item| item.position);
     }
 
     /// The breakpoint that the convolution of two functions has because of one breakpoint of each.

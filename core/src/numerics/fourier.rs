@@ -7,6 +7,7 @@ use num_complex::Complex64;
 
 use super::legendre::{NODES, Nodal};
 use super::piecewise::Piecewise;
+use crate::numerics::order::sort_by_number;
 
 /// The Fourier transforms of K functions on the same cells, which share phases and Bessel functions.
 #[derive(Debug, Clone)]
@@ -30,7 +31,7 @@ impl<const K: usize> FourierTransforms<K> {
         let first = functions[0];
         let half = |cell: usize| first.cell(cell).1;
         let mut order: Vec<usize> = (0..first.coefficients.len()).collect();
-        order.sort_by(|&a, &b| half(a).total_cmp(&half(b)));
+        sort_by_number(&mut order, |&a| half(a));
         let sign = |n: usize| if n % 4 < 2 { 2.0 } else { -2.0 };
         let mut widths: Vec<(f64, usize)> = Vec::new();
         let mut cells = Vec::with_capacity(order.len());

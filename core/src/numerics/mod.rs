@@ -34,6 +34,7 @@ pub(crate) mod modes;
 pub(crate) mod motion;
 pub(crate) mod nelder_mead;
 pub mod omori;
+pub(crate) mod order;
 pub(crate) mod periodogram;
 pub(crate) mod piecewise;
 pub mod powerlaw;

@@ -1,6 +1,8 @@
 //! Minima of functions of a few variables without derivatives: the simplex method of J. A. Nelder and R.
 //! Mead, Comput. J. 7, 308 (1965).
 
+use crate::numerics::order::sort_by_number;
+
 /// Largest number of evaluations per variable.
 const EVALUATIONS: usize = 150;
 
@@ -20,7 +22,7 @@ pub fn nelder_mead(
     let mut simplex = around(&mut f, start, step);
     let mut evaluations = simplex.len();
     while evaluations < EVALUATIONS * start.len() {
-        simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+        sort_by_number(&mut simplex, |item| item.1);
         let (best, worst) = (simplex[0].1, simplex[start.len()].1);
         if worst - best < tolerance {
             break;

@@ -15,6 +15,7 @@ use crate::Result;
 use crate::monitor::{Monitor, report};
 use crate::numerics::least_squares::LeastSquares;
 use crate::numerics::nelder_mead::nelder_mead;
+use crate::numerics::order::sort_by_number;
 
 /// Largest number of Ornstein–Uhlenbeck processes.
 const MOST: usize = 2;
@@ -102,7 +103,7 @@ impl MeasuredNoise {
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.white *= factor;
         self.drift.iter_mut().for_each(|process| process.std *= factor);
-        self.drift.sort_by(|a, b| a.length.total_cmp(&b.length));
+        sort_by_number(&mut self.drift, |item| item.length);
         self
     }
 }

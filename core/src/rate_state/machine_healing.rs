@@ -13,6 +13,7 @@ use super::measured_velocity_step::finite;
 use super::spring_friction::{SpringFriction, StateLaw, StateVariable};
 use crate::error::positive;
 use crate::monitor::{Monitor, report};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// Slide–hold–slide tests in a machine, each from steady sliding.
@@ -115,7 +116,7 @@ impl MachineHealing {
 /// the end of the shorter one.
 fn held(friction: &SpringFriction, hold: &[f64], velocity: f64) -> Option<Vec<(f64, f64)>> {
     let mut order: Vec<usize> = (0..hold.len()).collect();
-    order.sort_by(|&i, &j| hold[i].total_cmp(&hold[j]));
+    sort_by_number(&mut order, |&i| hold[i]);
     let (mut motion, mut time) = (friction.steady(), 0.0);
     let mut changes = vec![(0.0, 0.0); hold.len()];
     for i in order {

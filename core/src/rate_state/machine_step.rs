@@ -8,6 +8,7 @@ use super::spring_friction::{SpringFriction, StateLaw, StateVariable};
 use super::velocity_step::{FEWEST, VelocityStep};
 use crate::error::positive;
 use crate::monitor::{Monitor, report};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// Rate-and-state friction behind a spring, fitted to a velocity step. Forces are in the unit of the curve. What the fit leaves
@@ -202,7 +203,7 @@ impl StepCurve<'_> {
             ));
         };
         let mut states = states_of(&values);
-        states.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort_by_number(&mut states, |item| item.distance);
         let residual = (squares / self.force.len() as f64).sqrt();
         Ok(MachineStep {
             residual,

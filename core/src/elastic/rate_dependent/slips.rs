@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::dynamics::{SLIP_VELOCITY, crossing};
 use crate::elastic::catalogue::{beside, fronts};
 use crate::elastic::{Coupling, Event, Slipped};
+use crate::numerics::order::sort_by_number;
 
 /// A cell at one time.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -159,7 +160,7 @@ impl Slips {
         let mut changed: Vec<(usize, f64)> =
             (0..self.moving.len()).filter(change).map(|j| (j, share(j))).collect();
         // In the order of time: the event of a cell depends on which of its neighbours move at that moment.
-        changed.sort_by(|a, b| a.1.total_cmp(&b.1));
+        sort_by_number(&mut changed, |item| item.1);
         let mut last = vec![None; self.moving.len()];
         for (cell, share) in changed {
             self.moving[cell] = !self.moving[cell];

@@ -10,6 +10,7 @@ use super::force_after_break::{ForceAfterBreak, WeightedLife};
 use super::pull::{Pull, at};
 use super::renewal::{RenewalSolution, unit_force};
 use crate::monitor::{Monitor, Part, Watch, fits};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 use losses::LossesAtBreaks;
 
@@ -62,7 +63,7 @@ impl Pull {
             ALLOWED,
         )?;
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&i, &j| positions[i].total_cmp(&positions[j]));
+        sort_by_number(&mut order, |&i| positions[i]);
         let sorted: Vec<f64> = order.iter().map(|&i| positions[i].min(self.distance())).collect();
         let (triangle, error) = self.lower_triangle(&sorted, monitor)?;
         let scale = self.stiffness.powi(2) / size;

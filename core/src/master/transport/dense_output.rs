@@ -11,6 +11,7 @@ use super::path::Path;
 use super::trial::{StepAttempt, Trial};
 use crate::Result;
 use crate::monitor::Monitor;
+use crate::numerics::order::sort_by_number;
 
 /// What a trace shows of the contacts at a time.
 #[derive(Debug, Clone, Copy)]
@@ -185,7 +186,7 @@ impl<'a> DenseOutput<'a> {
                 self.nodes.push(self.at(s, monitor)?);
             }
         }
-        self.nodes.sort_by(|a, b| a.s.total_cmp(&b.s));
+        sort_by_number(&mut self.nodes, |item| item.s);
         Ok(at.iter().map(|&s| self.reading(self.nearest(s), s)).collect())
     }
 
@@ -221,7 +222,7 @@ impl<'a> DenseOutput<'a> {
     /// show.
     fn is_resolved(&self) -> bool {
         let mut nodes = self.nodes.clone();
-        nodes.sort_by(|a, b| a.s.total_cmp(&b.s));
+        sort_by_number(&mut nodes, |item| item.s);
         self.errors.iter().enumerate().all(|(of, &error)| {
             let values: Vec<f64> = nodes.iter().map(|node| node.values[of]).collect();
             left_out(&values) <= error

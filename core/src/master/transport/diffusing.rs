@@ -13,6 +13,7 @@ use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::monitor::{Monitor, Watch, fits};
 use crate::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Sink, Workspace};
 use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::wide::vectorised;
 use crate::{Error, Result};
 
@@ -166,7 +167,7 @@ impl Diffusing {
         let watch = Watch::new(monitor);
         diffusing.newborn = seeds.iter().map(|seed| diffusing.above(seed.stretch, &watch)).collect();
         watch.check()?;
-        diffusing.newborn.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
+        sort_by_number(&mut diffusing.newborn, |item| item.stretch);
         Ok(Some(diffusing))
     }
 

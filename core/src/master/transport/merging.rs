@@ -15,6 +15,7 @@ use std::sync::Arc;
 use super::Transport;
 use super::cohort::Cohort;
 use crate::monitor::Watch;
+use crate::numerics::order::sort_by_number;
 
 /// Whether cohorts are merged within a motion as soon as they are many.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +42,7 @@ impl Transport {
         let cohorts = Arc::make_mut(cohorts);
         let all_together = model.ignores_age();
         if all_together {
-            cohorts.sort_by(|a, b| a.place.stretch.total_cmp(&b.place.stretch));
+            sort_by_number(cohorts, |item| item.place.stretch);
         }
         let group = |cohort: &Cohort| match cohort.seed() {
             _ if all_together => Some(0),

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use crate::numerics::breakpoints::{Atom, Breakpoint, same_position};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::Piecewise;
 
 /// A density on u ≥ 0 with its breakpoints, point masses among them.
@@ -146,7 +147,7 @@ impl Kernel {
                 (width, width * self.curve.coefficients[cell][0].abs(), cell)
             })
             .collect();
-        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut cells, |item| item.0);
         let total: f64 = cells.iter().map(|cell| cell.1).sum();
         let (mut all, mut fine) = (0.0, 0.0);
         let counted =

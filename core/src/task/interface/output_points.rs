@@ -1,6 +1,7 @@
 //! The drives, or the times, at which the state of an interface is recorded.
 
 use crate::history::History;
+use crate::numerics::order::sort_by_number;
 use crate::scenario::{Drive, Interface, Protocol};
 
 /// A drive or a time at which the state is recorded.
@@ -33,7 +34,7 @@ pub fn output_points(task: &Drive, interface: &Interface, origin: f64) -> Vec<Ou
     let points = (0..=steps).map(|i| at(point(i), true, chain));
     let maps = task.maps.iter().map(|&map| at(map, false, true));
     let mut output_points: Vec<_> = points.chain(maps).collect();
-    output_points.sort_by(|a, b| a.drive.total_cmp(&b.drive));
+    sort_by_number(&mut output_points, |item| item.drive);
     output_points.dedup_by(|next, kept| {
         let same = next.drive == kept.drive;
         if same {

@@ -1,0 +1,56 @@
+//! Items in the order of a number that each has.
+//!
+//! What depends on the type of the items is short: sorting itself is compiled once, for numbers and places.
+
+/// Sorts items by a number; those of the same number stay in their order.
+pub(crate) fn sort_by_number<T>(items: &mut [T], number: impl Fn(&T) -> f64) {
+    let mut keys: Vec<(f64, usize)> = items.iter().enumerate().map(|(i, item)| (number(item), i)).collect();
+    for (place, other) in exchanges(&mut keys) {
+        items.swap(place, other);
+    }
+}
+
+/// The exchanges, one after the other, that bring items into the order of their numbers.
+fn exchanges(keys: &mut [(f64, usize)]) -> Vec<(usize, usize)> {
+    if keys.is_sorted_by(|a, b| a.0.total_cmp(&b.0).is_le()) {
+        return vec![];
+    }
+    keys.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut found = Vec::with_capacity(keys.len());
+    for first in 0..keys.len() {
+        // Along a cycle, each place takes the item that belongs there.
+        let mut place = first;
+        while keys[place].1 != first {
+            let from = keys[place].1;
+            found.push((place, from));
+            keys[place].1 = place;
+            place = from;
+        }
+        keys[place].1 = place;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Purpose, Stream};
+
+    #[test]
+    fn it_sorts_as_the_standard_library_does() {
+        for length in [0, 1, 2, 7, 100, 1000] {
+            let mut stream = Stream::new(1, Purpose::Sample, length as u64);
+            // Many equal numbers, and some that are none.
+            let number =
+                |uniform: f64| if uniform < 0.05 { f64::NAN } else { (20.0 * uniform).floor() - 10.0 };
+            let items: Vec<(f64, usize)> = (0..length).map(|i| (number(stream.uniform()), i)).collect();
+            let (mut found, mut expected) = (items.clone(), items);
+            sort_by_number(&mut found, |item| item.0);
+            expected.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let bits = |items: &[(f64, usize)]| -> Vec<(u64, usize)> {
+                items.iter().map(|item| (item.0.to_bits(), item.1)).collect()
+            };
+            assert_eq!(bits(&found), bits(&expected), "{length}");
+        }
+    }
+}
