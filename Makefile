@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test built compiled rust results python notebook lint dependencies notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm explorer keys variables
+.PHONY: setup test built compiled rust results python notebook lint dependencies notices docs figures stubs wheel bench peers fits validation fuzz grid agreement calibration fingerprint base accuracy outputs wasm wasm-toolchain explorer keys variables
 .PHONY: workflows metadata release-check packages packages-compile publish semver release release-notes binary compiles minimal-versions mutants fuzz-bytes cost
 
 export PYTHON ?= python3
@@ -13,7 +13,14 @@ target := $(or $(CARGO_TARGET_DIR),target)
 site := $(target)/docs
 engine := $(target)/wasm32-unknown-unknown/explorer/asperity_wasm.wasm
 page := target/explorer/asperity-explorer.html
-wasm_library := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown/lib/libstd-*.rlib)
+rustup_library := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown/lib/libstd-*.rlib)
+# Without it the compiler of `make wasm-toolchain`, if it is there: it compiles the standard library, too.
+debian := $(CURDIR)/target/debian
+wasm_library := $(or $(rustup_library),$(wildcard $(debian)/ready))
+ifeq ($(rustup_library),)
+wasm_compiler := RUSTC=$(debian)/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=$(debian)/wasm-ld
+wasm_standard := -Zbuild-std=std,panic_abort
+endif
 
 # Everything that must hold. Tests in Rust and Python keep two cores busy; what follows them does not, and runs two at a time.
 test: setup built rust python
@@ -231,12 +238,16 @@ else
 explorer:
 	@echo "explorer: not checked: $$(rustc --version) has no standard library for wasm32-unknown-unknown"
 	@echo "  with rustup: rustup target add wasm32-unknown-unknown"
-	@echo "  with a compiler of a distribution: its package of that library, of the same version (Debian: libstd-rust-dev-wasm32)"
+	@echo "  with apt only: make wasm-toolchain, which unpacks a compiler of Debian's packages (1.1 GB) into target/debian"
 endif
+
+# A compiler for WebAssembly of Debian's packages, without rights and outside of the system.
+wasm-toolchain:
+	.ci/wasm_toolchain $(debian)
 
 $(engine): $(shell git ls-files 'core/src' 'runner/src' 'engine/src' 'engine/build.rs' 'explorer' 'wasm' '*Cargo.toml' Cargo.lock)
 	.ci/tools
-	cargo rustc --profile explorer --locked --target wasm32-unknown-unknown --package asperity-wasm -- -C link-arg=--compress-relocations
+	$(wasm_compiler) cargo rustc --profile explorer --locked $(wasm_standard) --target wasm32-unknown-unknown --package asperity-wasm -- -C link-arg=--compress-relocations
 	touch $@
 
 $(page): $(engine) explorer/node_modules/ready $(shell git ls-files 'explorer')

@@ -944,7 +944,8 @@ test("paper is white and words on it are dark, where the page is dark, too", () 
     assert.notDeepEqual(await colors(), light);
     await tab.emulateMedia({ colorScheme: "dark", media: "print" });
     assert.deepEqual(await colors(), light);
-    const words = await tab.$eval("#force .picture text", (text) => getComputedStyle(text).fill);
+    // At once, since the picture is drawn anew where the width of the page changes.
+    const words = await tab.evaluate(() => getComputedStyle(document.querySelector("#force .picture text")).fill);
     assert.equal(words, "rgb(26, 26, 26)");
   }));
 
