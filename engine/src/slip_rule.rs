@@ -5,7 +5,7 @@ use asperity::scenario::Scenario;
 
 /// The names of all rules, as in scenarios.
 pub const NAMES: [&str; 5] = ["reset", "overdamped", "arrest", "damped", "inertial"];
-/// Duration of a slip, in the time in which the drive goes a mean threshold, which is 1 without a velocity.
+/// Duration of a slip, in the time in which the drive moves by the mean threshold, which is 1 without a velocity.
 const DURATION: f64 = 0.1;
 
 /// The name of a rule.
@@ -19,7 +19,7 @@ pub fn name(rule: Slip) -> &'static str {
     }
 }
 
-/// The rule of a name. A spring relaxes a damped slider in γ/K, and swings one with mass at √(K/M), here with half of the critical
+/// The rule of a name. A damped slider relaxes in γ/K, and one with mass oscillates at √(K/M), here with half of the critical
 /// damping.
 pub fn of_name(scenario: &Scenario, name: &str) -> Option<Slip> {
     let stiffness = scenario.block.as_ref().map_or(1.0, |block| block.stiffness);
@@ -34,7 +34,7 @@ pub fn of_name(scenario: &Scenario, name: &str) -> Option<Slip> {
     })
 }
 
-/// The time in which the drive goes a mean threshold.
+/// The time in which the drive moves by the mean threshold.
 fn passage(scenario: &Scenario) -> f64 {
     let velocity = scenario.drive.as_ref().and_then(|drive| drive.velocity);
     let contacts = scenario.contacts.build().ok();

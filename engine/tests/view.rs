@@ -131,7 +131,7 @@ fn a_rule_of_slip_begins_with_numbers_of_its_spring() {
     assert!(damped.text.contains("slip = { damped = { damping = 0.03 } }"), "{}", damped.text);
     let timed = TEXT.replace("distance = 8.0", "distance = 8.0\nvelocity = 0.01");
     let inertial = answer(&timed, chosen("inertial"));
-    // 0.3 · 10² and 0.3 · 10, ten being a tenth of the time in which the drive goes a mean threshold.
+    // 0.3 · 10² and 0.3 · 10, ten being a tenth of the time in which the drive moves by the mean threshold.
     assert!(inertial.text.contains("inertial = { mass = 30.0, damping = 3.0 }"), "{}", inertial.text);
     assert_eq!(value(&inertial.view.unwrap(), "block.slip.inertial.mass"), "30");
     assert_eq!(answer(&damped.text, chosen("reset")).text, TEXT.replace("overdamped", "reset"));

@@ -165,6 +165,16 @@ fn a_protocol_is_reported_step_by_step_and_both_solvers_agree() {
     assert_eq!(output::read(&dir).unwrap(), outcome);
 }
 
+/// Contacts with ageing and delays, whose force depends on how the velocity changes.
+const RAMPED: &str = "
+[contacts]
+thresholds.gaussian = { mean = 1.2, std = 0.25 }
+stiffness_per_threshold = 1.4
+count = 5.0
+ageing.frozen_rank = { mature.gaussian = { mean = 0.8, std = 0.1 }, time = 4.0 }
+delay.rectangular = { min = 0.5, max = 2.0 }
+";
+
 /// Forces along a ramp of contacts with ageing, delays and friction of free contacts, by sums over what forms in each step along
 /// X = 0.05 t + 0.0475 t² (`core/tests/tables/make_ramp.py`, right to 4e-6).
 #[test]
@@ -172,12 +182,7 @@ fn the_error_of_a_force_along_a_ramp_is_that_of_its_pieces_too() {
     let scenario = |more: &str| {
         format!(
             "{more}
-             [contacts]
-             thresholds.gaussian = {{ mean = 1.2, std = 0.25 }}
-             stiffness_per_threshold = 1.4
-             count = 5.0
-             ageing.frozen_rank = {{ mature.gaussian = {{ mean = 0.8, std = 0.1 }}, time = 4.0 }}
-             delay.rectangular = {{ min = 0.5, max = 2.0 }}
+             {RAMPED}
              free_friction = {{ force = 0.2 }}
              [initial]
              point.at = 0.1
@@ -211,12 +216,7 @@ fn the_accuracy_of_a_block_along_a_ramp_is_that_of_its_pieces_too() {
     let scenario = |pieces: &str| {
         format!(
             "master_equation.tolerance = 1e-3
-             [contacts]
-             thresholds.gaussian = {{ mean = 1.2, std = 0.25 }}
-             stiffness_per_threshold = 1.4
-             count = 5.0
-             ageing.frozen_rank = {{ mature.gaussian = {{ mean = 0.8, std = 0.1 }}, time = 4.0 }}
-             delay.rectangular = {{ min = 0.5, max = 2.0 }}
+             {RAMPED}
              [initial]
              point.at = 0.1
              [block]

@@ -17,7 +17,7 @@ pub struct Item {
     pub kind: &'static str,
     /// Its name in the page; empty without one.
     pub id: String,
-    /// Its name for those who hear it; empty where a label has it.
+    /// Its name for screen readers; empty where a label has it.
     pub name: String,
     /// Its value, or the words on it.
     pub value: String,

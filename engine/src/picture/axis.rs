@@ -8,7 +8,7 @@ const DECADES: usize = 7;
 /// The values at the ends of an axis.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Axis {
-    /// The value at its begin.
+    /// The value at its beginning.
     pub min: f64,
     /// The value at its end.
     pub max: f64,
