@@ -565,7 +565,11 @@ test("in the frame of a notebook the page hears of progress and answers", async 
     await tab.evaluate(async ([script, page, scenario]) => {
       const { default: widget } = await import(`data:text/javascript,${encodeURIComponent(script)}`);
       let report;
+      // The frame is not laid out before the first request has come, as where the notebook is busy.
+      const el = document.body.appendChild(document.createElement("div"));
+      el.hidden = true;
       const send = async ({ view, number, request }) => {
+        el.hidden = false;
         if (!request.preview) {
           report({ view, number, progress: 0.25 });
           await new Promise((resolve) => setTimeout(resolve, 1000));
@@ -575,7 +579,7 @@ test("in the frame of a notebook the page hears of progress and answers", async 
         report({ view, number, answer: await kernel(request) });
       };
       const model = { get: (name) => ({ page, scenario })[name], send, on: (_, heard) => (report = heard), off: () => {} };
-      widget.render({ model, el: document.body });
+      widget.render({ model, el });
       // What is none of the page's business.
       document.querySelector("iframe").onload = ({ target }) => target.contentWindow.postMessage({ number: 7, progress: 0.1 }, "*");
     }, [script, own, scenario]);
