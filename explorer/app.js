@@ -29,7 +29,7 @@ const found = (path) => path.split(".").reduce((part, name) => part?.[name], /**
 /** Says what is wrong with the scenario, or with the last file. @param {string} message @param {"scenario" | "file"} [of] */
 const fail = (message, of = "scenario") => void (byId(`wrong-${of}`).textContent = message);
 
-/** Asks for a preview, with other widths once the page is laid out; the answer to it asks for the full accuracy. */
+/** Asks for a preview, 600 pixels wide until the page is laid out; the answer to it asks for the full accuracy. */
 function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretches"]) {
   const width = parseFloat(getComputedStyle(plots).gridTemplateColumns) || 600;
   const view = { width, whole: plots.clientWidth || width, readings: state.measured !== null };
@@ -63,7 +63,7 @@ function receive(answer, request, milliseconds) {
   fail([state.note, invalid && where + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n"));
   for (const [what, change] of state.changes) if ([change].flat().every((one) => request.changes.includes(one))) state.changes.delete(what);
   // The answer to a request that could not be read has no text.
-  const current = request.text === state.text && answer.text;
+  const current = request.text === state.text && answer.text !== "";
   if (current) {
     state.text = answer.text;
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;

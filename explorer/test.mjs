@@ -589,6 +589,9 @@ test("in the frame of a notebook the page hears of progress and answers", async 
     await frame.locator('#status:has-text("full accuracy")').waitFor();
     assert.equal(await frame.locator("#text").inputValue(), scenario);
     assert.equal(await frame.locator("#progress").isHidden(), true);
+    // Pictures of the full accuracy have the width of their column, which was not known at first.
+    const wide = (plots) => parseFloat(getComputedStyle(plots).gridTemplateColumns) === plots.querySelector("svg")?.viewBox.baseVal.width;
+    await tab.frames()[1].waitForFunction(`(${wide})(document.getElementById("plots"))`);
     const { force } = await native({ text: scenario, parts: ["force"] }, 60000);
     const row = await frame.locator("#numbers tr:nth-child(3) td:last-child").textContent();
     // The last digit shown may be the next one.
