@@ -45,6 +45,7 @@ const ORDER: &[&str] = &[
     "fit",
     "fit-cycles",
     "fit-steady",
+    "fit-velocity-curve",
     "stick-slip-ageing",
     "slow-slip",
     "stability",

@@ -280,7 +280,7 @@ fn a_type_has_a_name_of_its_own() {
 }
 
 /// Types with which users begin, each with the file whose documentation shows its use.
-const ENTRIES: [(&str, &str); 22] = [
+const ENTRIES: [(&str, &str); 23] = [
     ("MasterEquation", "master/mod.rs"),
     ("Pull", "master/pull.rs"),
     ("SteadyState", "master/steady.rs"),
@@ -294,6 +294,7 @@ const ENTRIES: [(&str, &str); 22] = [
     ("RateDependentInterface", "elastic/rate_dependent/mod.rs"),
     ("Fit", "fit/mod.rs"),
     ("SteadyFit", "fit/steady/mod.rs"),
+    ("VelocityCurveFit", "fit/velocity_curve/mod.rs"),
     ("Scenario", "scenario/mod.rs"),
     ("Life", "life/mod.rs"),
     ("Gaussian", "exact/gaussian.rs"),

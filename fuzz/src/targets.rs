@@ -32,11 +32,12 @@ fn folder() -> TempDir {
 }
 
 /// Scenarios that read a table, of each kind.
-pub const TABLES: [&str; 6] = [
+pub const TABLES: [&str; 7] = [
     "contacts.thresholds.tabulated.file = 'table.csv'\n[pull]\n",
     "contacts.thresholds.point.at = 1\n[pull]\n[compare]\nfile = 'table.csv'\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\n[fit]\nfile = 'table.csv'\nfree = ['contacts.thresholds.gaussian.mean']\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\nfit.free = ['contacts.thresholds.gaussian.mean']\n[fit.steady]\nfile = 'table.csv'\nspacing = 0.1\n",
+    "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\ncontacts.delay.time = 1\nfit.free = ['contacts.delay.time']\n[fit.velocity_curve]\nfile = 'table.csv'\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\n[interface]\ncells = [3]\nconnection = 1\ncoupling.neighbours = { stiffness = 1 }\ndisorder.file = 'table.csv'\n[drive]\ndistance = 1\n",
     "contacts.thresholds.gaussian = { mean = 1, std = 0.1 }\ncontacts.temperature = { energy = 0.1, attempt_rate = 1 }\nprotocol_file = 'table.csv'\n",
 ];

@@ -112,6 +112,7 @@ __all__ = [
     "Temperature",
     "ThresholdResponse",
     "Transport",
+    "VelocityCurveEstimates",
     "VelocityStep",
     "Weibull",
     "_Engine",
@@ -130,6 +131,7 @@ __all__ = [
     "fit",
     "fit_healing",
     "fit_steady",
+    "fit_velocity_curve",
     "fit_velocity_step",
     "kinetic_friction",
     "kinetic_friction_per_threshold",
@@ -4973,6 +4975,167 @@ class Transport(Model):
         """The velocity of the steady sliding in which the contacts start, or None."""
 
 @final
+class VelocityCurveEstimates:
+    """What a fit to forces of steady sliding at several velocities has found: values of the free numbers with their errors, and
+    how well they describe the forces.
+
+    Printed, or by `summary()`, it is a table. `curve` has the readings and the fitted curve with its error.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), delay=0.5)
+    >>> velocity, force = [0.1, 1.0, 10.0], [0.488, 0.349, 0.092]
+    >>> found = asp.fit_velocity_curve(contacts, velocity, force, free=["delay"], reading=0.002)
+    >>> bool(abs(found.params["delay"].value - 0.47) < 0.02)
+    True
+    """
+
+    def __copy__(self, /) -> VelocityCurveEstimates: ...
+    def __deepcopy__(self, /, _memo: object) -> VelocityCurveEstimates: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[Any, ...]]: ...
+    def __repr__(self, /) -> str: ...
+    def _repr_html_(self, /) -> str: ...
+    @property
+    def contacts(self, /) -> Contacts:
+        """The contacts of the estimated numbers."""
+
+    @property
+    def converged(self, /) -> bool:
+        """Whether the search has converged; otherwise the estimates are its last values."""
+
+    @property
+    def correlations(self, /) -> list[Correlation]:
+        """The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation."""
+
+    @property
+    def covariance(self, /) -> _Array:
+        """The covariance of the estimates in the order of `params`, shape (n, n)."""
+
+    @property
+    def curve(self, /) -> Record:
+        """The readings and the fitted curve, a Record.
+
+        `reading_velocity`, `reading_friction`, `reading_expected_friction`, `reading_friction_std` and
+        `reading_friction_residual` are of shape (n,): velocities, measured and expected forces, the standard deviations of the
+        measured ones, and the residuals divided by them. `fit_velocity`, `fit_friction` and `fit_friction_error` are of shape
+        (33,): velocities at equal ratios, the expected force with background and offset, and its standard error, which
+        follows from the covariance of the estimates.
+        """
+
+    @property
+    def fixed(self, /) -> dict[str, float]:
+        """The numbers that were not free: those of the contacts, and background and offset if they are not 0."""
+
+    def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
+        """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
+        numbers, has risen by 3.84; for errors of a size that is estimated by ν ln(1 + t²/ν), with Student's t of ν = n − p
+        degrees of freedom.
+
+        Parameters
+        ----------
+        name
+            A name of `params`.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        (float, float)
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type, which the message names.
+        ValueError
+            For a name that is none of `params`.
+        """
+
+    @property
+    def misfit(self, /) -> Misfit:
+        """How well the forces are described, a Misfit. The test of whiteness is that of residuals in the order of velocities."""
+
+    @property
+    def model(self, /) -> MasterEquation:
+        """The master equation of the estimated numbers, at the lowest velocity."""
+
+    @property
+    def offset(self, /) -> float:
+        """The reading of the force where there is none, given or estimated, a force."""
+
+    @property
+    def params(self, /) -> dict[str, Estimate]:
+        """The free numbers by name: each an Estimate."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the measured forces with their errors and the fitted curve with twice its standard error, against the logarithm
+        of the velocity. Returns the axes. It needs matplotlib.
+
+        Parameters
+        ----------
+        ax
+            Axes to plot on; new ones if None.
+        **style
+            Arguments of the plot() of the fitted curve.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        """
+
+    @property
+    def reading(self, /) -> float:
+        """The standard deviation of a reading, given or estimated, a force; the root mean square of errors that differ."""
+
+    @property
+    def readings(self, /) -> int:
+        """The number of measured forces."""
+
+    def sample(
+        self,
+        /,
+        draws: SupportsIndex = 1000,
+        chains: SupportsIndex = 4,
+        seed: _Seed = 1,
+        *,
+        progress: _Progress = None,
+        threads: SupportsIndex | None = None,
+    ) -> Posterior:
+        """Draws from the posterior by the No-U-turn sampler (NUTS), as Estimates.sample does.
+
+        Parameters
+        ----------
+        draws, chains, seed, progress, threads
+            As for Estimates.sample.
+
+        Returns
+        -------
+        Posterior
+
+        Raises
+        ------
+        ValueError
+            If no number is known to better than a limit.
+        """
+
+    @property
+    def solutions(self, /) -> int:
+        """The number of curves that the search computed, without those for derivatives."""
+
+    def summary(self, /) -> str:
+        """A table in plain English: values with errors and intervals, correlations, and how well the forces are described.
+
+        Returns
+        -------
+        str
+        """
+
+@final
 class VelocityStep:
     """A measured velocity step: its rate-and-state parameters, each an Estimate with its value, its standard error and its
     95 % interval. Made by read_velocity_step.
@@ -5441,6 +5604,73 @@ def fit_steady(
     >>> force = pull.force[400:]
     >>> found = asp.fit_steady(contacts, 0.025, force, free=['thresholds.mean'], reading=1e-5)
     >>> bool(abs(found.params['thresholds.mean'].value - 1.0) < 0.05)
+    True
+    """
+
+def fit_velocity_curve(
+    contacts: Contacts,
+    velocity: ArrayLike,
+    force: ArrayLike,
+    *,
+    free: Sequence[str],
+    error: ArrayLike | None = None,
+    reading: _Number | None = None,
+    offset: _Number = 0.0,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    progress: _Progress = None,
+) -> VelocityCurveEstimates:
+    """Fits numbers of contacts to forces of steady sliding at several velocities.
+
+    The readings are F_k(v) + B + offset + errors, with the kinetic friction F_k of the stationary renewal process at the
+    velocity v, and the background force B of the contacts. Errors are independent and normal: each of its own standard
+    deviation (error), or all of one size, which is given (reading) or estimated. The most probable values are found by the
+    method of Levenberg and Marquardt with derivatives by central differences. If all times of the contacts are free, the
+    search begins also with those multiplied by one factor, from 1e-4 to 1e4, that are most like the curve.
+
+    Parameters
+    ----------
+    contacts
+        As for MasterEquation; their free numbers are first values.
+    velocity
+        The n velocities, above 0, in any order; a velocity may occur several times.
+    force
+        The n measured forces, each the mean over a distance of steady sliding.
+    free
+        The names of the numbers to vary: those of Pull.parameters, such as "thresholds.mean", "count", "ageing.growth",
+        "temperature.energy" and "delay", but not of initial stretches nor the velocity; "background" and "offset". The
+        curve does not determine both count and stiffness unless the contacts have a temperature, nor both background and
+        offset.
+    error
+        The n standard deviations of the errors of the forces, above 0.
+    reading
+        The standard deviation of every force, instead of error; estimated if both are None.
+    offset
+        The reading of the force where there is none.
+    prior
+        As for fit.
+    progress
+        As for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+    Returns
+    -------
+    VelocityCurveEstimates
+
+    Raises
+    ------
+    ValueError
+        For velocities or errors that are not above 0, forces that are not finite, lists of different lengths, an unknown or
+        repeated name in free, none in it, a prior of a number that is not free or whose error is not above 0, fewer forces
+        than free numbers, or no more where the size of errors is estimated, error beside reading, and numbers that the curve
+        does not determine. A search that does not converge is no error: see VelocityCurveEstimates.converged.
+
+    Examples
+    --------
+    >>> import asperity as asp
+    >>> contacts = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(growth=0.1, time=3.0))
+    >>> velocity, force = [0.01, 0.1, 1.0, 10.0], [0.7515, 0.6460, 0.5497, 0.5227]
+    >>> free = ["ageing.growth", "ageing.time"]
+    >>> found = asp.fit_velocity_curve(contacts, velocity, force, free=free, reading=0.002)
+    >>> bool(found.converged and not found.misfit.unlikely)
     True
     """
 

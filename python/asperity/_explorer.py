@@ -116,7 +116,9 @@ class Explorer:
         except _NewerRequestError:
             return
         self._widget.send({**asked, "answer": answer})
-        self._widget.scenario = json.loads(answer)["text"]
+        # An answer to a request that is not valid has no text.
+        if text := json.loads(answer)["text"]:
+            self._widget.scenario = text
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         return self._widget._repr_mimebundle_(**kwargs)

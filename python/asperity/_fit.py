@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from asperity import _show
 
 if TYPE_CHECKING:
-    from asperity._core import Estimates, SteadyEstimates
+    from asperity._core import Estimates, SteadyEstimates, VelocityCurveEstimates
     from asperity._fit_values import Estimate
 
 
@@ -47,7 +47,21 @@ def steady_summary(fit: "SteadyEstimates") -> str:
     return "\n".join([_show.listed(title, rows(fit)), *remarks(fit, "record")])
 
 
-def rows(fit: "Estimates | SteadyEstimates") -> dict[str, str]:
+def velocity_curve_text(fit: "VelocityCurveEstimates") -> str:
+    return "\n".join([_show.listed("<asperity.VelocityCurveEstimates>", rows(fit)), *remarks(fit)])
+
+
+def velocity_curve_html(fit: "VelocityCurveEstimates") -> str:
+    remark = " ".join(remarks(fit))
+    return _show.table("VelocityCurveEstimates", {**rows(fit), **({"remark": remark} if remark else {})})
+
+
+def velocity_curve_summary(fit: "VelocityCurveEstimates") -> str:
+    title = f"fit to {fit.readings} forces of steady sliding, {fit.solutions} curves computed"
+    return "\n".join([_show.listed(title, rows(fit)), *remarks(fit)])
+
+
+def rows(fit: "Estimates | SteadyEstimates | VelocityCurveEstimates") -> dict[str, str]:
     """Estimates, fixed numbers, large correlations, and how well the readings are described."""
     rows = {name: estimate(one) for name, one in fit.params.items()}
     rows |= {name: f"{value:.6g} (fixed)" for name, value in fit.fixed.items()}
@@ -72,7 +86,7 @@ def compared(fit: "Estimates") -> dict[str, str]:
     return {f"ΔAIC of {name}": f"{value - min(criteria.values()):.1f}" for name, value in criteria.items()}
 
 
-def remarks(fit: "Estimates | SteadyEstimates", what: str = "curve") -> list[str]:
+def remarks(fit: "Estimates | SteadyEstimates | VelocityCurveEstimates", what: str = "curve") -> list[str]:
     """Sentences about a fit that is not to be trusted."""
     found = []
     if not fit.converged:

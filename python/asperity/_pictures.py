@@ -436,6 +436,19 @@ def fit_spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
     ax.legend()
 
 
+def fit_velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
+    """Measured forces of steady sliding with the fitted curve and twice its standard error."""
+    velocity, friction, error = (record[f"fit_{name}"] for name in ("velocity", "friction", "friction_error"))
+    (line,) = ax.plot(velocity, friction, **{"label": "fit", **style})
+    band = (friction - 2 * error, friction + 2 * error)
+    ax.fill_between(velocity, *band, color=line.get_color(), alpha=0.2, linewidth=0)
+    at, measured, std = (record[f"reading_{name}"] for name in ("velocity", "friction", "friction_std"))
+    errors(ax, at, measured, std, label="measured")
+    ax.set_xscale("log")
+    named(record, ax, ("reading_velocity", "v"), ("reading_friction", "F_k"))
+    ax.legend()
+
+
 def free_form(record: "Record", ax: "Axes", **style: Any) -> None:
     """Thresholds of free form with the interval of 95 %."""
     x = record["free_form_threshold"]
@@ -665,6 +678,7 @@ KINDS: Mapping[str, Kind] = {
     "readings": Kind(measured_fit, ("position", "expected", "std")),
     "fit_spectrum": Kind(fit_spectrum, ("fit_wave_number", "fit_periodogram")),
     "periodogram": Kind(fit_spectrum, ("wave_number", "periodogram", "expected")),
+    "fit_velocity_curve": Kind(fit_velocity_curve, ("reading_velocity", "fit_friction")),
     "velocity_curve": Kind(velocity_curve, ("velocity", "kinetic_friction")),
     "hold_curve": Kind(hold_curve, ("hold", "static_friction")),
     "creep_curve": Kind(creep_curve, ("imposed_force", "creep_position")),

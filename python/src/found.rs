@@ -73,6 +73,23 @@ impl FittedNumbers {
         }
     }
 
+    /// The numbers of a fit to forces at several velocities.
+    pub fn of_velocity_curve(found: &fit::VelocityCurveEstimates) -> Self {
+        Self {
+            parameters: plain(&found.parameters),
+            covariance: found.covariance.clone(),
+            correlations: found.correlations(),
+            converged: found.converged,
+            sparse: false,
+            solutions: found.solutions,
+            misfit: Some(found.misfit),
+            fixed: found.fixed(),
+            reading: found.reading,
+            offset: found.offset,
+            readings: found.curve().forces.len(),
+        }
+    }
+
     /// The estimates.
     pub fn parameters(&self) -> Vec<fit::Estimate> {
         let estimate = |(name, value, error, interval, limit): &PlainEstimate| fit::Estimate {
@@ -103,7 +120,7 @@ fn plain(parameters: &[fit::Estimate]) -> Vec<PlainEstimate> {
 
 /// The arguments of a fit that give the same search again.
 pub struct Arguments {
-    /// The function of the package, `fit` or `fit_steady`.
+    /// The function of the package, `fit`, `fit_steady` or `fit_velocity_curve`.
     pub function: &'static str,
     /// Its arguments by name.
     pub named: Py<PyDict>,

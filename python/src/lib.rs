@@ -18,6 +18,7 @@ mod exact;
 mod explorer;
 mod fit;
 mod fit_steady;
+mod fit_velocity_curve;
 mod fitted_model;
 mod found;
 mod gradient;
@@ -92,6 +93,8 @@ mod _core {
     use crate::fit::fit;
     #[pymodule_export]
     use crate::fit_steady::{SteadyEstimates, fit_steady};
+    #[pymodule_export]
+    use crate::fit_velocity_curve::{VelocityCurveEstimates, fit_velocity_curve};
     #[pymodule_export]
     use crate::gradient::{FrictionGradient, Gradient, ThresholdResponse};
     #[pymodule_export]

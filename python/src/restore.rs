@@ -6,6 +6,7 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::ensemble::EnsemblePull;
 use crate::estimates::Estimates;
 use crate::fit_steady::SteadyEstimates;
+use crate::fit_velocity_curve::VelocityCurveEstimates;
 use crate::found::Arguments;
 use crate::gradient::FrictionGradient;
 use crate::pickle::{check_version, damaged};
@@ -41,6 +42,11 @@ pub fn restore_fit(
         "fit_steady" => {
             let given = Arguments { function: "fit_steady", named, law };
             let fit = SteadyEstimates::restored(given, content, parts.extract().map_err(other)?)?;
+            Ok(Py::new(py, fit)?.into_any())
+        }
+        "fit_velocity_curve" => {
+            let given = Arguments { function: "fit_velocity_curve", named, law };
+            let fit = VelocityCurveEstimates::restored(given, content, parts.extract().map_err(other)?)?;
             Ok(Py::new(py, fit)?.into_any())
         }
         found => Err(damaged(format!("a {found:?}"))),

@@ -184,7 +184,7 @@ impl Result {
             return result.get_item(name).map(typed::NumberOrArray);
         }
         let numbers = &self.summary.numbers;
-        let of_fit = || numbers.fit().map(|fit| of_fit(&fit.friction).value.0);
+        let of_fit = || Some(of_fit(numbers.fit()?.friction.as_ref()?).value.0);
         let number = numbers.friction().map(of_pull).or_else(of_fit).or(other).unwrap_or(f64::NAN);
         number.into_bound_py_any(result.py()).map(typed::NumberOrArray)
     }

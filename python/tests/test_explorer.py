@@ -60,6 +60,16 @@ def test_mistakes_are_answered_and_not_lost(explorer: asp.Explorer, monkeypatch:
     assert "no files are read here" in files["invalid"]["message"]
 
 
+def test_an_invalid_request_leaves_the_scenario(
+    explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer = asked(
+        explorer, monkeypatch, text=TEXT.replace("0.1", "0.3"), parts=["force"], position=float("nan")
+    )
+    assert answer["failures"][0].startswith("the request is invalid")
+    assert explorer.scenario == TEXT
+
+
 def test_long_work_is_given_up_for_a_newer_request(
     explorer: asp.Explorer, monkeypatch: pytest.MonkeyPatch
 ) -> None:

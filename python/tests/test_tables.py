@@ -132,6 +132,7 @@ XARRAY: dict[str, dict[str, Any]] = {
     "aftershocks": {"drive.distance": 11.0},
     "fit-cycles": {},
     "fit-steady": {},
+    "fit-velocity-curve": {},
     "creep": {"creep.forces": [0.4, 0.65], "creep.duration": 1e3, "creep.points": 21},
     "healing": {"hold_curve.points": 5, "ensemble.size": 100},
     "renormalised": {"interface.cells": [30, 30], "renormalisation.runs": 2},

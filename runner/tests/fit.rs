@@ -339,7 +339,7 @@ fn the_numbers_that_made_the_shipped_record_are_found_and_its_fitted_scenario_ha
     let noise = computed.summary.numbers.noise().unwrap();
     assert_eq!(noise.size.to_bits(), found.numbers[2].value.to_bits());
     // The mean of the record is the only datum of the kinetic friction.
-    let friction = found.friction.kinetic_friction;
+    let friction = found.friction.unwrap().kinetic_friction;
     assert!((noise.kinetic_friction / friction.value.0 - 1.0).abs() < 1e-9);
     // Far from the ends of the range of wave numbers, where neither leakage nor aliasing counts, the expected periodogram is the
     // spectrum and the error of a reading. A tenth: the rest of both at the third peak.
@@ -448,4 +448,83 @@ fn a_record_of_steady_sliding_has_a_posterior_near_its_estimates() {
     let text = fs::read_to_string(folder.path().join("fit/fit.json")).unwrap();
     let alone: asperity::task::summary::FitSummary = serde_json::from_str(&text).unwrap();
     assert_eq!(&alone, found);
+}
+
+#[test]
+fn forces_at_several_velocities_give_the_contacts_that_made_them() {
+    let outcome = shipped("fit-velocity-curve.toml", &[]);
+    let found = outcome.summary.numbers.fit().unwrap();
+    assert!(found.converged && found.readings == 11 && found.friction.is_none());
+    // By `sha256sum scenarios/measured-velocities.csv`.
+    let hash = "a27e691c230b";
+    assert_eq!(
+        (found.sources[0].name.as_str(), &found.sources[0].sha256[..12]),
+        ("measured-velocities.csv", hash)
+    );
+    assert!(!found.misfit.unwrap().is_unlikely());
+    let truth = [
+        ("contacts.count", 2000.0),
+        ("contacts.ageing.logarithmic.growth", 0.06),
+        ("contacts.ageing.logarithmic.time", 0.5),
+    ];
+    for (number, (key, value)) in found.numbers.iter().zip(truth) {
+        assert_eq!(number.key, key);
+        assert!((number.value - value).abs() < 3.0 * number.error, "{number:?}");
+    }
+    // The fitted scenario runs, and its residuals are those of the fit.
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&folder.path().join("fit"), &outcome, &[]).unwrap();
+    for (file, heading) in [
+        (
+            "fit_readings.csv",
+            "reading_velocity,reading_friction,reading_expected_friction,reading_friction_std,reading_friction_residual",
+        ),
+        ("fit_velocity_curve.csv", "fit_velocity,fit_friction,fit_friction_error"),
+    ] {
+        let table = fs::read_to_string(folder.path().join("fit").join(file)).unwrap();
+        assert_eq!(table.lines().next(), Some(heading));
+    }
+    let read = input::read(&folder.path().join("fit/fitted.toml"), &[]).expect("it runs as it is");
+    let computed = run(&read.scenario, &mut ()).unwrap();
+    let values = |outcome: &Outcome, name: &str| outcome.record.values(name).unwrap().to_vec();
+    let [forces, expected] =
+        ["reading_friction", "reading_expected_friction"].map(|name| values(&outcome, name));
+    let squares: f64 = forces.iter().zip(&expected).map(|(force, fit)| (force - fit).powi(2)).sum();
+    let rms = (squares / 11.0).sqrt();
+    // Forces are computed at the measured velocities; the search and this curve differ by rounding of the velocities.
+    let compared = computed.summary.numbers.compare().unwrap().residual_rms.unwrap();
+    assert!((compared / rms - 1.0).abs() < 1e-9, "{compared} {rms}");
+    // The smooth curve ends at the lowest and the highest velocity, with the forces of the fit there.
+    let [velocity, friction] = ["fit_velocity", "fit_friction"].map(|name| values(&outcome, name));
+    assert_eq!((velocity[0], velocity.len()), (1e-3, 33));
+    assert!((velocity[32] / 100.0 - 1.0).abs() < 1e-12);
+    assert!(
+        (friction[0] / expected[0] - 1.0).abs() < 1e-12 && (friction[32] / expected[10] - 1.0).abs() < 1e-9
+    );
+}
+
+#[test]
+fn an_offset_and_a_background_of_a_velocity_curve_are_told_apart_from_the_contacts() {
+    let text = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n\
+                contacts.delay.time = 0.5\ncontacts.background_force = 0.2\n\
+                fit.free = ['contacts.delay.time', 'contacts.background_force']\nfit.offset = -0.1\n\
+                fit.velocity_curve = { velocity = [10.0, 0.1, 1.0, 1.0], force = [0.18, 0.58, 0.436, 0.434] }";
+    let read = input::parse(text, "test", Path::new("."), &[]).unwrap();
+    let outcome = run(&read.scenario, &mut ()).unwrap();
+    let found = outcome.summary.numbers.fit().unwrap();
+    // F_k = ⟨x²⟩/[2(⟨x⟩ + vτ)], with ⟨x²⟩ = 1.01: three readings and two numbers, so that a line of slope 1.01/2 leads near them.
+    let [delay, background] = [&found.numbers[0], &found.numbers[1]];
+    assert_eq!(background.key, "contacts.background_force");
+    for (v, force) in [(10.0, 0.18), (0.1, 0.58), (1.0, 0.435)] {
+        let expected = 0.505 / (1.0 + v * delay.value) + background.value - 0.1;
+        assert!((expected - force).abs() < 4.0 * found.reading, "{v}: {expected} {force} {}", found.reading);
+    }
+    // The offset is fixed, and subtracted from the forces that the fitted scenario compares.
+    assert!(found.fixed.iter().any(|number| number.key == "fit.offset" && number.value == -0.1));
+    let folder = tempfile::tempdir().unwrap();
+    output::write(&folder.path().join("fit"), &outcome, &[]).unwrap();
+    let fitted = fs::read_to_string(folder.path().join("fit/fitted.toml")).unwrap();
+    let fitted = toml::from_str::<Scenario>(&fitted).unwrap();
+    assert_eq!(fitted.compare.unwrap().force.unwrap()[0], 0.28);
+    assert_eq!(fitted.contacts.background_force, Some(background.value));
 }

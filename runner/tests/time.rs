@@ -244,6 +244,42 @@ fn the_accuracy_of_a_block_along_a_ramp_is_that_of_its_pieces_too() {
     assert!(refused.to_string().contains("the force along ramps in pieces"), "{refused}");
 }
 
+/// The accuracy that is stated for the cells of an interface, where one is required, covers what more pieces change; too few pieces are
+/// refused.
+#[test]
+fn the_accuracy_of_cells_along_a_ramp_is_that_of_its_pieces_too() {
+    let scenario = |pieces: usize| {
+        format!(
+            "master_equation.tolerance = 3e-3
+             [contacts]
+             thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
+             ageing.logarithmic = {{ growth = 0.05, time = 0.2 }}
+             [interface]
+             cells = [3]
+             connection = 3.0
+             viscosity = 0.3
+             slip = 'overdamped'
+             coupling.neighbours = {{ stiffness = 1.0 }}
+             disorder.scale = [0.9, 1.0, 1.1]
+             [[protocol]]
+             velocity = 0.2
+             velocity_to = 1.0
+             duration = 4.0
+             points = 9
+             pieces = {pieces}"
+        )
+    };
+    let [(usual, error), (finer, better)] = [64, 512].map(|pieces| {
+        let outcome = run(&scenario(pieces));
+        (outcome.record.values("force").unwrap().to_vec(), outcome.summary.accuracy.unwrap())
+    });
+    // Of three cells of stiffness 1: the error of their sum is at most three times that of one.
+    let apart = usual.iter().zip(&finer).map(|(usual, finer)| (usual - finer).abs()).fold(0.0, f64::max);
+    assert!(apart > 2e-4 && apart < 3.0 * error && better < error, "{apart} {error} {better}");
+    let refused = asperity_runner::run(&parsed(&scenario(4)).scenario, &mut ()).unwrap_err();
+    assert!(refused.to_string().contains("along ramps in pieces of constant velocity"), "{refused}");
+}
+
 /// Two velocity steps of a synthetic record: the force before the second one is that after the transient of the first.
 #[test]
 fn each_velocity_step_of_a_compared_curve_begins_at_the_steady_force_before_it() {

@@ -60,7 +60,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let residuals = record.values("whitened_residual").map(|whitened| below(ends, position, whitened));
     let mut panels = vec![(forces, above)];
     panels.extend(residuals);
-    stacked(outcome, page, panels, legend)
+    let driven = record.get("slider_position").is_some();
+    let words = if driven { "Load-point displacement X_T" } else { "Position X" };
+    let label = style::axis(outcome, words, record.get("reading_position")?);
+    stacked(outcome, page, (panels, label), legend)
 }
 
 /// The readings of each curve: where the number of the curve stays the same.
@@ -72,16 +75,13 @@ fn curves(numbers: Option<&[f64]>, count: usize) -> Vec<Range<usize>> {
     starts.zip(ends).map(|(start, end)| start..end).collect()
 }
 
-/// The panels, one above the other, with the label of the position below the last.
-fn stacked(
+/// The panels, one above the other, with the label of their common axis below the last.
+pub fn stacked(
     outcome: &Outcome,
     page: Page,
-    mut panels: Vec<(Plots, Layout)>,
+    (mut panels, label): (Vec<(Plots, Layout)>, String),
     legend: Vec<LegendEntry>,
 ) -> Option<Scene> {
-    let driven = outcome.record.get("slider_position").is_some();
-    let words = if driven { "Load-point displacement X_T" } else { "Position X" };
-    let label = style::axis(outcome, words, outcome.record.get("reading_position")?);
     let (plots, lowest) = panels.pop()?;
     panels.push((plots, lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)));
     let rows = panels.len();
@@ -95,7 +95,7 @@ fn stacked(
 }
 
 /// The whitened residuals between lines at ±2.
-fn below(ends: (f64, f64), position: &[f64], whitened: &[f64]) -> (Plots, Layout) {
+pub fn below(ends: (f64, f64), position: &[f64], whitened: &[f64]) -> (Plots, Layout) {
     let largest = whitened.iter().fold(3.0, |most: f64, residual| most.max(residual.abs()));
     let mut plots: Plots = [-2.0, 0.0, 2.0]
         .into_iter()
@@ -107,7 +107,8 @@ fn below(ends: (f64, f64), position: &[f64], whitened: &[f64]) -> (Plots, Layout
     (plots, layout)
 }
 
-fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
+/// One of the panels, between these ends.
+pub fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
     style::layout(x, y)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
         .with_force_margins(style::SIDES.0, style::SIDES.1)

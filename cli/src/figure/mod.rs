@@ -16,6 +16,7 @@ mod evolution;
 mod field;
 mod fit;
 mod fit_spectrum;
+mod fit_velocity_curve;
 mod fitting;
 mod force;
 mod formats;
@@ -96,7 +97,12 @@ fn pictures(outcome: &Outcome, style: &Figure) -> Result<Vec<Attachment>, String
         ("distribution", fitted(page, |page| distribution::scene(outcome, page))),
         ("covariance", fitted(page, |page| covariance::scene(outcome, page))),
         (stick_slip::name(&outcome.record), fitted(page, |page| stick_slip::scene(outcome, page))),
-        ("velocity_curve", fitted(page, |page| velocity_curve::scene(outcome, page))),
+        (
+            "velocity_curve",
+            fitted(page, |page| {
+                velocity_curve::scene(outcome, page).or_else(|| fit_velocity_curve::scene(outcome, page))
+            }),
+        ),
         ("hold_curve", fitted(page, |page| hold_curve::scene(outcome, page))),
         ("protocol", fitted(page, |page| protocol::scene(outcome, page))),
         ("velocity_step", fitted(page, |page| velocity_step::scene(outcome, page))),

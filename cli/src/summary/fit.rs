@@ -32,7 +32,9 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
     let unit = summary.units.label(Quantity::Force);
     if let Some(misfit) = &fit.misfit {
         if !fit.numbers.iter().any(|number| number.key == "fit.reading") {
-            lines.push(("error of a reading".to_owned(), with_unit(digits(fit.reading), fit.reading, &unit)));
+            // Forces at several velocities may have errors of their own.
+            let words = if fit.friction.is_some() { "error of a reading" } else { "error of a reading, rms" };
+            lines.push((words.to_owned(), with_unit(digits(fit.reading), fit.reading, &unit)));
         }
         let tested = misfit.probability.map_or(String::new(), |p| format!(", p = {}", probability(p)));
         let degrees = misfit.degrees_of_freedom;
@@ -65,7 +67,7 @@ pub fn lines(summary: &Summary, fit: &FitSummary) -> Vec<(String, String)> {
     lines.extend(fit.laws.iter().flat_map(laws));
     lines.extend(fit.free_form.iter().flat_map(|form| free_form(form, &summary.units)));
     lines.extend(fit.posterior.iter().flat_map(posterior));
-    let friction = &fit.friction;
+    let Some(friction) = &fit.friction else { return lines };
     let of = |name: &str, value: Option<Uncertain>, quantity| {
         let text =
             value.map_or("not reached".to_owned(), |value| uncertain(&value, &summary.units.label(quantity)));

@@ -3,6 +3,7 @@
 use super::estimates::{Estimate, Estimates};
 use super::measurement::Machine;
 use super::steady::SteadyEstimates;
+use super::velocity_curve::{VelocityCurveEstimates, is_of_sliding};
 
 /// The name of a number of the machine, and its value.
 type MachineNumber = (&'static str, fn(Machine) -> f64);
@@ -46,6 +47,19 @@ impl SteadyEstimates {
         let contacts = contacts.map(|parameter| (parameter.name.into_owned(), parameter.value));
         let offset = (self.offset != 0.0).then(|| ("offset".to_owned(), self.offset));
         contacts.chain(offset).filter(|(name, _)| !is_free(&self.parameters, name)).collect()
+    }
+}
+
+impl VelocityCurveEstimates {
+    /// The numbers of the contacts that were not free, with their values, and background and offset if they are not 0.
+    pub fn fixed(&self) -> Vec<(String, f64)> {
+        let contacts = self.equation().parameters().into_iter();
+        let contacts = contacts.map(|parameter| (parameter.name.into_owned(), parameter.value));
+        let contacts = contacts.filter(|(name, _)| is_of_sliding(name));
+        let constant = [("background", self.background), ("offset", self.offset)];
+        let constant = constant.into_iter().filter(|(_, value)| *value != 0.0);
+        let constant = constant.map(|(name, value)| (name.to_owned(), value));
+        contacts.chain(constant).filter(|(name, _)| !is_free(&self.parameters, name)).collect()
     }
 }
 

@@ -62,6 +62,7 @@ mod search;
 mod smoothness;
 mod standardised;
 mod steady;
+mod velocity_curve;
 
 pub use estimates::{Correlation, Estimate, Estimates, Readings};
 pub use free::Prior;
@@ -73,6 +74,10 @@ pub use misfit::Misfit;
 pub use prediction::Prediction;
 pub use standardised::Standardised;
 pub use steady::{FittedSpectrum, SteadyEstimates, SteadyFit, SteadyRecord};
+pub(crate) use velocity_curve::is_of_sliding;
+pub use velocity_curve::{
+    FittedVelocityCurve, MeasuredVelocityCurve, VelocityCurveEstimates, VelocityCurveFit,
+};
 
 use crate::law::{Law, SharedLaw};
 use crate::master::MasterEquation;

@@ -86,6 +86,14 @@ impl History {
         (self.knots.partition_point(|knot| knot.0 <= time).max(1) - 1).min(self.pieces.len() - 1)
     }
 
+    /// The time at which the motion is at this position, within the piece that it has at `time`; `time` itself at rest.
+    pub(crate) fn arrival(&self, position: f64, time: f64) -> f64 {
+        let piece = self.piece_at(time);
+        let Piece { velocity, duration } = self.pieces[piece];
+        let (begin, from) = self.knots[piece];
+        if velocity > 0.0 { begin + ((position - from) / velocity).clamp(0.0, duration) } else { time }
+    }
+
     /// Refuses times that are not ascending or are outside the motion.
     pub(crate) fn check_times(&self, times: &[f64]) -> Result<()> {
         let end = self.duration();
@@ -118,6 +126,9 @@ mod tests {
             [0.0, 1.0, 2.0, 2.0, 2.0, 2.5, 3.0]
         );
         assert_eq!(history.piece_at(1.0), 1);
+        // Within the piece, at its ends for positions beyond it, and at rest.
+        assert_eq!([0.5, 1.5, 5.0].map(|x| history.arrival(x, 0.9)), [0.25, 0.75, 1.0]);
+        assert_eq!((history.arrival(2.0, 3.5), history.arrival(2.25, 5.0)), (3.5, 4.5));
         assert!(History::new(Vec::new()).is_err());
         assert!(History::new(vec![piece(-1.0, 1.0)]).is_err());
         assert!(History::new(vec![piece(1.0, 0.0)]).is_err());

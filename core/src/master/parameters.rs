@@ -186,7 +186,19 @@ impl MasterEquation {
     ///
     /// # Errors
     /// An unknown parameter; those of [`Self::new`] and [`Self::at`]; stopped by the monitor.
-    pub fn with_parameters<'a>(&self, values: &[(&'a str, f64)], monitor: &mut dyn Monitor) -> Result<Self> {
+    pub fn with_parameters(&self, values: &[(&str, f64)], monitor: &mut dyn Monitor) -> Result<Self> {
+        self.described_with(values)?.equation(monitor)
+    }
+
+    /// Contacts with other values of some of [`Self::parameters`], before anything is solved for them.
+    ///
+    /// # Errors
+    /// An unknown parameter; a value outside of the range of a parameter of a distribution.
+    pub(crate) fn contacts_with(&self, values: &[(&str, f64)]) -> Result<Contacts> {
+        Ok(self.described_with(values)?.contacts)
+    }
+
+    fn described_with<'a>(&self, values: &[(&'a str, f64)]) -> Result<Description> {
         let named = values.iter().map(|&(name, value)| Ok((self.named(name)?, value)));
         let named = named.collect::<Result<Vec<_>>>()?;
         let mut all = self.description();
@@ -203,7 +215,7 @@ impl MasterEquation {
         for &(named, value) in named.iter().filter(|(named, _)| matches!(named, Named::Number(_))) {
             all = all.with(named, value)?;
         }
-        all.equation(monitor)
+        Ok(all)
     }
 
     /// The same contacts with another distribution of thresholds.

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::law::ParametricFamily;
 use super::{
-    Compare, FitCompliance, FitCurve, FitPosterior, FitSource, FitSteady, Law, Model, Pull, Scenario, Start,
-    exactly_one, positive,
+    Compare, FitCompliance, FitCurve, FitPosterior, FitSource, FitSteady, FitVelocityCurve, Law, Model, Pull,
+    Scenario, Start, exactly_one, positive,
 };
 use crate::fit::{BACKGROUND, ERRORS, ErrorModel, MACHINE, Prior};
 use crate::law;
@@ -39,6 +39,10 @@ pub struct Fit {
     /// `fit.posterior` and `fit.velocity` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steady: Option<FitSteady>,
+    /// Forces of steady sliding at several velocities, instead of a curve; with `fit.free`, `fit.reading`, `fit.offset`,
+    /// `fit.prior` and `fit.posterior` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_curve: Option<FitVelocityCurve>,
     /// Measured forces, instead of a file; without them, and with `fit.reading`, the errors that such a measurement would have.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
@@ -151,6 +155,7 @@ impl Default for Fit {
             position: None,
             drive: None,
             steady: None,
+            velocity_curve: None,
             force: None,
             curve: Vec::new(),
             free: Vec::new(),
@@ -195,10 +200,14 @@ impl Fit {
             ("drive", self.drive.is_some()),
             ("curve", !self.curve.is_empty()),
             ("steady", self.steady.is_some()),
+            ("velocity_curve", self.velocity_curve.is_some()),
         ];
-        exactly_one("", "one of file, position, drive, curve and steady", &given)?;
+        exactly_one("", "one of file, position, drive, curve, steady and velocity_curve", &given)?;
         if let Some(steady) = &self.steady {
             return self.check_steady(steady);
+        }
+        if let Some(curve) = &self.velocity_curve {
+            return self.check_velocity_curve(curve);
         }
         for (c, curve) in self.curves().iter().enumerate() {
             let checked = curve.check(self.reading.is_some());
@@ -216,6 +225,20 @@ impl Fit {
             return Err(Error::invalid("average", "1 reading or more", 0));
         }
         Ok(())
+    }
+
+    /// Checks what is known of the first values: the contacts, and the names of numbers.
+    ///
+    /// # Errors
+    /// Those of a preparation.
+    pub(super) fn check_first_values(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<()> {
+        if self.velocity_curve.is_some() {
+            return self.prepare_velocity_curve(model, monitor).map(drop);
+        }
+        if self.steady.is_some() {
+            return self.prepare_steady(model, monitor).map(drop);
+        }
+        self.prepare(model, monitor).map(drop)
     }
 
     pub(super) fn check_posterior(&self) -> Result<()> {
@@ -314,17 +337,24 @@ impl Fit {
     /// # Errors
     /// Those of [`MasterEquation::new`] and [`MasterEquation::at`].
     pub(super) fn equation(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<MasterEquation> {
+        Self::refuse_truncated(model)?;
         let Model { contacts, initial, .. } = model;
-        for (key, law) in [("contacts.reforming", &contacts.reforming), ("initial", &initial.law)] {
-            if law.name() == "truncated" {
-                let expected = "stretches below the thresholds: a smaller mean or std, or a distribution with an end, \
-                                such as rectangular, since what is left out changes with the thresholds";
-                return Err(Error::invalid(key, expected, "stretches at which hardly any contact holds"));
-            }
-        }
         match self.velocity {
             Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, monitor),
             None => MasterEquation::new_with(contacts.clone(), initial, monitor),
+        }
+    }
+
+    /// Refuses stretches of which what lies above the thresholds was left out.
+    pub(super) fn refuse_truncated(model: &Model) -> Result<()> {
+        let laws = [("contacts.reforming", &model.contacts.reforming), ("initial", &model.initial.law)];
+        match laws.into_iter().find(|(_, law)| law.name() == "truncated") {
+            Some((key, _)) => {
+                let expected = "stretches below the thresholds: a smaller mean or std, or a distribution with an end, \
+                                such as rectangular, since what is left out changes with the thresholds";
+                Err(Error::invalid(key, expected, "stretches at which hardly any contact holds"))
+            }
+            None => Ok(()),
         }
     }
 

@@ -73,6 +73,15 @@ impl Fit {
     /// # Errors
     /// The first invalid value.
     pub(super) fn check_steady(&self, steady: &FitSteady) -> Result<()> {
+        self.refuse_of_curves("steady")?;
+        self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;
+        self.check_posterior()?;
+        steady.check().map_err(|error| error.under("steady"))
+    }
+
+    /// Refuses a table without free numbers, and what belongs to a loading curve beside the table `measured` of another
+    /// measurement.
+    pub(super) fn refuse_of_curves(&self, measured: &str) -> Result<()> {
         let of_curves = [
             ("force", self.force.is_some()),
             ("drift", self.drift.is_some()),
@@ -86,14 +95,13 @@ impl Fit {
             ("noise", self.noise != FitNoise::Contacts),
         ];
         if let Some((key, _)) = of_curves.into_iter().find(|(_, given)| *given) {
-            return Err(Error::invalid(key, "none beside fit.steady: it belongs to a loading curve", "one"));
+            let expected = format!("none beside fit.{measured}: it belongs to a loading curve");
+            return Err(Error::invalid(key, expected, "one"));
         }
-        self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;
         if self.free.is_empty() {
             return Err(Error::invalid("free", "at least one key", "none"));
         }
-        self.check_posterior()?;
-        steady.check().map_err(|error| error.under("steady"))
+        Ok(())
     }
 
     /// The fit of the core to a record in steady sliding, ready to run, and the keys of its numbers; `None` for a curve.

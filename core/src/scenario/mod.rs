@@ -38,7 +38,7 @@ macro_rules! each_task {
             spectrum: Spectrum,
             /// `[stability]` reports whether the slider of a `[block]` sticks and slips.
             stability: Stability,
-            /// `[fit]` finds numbers of the contacts, with their errors, from a measured curve or a record of steady sliding.
+            /// `[fit]` finds numbers of the contacts, with their errors, from measured forces.
             fit: Fit,
             /// `[renormalisation]` measures the drives at which the contacts of an `[interface]` first break.
             renormalisation: Renormalisation,
@@ -56,6 +56,7 @@ mod figure;
 mod fit;
 mod fit_curve;
 mod fit_steady;
+mod fit_velocity_curve;
 mod hold_curve;
 mod interface;
 mod keys;
@@ -104,6 +105,7 @@ pub(crate) use fit::FitKeys;
 pub use fit::{Fit, FitDrift, FitNoise, FitThresholds, threshold_family};
 pub use fit_curve::{FitCompliance, FitCurve, FitSource};
 pub use fit_steady::FitSteady;
+pub use fit_velocity_curve::FitVelocityCurve;
 pub use hold_curve::HoldCurve;
 pub use interface::{CellStart, Interface, MainShocks, PerCell, Scales};
 pub use law::{Component, Law, ParametricFamily, Tabulated};

@@ -104,17 +104,15 @@ impl Task<'_> {
         self.check_background(model)?;
         let noise = match self {
             Task::Pull(Pull { covariance, .. }) => !covariance.is_empty(),
-            Task::Fit(fit) => fit.noise == FitNoise::Contacts,
+            Task::Fit(fit) => fit.velocity_curve.is_none() && fit.noise == FitNoise::Contacts,
             task => matches!(task, Task::Spectrum(_)),
         };
         if noise {
             model.contacts.renew_completely().map_err(Error::of_scenario)?;
             refuse_quenched(self, model)?;
         }
-        if let Task::Fit(fit) = self
-            && fit.prepare_steady(model, monitor).map_err(Error::of_scenario)?.is_none()
-        {
-            fit.prepare(model, monitor).map_err(Error::of_scenario)?;
+        if let Task::Fit(fit) = self {
+            fit.check_first_values(model, monitor).map_err(Error::of_scenario)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {

@@ -24,7 +24,7 @@ impl Task<'_> {
             Task::Pull(pull) => velocity(pull.velocity, rule),
             Task::Spectrum(task) => velocity(task.velocity, rule),
             Task::Stability(task) => velocities(&task.velocities, rule),
-            Task::Fit(task) => velocity(task.velocity, rule),
+            Task::Fit(task) if task.velocity_curve.is_none() => velocity(task.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
             _ => Ok(()),
         }
@@ -60,6 +60,7 @@ impl Task<'_> {
                 Err(Error::invalid("velocity_curve.stability", expected, true))
             }
             Task::VelocityCurve(_) => Ok(()),
+            Task::Fit(fit) if fit.velocity_curve.is_some() => Ok(()),
             Task::Protocol(_) | Task::HoldCurve(_) => moving(&model.contacts),
             Task::Drive(_) if model.interface.is_some() => moving(&model.contacts),
             _ => {

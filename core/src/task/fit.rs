@@ -3,8 +3,10 @@
 use super::accuracy::ForceAccuracy;
 use super::fit_numbers::{correlations, fixed, friction, not_converged, number};
 use super::summary::{FitLaw, FitLaws, FitNumbers, FitSummary};
-use super::{Output, fit_steady, free_form, posterior};
-use crate::fit::{Estimates, Fit, Measurement, Readings, Standardised, SteadyEstimates};
+use super::{Output, fit_steady, fit_velocity_curve, free_form, posterior};
+use crate::fit::{
+    Estimates, Fit, Measurement, Readings, Standardised, SteadyEstimates, VelocityCurveEstimates,
+};
 use crate::monitor::{Monitor, Part};
 use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, FitKeys, FitThresholds, Model};
@@ -44,15 +46,16 @@ pub(super) const TABLES: &[CsvTable] = &[
         needed: EXPECTED,
     },
     fit_steady::TABLE,
+    fit_velocity_curve::READINGS,
+    fit_velocity_curve::CURVE,
     free_form::TABLE,
 ];
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    vec![(
-        "fit",
-        Record::declared(&[&COLUMNS, &fit_steady::COLUMNS, &free_form::COLUMNS, &posterior::COLUMNS]),
-    )]
+    let measured: [&[Column]; 3] = [&COLUMNS, &fit_steady::COLUMNS, &fit_velocity_curve::COLUMNS];
+    let others: [&[Column]; 2] = [&free_form::COLUMNS, &posterior::COLUMNS];
+    vec![("fit", Record::declared(&[measured.as_slice(), &others].concat()))]
 }
 
 /// What the fit of a scenario has found, with the keys of its numbers.
@@ -62,11 +65,12 @@ pub struct KeyedEstimates {
     keys: FitKeys,
 }
 
-/// Estimates from a loading curve, or from a record of steady sliding.
+/// Estimates from a loading curve, from a record of steady sliding, or from forces at several velocities.
 #[derive(Debug)]
 enum OfMeasurement {
     Curve(Box<Estimates>),
     Steady(Box<SteadyEstimates>),
+    VelocityCurve(Box<VelocityCurveEstimates>),
 }
 
 impl KeyedEstimates {
@@ -78,6 +82,7 @@ impl KeyedEstimates {
         match &self.estimates {
             OfMeasurement::Curve(found) => found.standardised(),
             OfMeasurement::Steady(found) => found.standardised(),
+            OfMeasurement::VelocityCurve(found) => found.standardised(),
         }
     }
 
@@ -125,6 +130,13 @@ pub(super) fn found(
             KeyedEstimates { estimates: OfMeasurement::Steady(Box::new(found)), keys: steady.1 },
         ));
     }
+    if let Some((fit, keys)) = task.prepare_velocity_curve(model, &mut Part::new(monitor, 0.0, 0.05))? {
+        let source = task.velocity_curve.as_ref().and_then(|curve| curve.source.clone());
+        let part = &mut Part::new(monitor, 0.05, 0.95);
+        let (output, found) = fit_velocity_curve::found(model, (&fit, &keys), source, part)?;
+        let estimates = OfMeasurement::VelocityCurve(Box::new(found));
+        return Ok((output, KeyedEstimates { estimates, keys }));
+    }
     let (fit, keys) = task.prepare(model, &mut Part::new(monitor, 0.0, 0.05))?;
     let is_free = task.thresholds == FitThresholds::FreeForm;
     let share = 0.85 / (1 + task.laws.len() + if is_free { 10 } else { 0 }) as f64;
@@ -148,7 +160,7 @@ pub(super) fn found(
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),
         misfit: found.misfit,
         correlations: correlations(&keys, found.correlations()),
-        friction: friction(&reported),
+        friction: Some(friction(&reported)),
         laws,
         free_form: form,
         posterior: None,

@@ -62,7 +62,7 @@ pub(super) fn found(
         covariance: found.covariance.chunks(found.parameters.len()).map(<[f64]>::to_vec).collect(),
         misfit: Some(found.misfit),
         correlations: correlations(keys, found.correlations()),
-        friction: friction(&reported),
+        friction: Some(friction(&reported)),
         laws: None,
         free_form: None,
         sources: source.into_iter().collect(),

@@ -69,7 +69,7 @@ pub(super) fn run(
         },
         runs: task.runs,
         mean: scatter(runs.iter().map(FirstBreaks::mean)),
-        std: scatter(runs.iter().map(FirstBreaks::std)),
+        std: pooled_std(&runs),
         thresholds: compared(thresholds),
         mean_field: mean_field.map(compared),
     };
@@ -135,6 +135,15 @@ fn scatter(values: impl ExactSizeIterator<Item = f64> + Clone) -> Fitted {
     Fitted { value: mean, error: (square / (count * (count - 1.0))).sqrt() }
 }
 
+/// The standard deviation of the first breaks of all runs together, with its standard error: the root of the mean of E[(x − m)²] over
+/// the runs, with the mean m of all.
+fn pooled_std(runs: &[FirstBreaks]) -> Fitted {
+    let mean = runs.iter().map(FirstBreaks::mean).sum::<f64>() / runs.len() as f64;
+    let variance = scatter(runs.iter().map(|run| run.std().powi(2) + (run.mean() - mean).powi(2)));
+    let std = variance.value.sqrt();
+    Fitted { value: std, error: variance.error / (2.0 * std) }
+}
+
 /// Edges of `points` intervals that cover all laws except for their tails.
 fn edges(laws: &[&dyn Law], measured: &FirstBreaks, points: usize) -> Vec<f64> {
     let ends = laws.iter().map(|law| (law.quantile(TAIL), law.upper_quantile(TAIL)));
@@ -172,5 +181,18 @@ mod tests {
         let found = scatter([1.0, 2.0, 3.0, 6.0].into_iter());
         // Variance 14/3 of four.
         assert_eq!((found.value, found.error), (3.0, (14.0_f64 / 12.0).sqrt()));
+    }
+
+    #[test]
+    fn the_scatter_between_runs_counts() {
+        // Runs of two contacts each, whose means are 1, 2 and 4.5, and the standard deviation of all six drives by hand.
+        let drives = [[0.5, 1.5], [1.0, 3.0], [4.0, 5.0]];
+        let runs: Vec<FirstBreaks> = drives.iter().map(|run| FirstBreaks::of_contacts(run)).collect();
+        let squares: f64 = drives.iter().flatten().map(|drive| (drive - 2.5_f64).powi(2)).sum();
+        let found = pooled_std(&runs);
+        assert!((found.value - (squares / 6.0).sqrt()).abs() < 1e-14, "{found:?}");
+        // Mean squares about 2.5 of the runs: 5/2, 5/4 and 17/4, with the mean 8/3 and the sum of squares 654/144 about it.
+        let error = (654.0_f64 / 144.0 / 6.0).sqrt() / (2.0 * (8.0_f64 / 3.0).sqrt());
+        assert!((found.error - error).abs() < 1e-14, "{found:?}");
     }
 }

@@ -11,3 +11,4 @@ mod gradient;
 mod pulls;
 mod steady;
 mod threshold_response;
+mod velocity_curve;

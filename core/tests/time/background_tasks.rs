@@ -214,7 +214,7 @@ fn fitted(compliance: f64, contacts: &Value, free: &[&str]) -> (Vec<(f64, f64)>,
     }
     let (summary, _) = ran(contacts, &tables, false);
     let fit = summary.numbers.fit().unwrap();
-    let kinetic = fit.friction.kinetic_friction;
+    let kinetic = fit.friction.unwrap().kinetic_friction;
     (
         fit.numbers.iter().map(|number| (number.value, number.error)).collect(),
         (kinetic.value.0, kinetic.error.0),

@@ -222,9 +222,25 @@ fn combinations() -> Vec<Value> {
                 "fit.range",
                 "contacts.background_force",
                 "contacts.background_coefficient",
-                "initial",
             ]
             .map(key)),
+        ),
+        refuses(
+            key("fit.velocity_curve"),
+            any([
+                "fit.file",
+                "fit.position",
+                "fit.drive",
+                "fit.curve",
+                "fit.steady",
+                "fit.range",
+                "fit.velocity",
+            ]
+            .map(key)),
+        ),
+        implies(
+            all([key("fit.velocity_curve"), key("initial")]),
+            having("initial.point.at", json!({ "const": 0 })),
         ),
         refuses(key("fit.curve"), any(["fit.file", "fit.position", "fit.drive"].map(key))),
         implies(key("fit.drive"), key("fit.compliance")),

@@ -68,6 +68,18 @@ pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Faul
         steady.position = columns.pop();
         steady.source = Some(source);
     }
+    if let Some(curve) = scenario.fit.as_mut().and_then(|fit| fit.velocity_curve.as_mut())
+        && let Some(file) = curve.file.take_if(|_| curve.velocity.is_none() && curve.force.is_none())
+    {
+        let layouts: [&[&str]; 2] = [&["velocity", "force"], &["velocity", "force", "error"]];
+        let found =
+            place(folder, &file).and_then(|path| Ok((read_one_of(&path, &layouts)?.1, source(&path, file)?)));
+        let (columns, source) = found.map_err(|fault| fault.under("fit.velocity_curve.file"))?;
+        let mut columns = columns.into_iter();
+        (curve.velocity, curve.force) = (columns.next(), columns.next());
+        curve.error = columns.next().or(curve.error.take());
+        curve.source = Some(source);
+    }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
     if let Some(scales) = scales
         && let Some(file) = scales.file.take_if(|_| scales.scale.is_none() && scales.std.is_none())

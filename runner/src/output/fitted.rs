@@ -1,4 +1,5 @@
-//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside each measured curve, or as a `[spectrum]`.
+//! The scenario of a fit with the numbers that it has found, as a `[pull]` beside each measured curve, as a `[spectrum]`,
+//! or as a `[velocity_curve]`.
 
 use asperity::scenario::{Compare, Scenario};
 
@@ -16,6 +17,12 @@ pub fn fitted(outcome: &Outcome) -> Vec<(String, String)> {
         found.numbers.iter().map(|number| (number.key.clone(), number.value)).collect();
     if let Some(highest) = outcome.record.values("fit_wave_number").and_then(<[f64]>::last) {
         let text = input::to_text(&scenario.fitted_spectrum(&values, *highest));
+        return vec![("fitted.toml".to_owned(), text)];
+    }
+    if scenario.fit.as_ref().is_some_and(|fit| fit.velocity_curve.is_some()) {
+        let free = values.iter().find(|(key, _)| key == "fit.offset").map(|(_, value)| *value);
+        let offset = free.or(scenario.fit.as_ref().map(|fit| fit.offset)).unwrap_or(0.0);
+        let text = input::to_text(&scenario.fitted_velocity_curve(&values, offset));
         return vec![("fitted.toml".to_owned(), text)];
     }
     let count = found.distances.len();

@@ -74,14 +74,15 @@ impl DrivenRateDependentCells {
         Self { origin: interface.drive(), interface, motion, second: None }
     }
 
-    /// The cells that `interface` describes, with an estimate of the error if an accuracy is required.
+    /// The cells that `interface` describes, with an estimate of the error if an accuracy is required: by a second solution with
+    /// larger tolerances, along the motion `rough` if this is another one, of fewer pieces.
     ///
     /// # Errors
     /// Those of [`scenario::Interface::in_time`].
     pub(super) fn of(
         model: &Model,
         interface: &scenario::Interface,
-        motion: LoadPointMotion,
+        (motion, rough_motion): (LoadPointMotion, Option<LoadPointMotion>),
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let cells = cells_in_time(model, interface, monitor)?;
@@ -93,7 +94,7 @@ impl DrivenRateDependentCells {
         };
         let unit = model.stiffness() * model.contacts.thresholds.mean();
         let second = rough.map(|rough| SecondSolution {
-            rough: Box::new(Self::new(rough, motion.clone())),
+            rough: Box::new(Self::new(rough, rough_motion.unwrap_or_else(|| motion.clone()))),
             error: 0.0,
             required: (model.master_equation.tolerance(), unit),
         });
@@ -142,15 +143,22 @@ impl DrivenRateDependentCells {
         Ok(events)
     }
 
-    /// Moves the second solution to where this one is, and compares the forces. A long run that is not accurate enough ends here
-    /// rather than at its end.
+    /// Moves the second solution to where this one is, and compares the forces. Along a ramp in fewer pieces it is there at
+    /// another time. A long run that is not accurate enough ends here rather than at its end.
     fn compare(&mut self, to: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let Some(SecondSolution { rough, error, required }) = &mut self.second else { return Ok(()) };
         let aside = &mut Aside { fraction: 1.0, monitor };
+        let (to, ramp) = match (&self.motion, &rough.motion) {
+            (LoadPointMotion::History(own), LoadPointMotion::History(coarse)) if own != coarse => {
+                let arrival = coarse.arrival(own.position(to.min(own.duration())), to);
+                (arrival.max(rough.interface.time()), ", along ramps in pieces of constant velocity")
+            }
+            _ => (to, ""),
+        };
         while !rough.next_in(to, aside)?.is_empty() {}
         let forces = self.interface.forces().into_iter().zip(rough.interface.forces());
         *error = forces.map(|(fine, rough)| (fine - rough).abs()).fold(*error, f64::max);
-        let what = || format!("the force of a cell at a drive of {}", rough.drive());
+        let what = || format!("the force of a cell at a drive of {}{ramp}", rough.drive());
         required.0.allows(*error / required.1, what).map_err(Error::of_scenario)
     }
 

@@ -123,7 +123,10 @@ pub(super) fn run_protocol(
     }
     let mut preparation = Preparation::new(monitor);
     let history = LoadPointMotion::History(motion.clone());
-    let driven = DrivenRateDependentCells::of(model, interface, history, &mut preparation)?;
+    // What the pieces of ramps change falls with the square of their number.
+    let coarse = task.with_pieces(|count| count.div_ceil(2)).map(|coarse| coarse.build()).transpose()?;
+    let motions = (history, coarse.map(LoadPointMotion::History));
+    let driven = DrivenRateDependentCells::of(model, interface, motions, &mut preparation)?;
     let points = points_in_time(task, &motion, interface, driven.origin());
     drive(model, &points, (interface, units), driven, storage, &mut preparation.rest())
 }
@@ -156,7 +159,7 @@ pub(super) fn run(
         PerCell::Many if interface.moves_in_time(contacts) => {
             let mut preparation = Preparation::new(monitor);
             let motion = LoadPointMotion::of(task)?;
-            let driven = DrivenRateDependentCells::of(model, interface, motion, &mut preparation)?;
+            let driven = DrivenRateDependentCells::of(model, interface, (motion, None), &mut preparation)?;
             let points = output_points(task, interface, driven.origin());
             drive(model, &points, (interface, units), driven, storage, &mut preparation.rest())
         }

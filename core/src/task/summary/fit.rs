@@ -23,7 +23,7 @@ pub struct FitSummary {
     pub fixed: Vec<FitFixed>,
     /// Standard deviation of the independent error of a reading.
     pub reading: f64,
-    /// Displacement of the slider up to the last reading, of each curve.
+    /// Displacement of the slider up to the last reading, of each curve; none of forces at several velocities.
     pub distances: Vec<f64>,
     /// How well the curve is described; absent for a measurement that is only planned.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -32,8 +32,9 @@ pub struct FitSummary {
     pub covariance: Vec<Vec<f64>>,
     /// Correlations of errors above 0.5, without sign.
     pub correlations: Vec<Correlation>,
-    /// Friction of the fitted contacts.
-    pub friction: FitFriction,
+    /// Friction of the fitted contacts; absent where it was measured at several velocities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FitFriction>,
     /// The comparison with other distributions of thresholds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laws: Option<FitLaws>,

@@ -19,7 +19,7 @@ pub struct FirstBreakStatistics {
     pub runs: usize,
     /// Mean drive of first breaks.
     pub mean: Fitted,
-    /// Standard deviation of the drives of first breaks.
+    /// Standard deviation of the drives of first breaks of all runs together.
     pub std: Fitted,
     /// The distribution of thresholds, which is that of first breaks without coupling.
     pub thresholds: Compared,
