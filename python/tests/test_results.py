@@ -30,7 +30,14 @@ DRIVES = [
     or path.stem in ("hysteresis", "imposed-force", "smooth-sliding")
 ]
 # Tables of the numbers of a task that are not called as the task.
-TABLES = ("force.csv", "trace.csv", "static_fatigue.csv", "thresholds.csv", "fit_spectrum.csv")
+TABLES = (
+    "force.csv",
+    "trace.csv",
+    "static_fatigue.csv",
+    "thresholds.csv",
+    "fit_spectrum.csv",
+    "fit_readings.csv",
+)
 
 
 def identical(one: asp.Result, other: asp.Result) -> None:

@@ -14,7 +14,14 @@ import xarray as xr
 
 
 # Tables of tasks that are not called as the task.
-TABLES = ("force.csv", "trace.csv", "static_fatigue.csv", "fit_spectrum.csv", "thresholds.csv")
+TABLES = (
+    "force.csv",
+    "trace.csv",
+    "static_fatigue.csv",
+    "fit_spectrum.csv",
+    "fit_readings.csv",
+    "thresholds.csv",
+)
 
 
 # How the sections of docs/variables.md begin, of tasks that summaries do not call as scenarios do.
