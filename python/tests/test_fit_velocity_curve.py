@@ -1,6 +1,7 @@
 """Fits to forces of steady sliding at several velocities."""
 
 import re
+from typing import Any
 
 import asperity as asp
 import numpy as np
@@ -124,7 +125,7 @@ def test_a_fit_is_printed_and_drawn() -> None:
 
 
 def test_what_cannot_be_fitted_is_refused() -> None:
-    for arguments, words in [
+    cases: list[tuple[dict[str, Any], str]] = [
         ({"velocity": [1.0, -1.0], "force": [1.0, 1.0]}, "velocity.1: expected a finite number above 0"),
         ({"force": [1.0]}, "force: expected 12 values, one for each velocity, got 1"),
         ({"error": [1.0]}, "error: expected 12 values, one for each velocity, got 1"),
@@ -133,7 +134,8 @@ def test_what_cannot_be_fitted_is_refused() -> None:
         ({"error": ERROR, "reading": 0.1}, "reading: expected none beside"),
         ({"free": ["count", "stiffness"]}, "free: expected numbers that the curve determines"),
         ({"prior": {"stiffness": (1.0, 0.1)}}, "prior.stiffness"),
-    ]:
-        given = {"velocity": VELOCITY, "force": FORCE, "free": ["count"], **arguments}
+    ]
+    for arguments, words in cases:
+        given: dict[str, Any] = {"velocity": VELOCITY, "force": FORCE, "free": ["count"], **arguments}
         with pytest.raises(ValueError, match=re.escape(words)):
             asp.fit_velocity_curve(CONTACTS, **given)
