@@ -111,12 +111,16 @@ def test_the_posterior_has_the_errors_of_the_estimates() -> None:
         assert abs(values.std() / one.error - 1.0) < 0.4, name
 
 
-def test_a_fit_is_printed_and_drawn() -> None:
+def test_a_fit_is_printed() -> None:
     text = FOUND.summary()
     assert text.startswith("fit to 12 forces of steady sliding, ")
     assert re.search(r"count +\d+", text)
     assert repr(FOUND).startswith("<asperity.VelocityCurveEstimates>")
     assert "<table" in FOUND._repr_html_()
+
+
+def test_a_fit_is_drawn() -> None:
+    pytest.importorskip("matplotlib").use("agg")
     axes = FOUND.plot(color="k")
     assert axes.get_xscale() == "log"
     (line,) = (line for line in axes.get_lines() if line.get_label() == "fit")
