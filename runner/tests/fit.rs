@@ -508,23 +508,24 @@ fn an_offset_and_a_background_of_a_velocity_curve_are_told_apart_from_the_contac
     let text = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n\
                 contacts.delay.time = 0.5\ncontacts.background_force = 0.2\n\
                 fit.free = ['contacts.delay.time', 'contacts.background_force']\nfit.offset = -0.1\n\
-                fit.velocity_curve = { velocity = [10.0, 0.1, 1.0, 1.0], force = [0.18, 0.58, 0.436, 0.434] }";
+                fit.velocity_curve = { velocity = [10.0, 0.1, 1.0, 1.0], force = [0.301, 0.6855769230769231, 0.5617142857142857, 0.5597142857142857] }";
     let read = input::parse(text, "test", Path::new("."), &[]).unwrap();
     let outcome = run(&read.scenario, &mut ()).unwrap();
     let found = outcome.summary.numbers.fit().unwrap();
-    // F_k = ⟨x²⟩/[2(⟨x⟩ + vτ)], with ⟨x²⟩ = 1.01: three readings and two numbers, so that a line of slope 1.01/2 leads near them.
+    // F_k = ⟨x²⟩/[2(⟨x⟩ + vτ)] = 0.505/(1 + vτ) with τ = 0.4, a background of 0.3 and the offset −0.1. The two readings at v = 1 are
+    // 0.001 above and below it, so that the least squares have these numbers.
     let [delay, background] = [&found.numbers[0], &found.numbers[1]];
     assert_eq!(background.key, "contacts.background_force");
-    for (v, force) in [(10.0, 0.18), (0.1, 0.58), (1.0, 0.435)] {
-        let expected = 0.505 / (1.0 + v * delay.value) + background.value - 0.1;
-        assert!((expected - force).abs() < 4.0 * found.reading, "{v}: {expected} {force} {}", found.reading);
-    }
+    assert!((found.reading - 1e-3).abs() < 1e-8, "{}", found.reading);
+    // The search ends within a thousandth of an error of some 1e-2.
+    assert!((delay.value - 0.4).abs() < 1e-3 * delay.error && delay.error < 2e-2, "{delay:?}");
+    assert!((background.value - 0.3).abs() < 1e-3 * background.error, "{background:?}");
     // The offset is fixed, and subtracted from the forces that the fitted scenario compares.
     assert!(found.fixed.iter().any(|number| number.key == "fit.offset" && number.value == -0.1));
     let folder = tempfile::tempdir().unwrap();
     output::write(&folder.path().join("fit"), &outcome, &[]).unwrap();
     let fitted = fs::read_to_string(folder.path().join("fit/fitted.toml")).unwrap();
     let fitted = toml::from_str::<Scenario>(&fitted).unwrap();
-    assert_eq!(fitted.compare.unwrap().force.unwrap()[0], 0.28);
+    assert_eq!(fitted.compare.unwrap().force.unwrap()[0], 0.401);
     assert_eq!(fitted.contacts.background_force, Some(background.value));
 }

@@ -257,6 +257,13 @@ fn numbers_without_effect_have_a_limit() {
         let limited = estimate.limit.is_some_and(|limit| limit > estimate.value && limit < 4e-3);
         assert!(found.converged && limited && estimate.error == 0.0, "{estimate:?}");
     }
+    // The same with lengths, and times that leave velocities as they are, a thousand times as large.
+    let long = Arc::new(Gaussian::new(1e3, 200.0).unwrap());
+    let mut long = Contacts { count: 0.08, ..Contacts::new(long, Arc::new(Point::new(0.0).unwrap())) };
+    long.rules.ageing = Some(Ageing::Logarithmic { growth: 0.1, time: 1e3 });
+    let found = VelocityCurveFit::new(long, growing.clone()).free(["count", "ageing.growth"]).run().unwrap();
+    let growth = found.estimate("ageing.growth").unwrap();
+    assert!(found.converged && growth.limit.is_some_and(|limit| limit < 4e-3), "{growth:?}");
     // A force that falls with the velocity more than a background below the contacts allows.
     let falling = MeasuredVelocityCurve {
         forces: growing.velocities.iter().map(|v| 50.0 / (1.0 + 0.5 * v) - 1.0).collect(),

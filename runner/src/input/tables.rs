@@ -69,15 +69,16 @@ pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Faul
         steady.source = Some(source);
     }
     if let Some(curve) = scenario.fit.as_mut().and_then(|fit| fit.velocity_curve.as_mut())
-        && let Some(file) = curve.file.take_if(|_| curve.velocity.is_none() && curve.force.is_none())
+        && let Some(file) = curve
+            .file
+            .take_if(|_| [&curve.velocity, &curve.force, &curve.error].iter().all(|list| list.is_none()))
     {
         let layouts: [&[&str]; 2] = [&["velocity", "force"], &["velocity", "force", "error"]];
         let found =
             place(folder, &file).and_then(|path| Ok((read_one_of(&path, &layouts)?.1, source(&path, file)?)));
         let (columns, source) = found.map_err(|fault| fault.under("fit.velocity_curve.file"))?;
         let mut columns = columns.into_iter();
-        (curve.velocity, curve.force) = (columns.next(), columns.next());
-        curve.error = columns.next().or(curve.error.take());
+        (curve.velocity, curve.force, curve.error) = (columns.next(), columns.next(), columns.next());
         curve.source = Some(source);
     }
     let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());

@@ -231,7 +231,7 @@ impl VelocityCurveFit {
         let largest = self.curve.forces.iter().map(|force| force.abs()).fold(0.0, f64::max);
         let scale = match name {
             BACKGROUND => largest,
-            "ageing.growth" => threshold,
+            "ageing.growth" => 1.0,
             "temperature.energy" => {
                 contacts.stiffness.mean(contacts.thresholds.as_ref()) * threshold * threshold
             }

@@ -75,7 +75,7 @@ impl DrivenRateDependentCells {
     }
 
     /// The cells that `interface` describes, with an estimate of the error if an accuracy is required: by a second solution with
-    /// larger tolerances, along the motion `rough` if this is another one, of fewer pieces.
+    /// larger tolerances, along `rough_motion` if this is another one, of fewer pieces.
     ///
     /// # Errors
     /// Those of [`scenario::Interface::in_time`].

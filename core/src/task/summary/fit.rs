@@ -21,7 +21,7 @@ pub struct FitSummary {
     /// The numbers that were not free: those of the contacts, and those of the machine that are not 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<FitFixed>,
-    /// Standard deviation of the independent error of a reading.
+    /// Standard deviation of the independent error of a reading; the root mean square of errors that are given one by one.
     pub reading: f64,
     /// Displacement of the slider up to the last reading, of each curve; none of forces at several velocities.
     pub distances: Vec<f64>,
