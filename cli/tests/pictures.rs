@@ -17,13 +17,17 @@ use rayon::prelude::*;
 use support::{Folder, command_of, names, scenarios, tomls};
 
 /// Scenarios that take long, and what makes them short.
-const SHORTER: [(&str, &[&str]); 7] = [
+const SHORTER: [(&str, &[&str]); 11] = [
     ("avalanches", &["ensemble.size=20000"]),
+    ("creep", &["creep.forces=[0.6, 0.7]"]),
     ("front-ageing", &["drive.distance=4", "interface.cells=[10]"]),
     ("front-waves", &["drive.distance=2"]),
     ("half-space-512", &["interface.cells=[16, 16]"]),
+    ("hold-chain", &["interface.cells=[5]"]),
+    ("renormalised-cells", &["renormalisation.runs=4"]),
     ("stability", &["stability.velocities=[1e-3, 1e-2]", "stability.resolution=1.0"]),
     ("sweep-critical-stiffness", &["velocity_curve.points=3"]),
+    ("velocity-curve-ageing", &["velocity_curve.points=5"]),
     ("velocity-curve-thermal", &["velocity_curve.points=5"]),
 ];
 

@@ -16,6 +16,7 @@ matplotlib = pytest.importorskip("matplotlib")
 ROOT = Path(__file__).parents[2]
 # Those that take more than a second or so; their tasks are among the others, but for those below.
 SLOW = {
+    "aftershocks",
     "areas",
     "avalanches",
     "fig3",
@@ -23,6 +24,7 @@ SLOW = {
     "front-ageing",
     "half-space-512",
     "healing",
+    "hold-chain",
     "laboratory",
     "renormalised",
     "renormalised-cells",

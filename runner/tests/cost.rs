@@ -72,13 +72,15 @@ fn folder() -> PathBuf {
 }
 
 /// Smaller ones of those that take long: they have the same kinds of steps.
-const SMALLER: [(&str, &[&str]); 6] = [
+const SMALLER: [(&str, &[&str]); 8] = [
+    ("creep", &["creep.forces=[0.7]"]),
     ("front-ageing", &["drive.distance=1.0", "drive.points=3"]),
     ("half-space-512", &["interface.cells=[32,32]", "drive.maps=[]"]),
     ("hold-chain", &["interface.cells=[3]"]),
     ("renormalised-cells", &["renormalisation.runs=2", "interface.cells=[8,8]"]),
     ("stability", &["stability.velocities=[1e-2]", "stability.stiffnesses=[0.1]"]),
     ("velocity-curve-ageing", &["velocity_curve.points=2"]),
+    ("velocity-curve-thermal", &["velocity_curve.points=2"]),
 ];
 
 /// The scenario of a file, of a sweep its last case; without the ensemble beside the master equation, which makes no steps.

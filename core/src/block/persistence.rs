@@ -1,19 +1,14 @@
 //! Whether stick-slip persists behind a spring, and the stiffness of the spring at which it ceases to.
 
+use super::regime::PERSISTENT;
 use super::{Block, Drive, Loading, Regime, Slip};
 use crate::error::positive;
-use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor};
 use crate::population::Population;
-use crate::rate_dependent::RateDependentContacts;
 use crate::{Error, Result};
 
-/// Largest number of drives of increasing length until the regime is decided.
+/// Largest number of drives until the regime is decided, each of which may be twice as long as the one before.
 const DRIVES: usize = 8;
-
-/// Smallest number of slips that count as persistent. Near the end of persistence slips are nearly equal for long before they
-/// cease.
-const PERSISTENT: usize = 40;
 
 /// Largest number of doublings of the stiffness in search of one at which stick-slip does not persist.
 const DOUBLINGS: usize = 4;
@@ -132,26 +127,6 @@ impl Block {
         decided(distance, monitor, |distance, monitor| {
             let drive = Drive { turning_points: vec![distance], points: 2 };
             self.pull_with(contacts.copy().as_mut(), &drive, monitor).map(|run| run.regime)
-        })
-    }
-
-    /// The regime of sliding over contacts in time, with the load point at `velocity`, in a drive as long as for
-    /// [`Self::regime`]. `tolerance` is the largest error of a step in time, a length.
-    ///
-    /// # Errors
-    /// A distance or a velocity that is not above 0; those of [`Block::follow`]; stopped by the monitor.
-    pub fn regime_in_time(
-        &self,
-        contacts: &dyn RateDependentContacts,
-        velocity: f64,
-        distance: f64,
-        tolerance: f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Regime> {
-        positive("velocity", velocity)?;
-        decided(distance, monitor, |distance, monitor| {
-            let history = History::new(vec![Piece { velocity, duration: distance / velocity }])?;
-            self.follow_with(contacts, &history, &[], tolerance, monitor).map(|run| run.regime)
         })
     }
 }

@@ -80,6 +80,14 @@ const FEWEST_SCATTERED: usize = 6;
 /// Largest difference of the means of the two halves of scattered sizes, in standard errors.
 const ERRORS: f64 = 3.0;
 
+/// Smallest number of slips that count as persistent. Near the end of persistence slips are nearly equal for long before they
+/// cease.
+pub(super) const PERSISTENT: usize = 40;
+
+/// Smallest number of slips that count as persistent if they would remain equal through half of [`PERSISTENT`] more, by their
+/// trend: what remains of scatter makes a trend over fewer uncertain.
+const SETTLED: usize = 16;
+
 /// A slip, from one equilibrium to another.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Jump {
@@ -119,14 +127,29 @@ pub(super) fn classify(events: &[Jump], start: Point, last: Point, stretch: f64,
     if slid > LATE * longest {
         return undecided(Missing::Silence);
     }
-    // The first slip starts from the initial state, unlike all others.
-    let rest = &events[1..];
-    // Sizes settle over the first slips: only the later half is compared.
-    let tail = &rest[rest.len() / 2..];
+    let tail = later_half(events);
     if tail.len() < FEWEST {
         return undecided(Missing::Slips);
     }
     if steady(tail) { persistent(slips, tail) } else { undecided(Missing::Constancy) }
+}
+
+/// The slips that are compared.
+fn later_half(events: &[Jump]) -> &[Jump] {
+    // The first slip starts from the initial state, unlike all others.
+    let rest = events.get(1..).unwrap_or_default();
+    // Sizes settle over the first slips.
+    &rest[rest.len() / 2..]
+}
+
+/// Whether stick-slip that is persistent so far has lasted long enough to be called so: for [`PERSISTENT`] slips, or for
+/// [`SETTLED`] slips that are equal and have no trend.
+pub(super) fn lasts(events: &[Jump]) -> bool {
+    let drops = drops(later_half(events));
+    events.len() >= PERSISTENT
+        || events.len() >= SETTLED
+            && are_equal(&drops)
+            && (trend(&drops) * 0.5 * PERSISTENT as f64).abs() <= EQUAL * mean(&drops)
 }
 
 /// A local maximum of the velocity of the slider, in units of the velocity of the drive, and its position.
@@ -171,9 +194,8 @@ fn longest_stick(events: &[Jump], start: Point) -> f64 {
 
 /// Whether force drops are equal, or scatter without a trend. The trend is tested by the means of the two halves.
 fn steady(events: &[Jump]) -> bool {
-    let drops: Vec<f64> = events.iter().map(|e| e.drop().abs()).collect();
-    let mean = mean(&drops);
-    if drops.iter().all(|drop| (drop - mean).abs() <= EQUAL * mean) {
+    let drops = drops(events);
+    if are_equal(&drops) {
         return true;
     }
     let (earlier, later) = drops.split_at(drops.len() / 2);
@@ -181,7 +203,24 @@ fn steady(events: &[Jump]) -> bool {
     let squares: f64 = drops.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
     let variance = squares / (2.0 * (drops.len() - 1) as f64);
     let error = (variance * (1.0 / earlier.len() as f64 + 1.0 / later.len() as f64)).sqrt();
-    drops.len() >= FEWEST_SCATTERED && (self::mean(earlier) - self::mean(later)).abs() <= ERRORS * error
+    drops.len() >= FEWEST_SCATTERED && (mean(earlier) - mean(later)).abs() <= ERRORS * error
+}
+
+fn drops(events: &[Jump]) -> Vec<f64> {
+    events.iter().map(|event| event.drop().abs()).collect()
+}
+
+fn are_equal(sizes: &[f64]) -> bool {
+    let mean = mean(sizes);
+    sizes.iter().all(|size| (size - mean).abs() <= EQUAL * mean)
+}
+
+/// The change from one size to the next, by the straight line of least squares.
+fn trend(sizes: &[f64]) -> f64 {
+    let middle = 0.5 * (sizes.len() - 1) as f64;
+    let places = || (0..sizes.len()).map(|i| i as f64 - middle);
+    let squares: f64 = places().map(|place| place * place).sum();
+    places().zip(sizes).map(|(place, size)| place * size).sum::<f64>() / squares
 }
 
 fn persistent(slips: usize, tail: &[Jump]) -> Regime {
@@ -266,6 +305,19 @@ mod tests {
             assert_eq!((slips, period), (drops.len(), 1.0));
             // The mean of eight or nine of them.
             assert!((drop - 0.25).abs() < 0.01, "{drop}");
+        }
+    }
+
+    #[test]
+    fn equal_slips_last_after_16_and_slips_that_drift_or_scatter_after_40() {
+        let drifting = |change: f64| move |i: usize| 0.1 * (1.0 + change * i as f64);
+        let scattered = |i: usize| if i.is_multiple_of(2) { 0.2 } else { 0.3 };
+        // Through 20 slips more, a drift of 4e-5 per slip changes their size by less than 1e-3, one of 6e-5 by more.
+        let cases: [(&dyn Fn(usize) -> f64, usize); 4] =
+            [(&drifting(0.0), 16), (&drifting(4e-5), 16), (&drifting(6e-5), 40), (&scattered, 40)];
+        for (case, (drop, expected)) in cases.into_iter().enumerate() {
+            let lasting = |slips: usize| lasts(&self::slips(&Vec::from_iter((0..slips).map(drop))));
+            assert!((0..50).all(|slips| lasting(slips) == (slips >= expected)), "case {case}");
         }
     }
 

@@ -192,11 +192,11 @@ impl Springs {
     pub fn regime(&self, stiffness: f64, monitor: &mut dyn Monitor) -> Result<Regime> {
         let block = self.block.with_stiffness(stiffness).map_err(|e| e.under("block"))?;
         // The first loading, up to the force at which all contacts are stretched by the mean threshold.
-        let distance = self.mean * (self.all / stiffness + SLIDE);
+        let [loading, sliding] = [self.mean * self.all / stiffness, self.mean * SLIDE];
         match &self.contacts {
-            Waiting::Quasistatic(contacts) => block.regime(contacts.as_ref(), distance, monitor),
+            Waiting::Quasistatic(contacts) => block.regime(contacts.as_ref(), loading + sliding, monitor),
             Waiting::InTime { contacts, velocity, tolerance } => {
-                block.regime_in_time(contacts.as_ref(), *velocity, distance, *tolerance, monitor)
+                block.regime_in_time(contacts.as_ref(), *velocity, [loading, sliding], *tolerance, monitor)
             }
         }
     }

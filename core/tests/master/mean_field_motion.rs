@@ -320,7 +320,7 @@ fn thresholds_that_hardly_diffuse_give_the_pull_of_contacts_that_do_not_age() {
 #[test]
 fn errors_fall_with_the_tolerance_and_are_estimated() {
     let pieces = [(1.0, 1.3), (0.01, 0.8), (0.0, 100.0), (1.0, 0.7), (1.0, 0.6)];
-    let (exact, _) = followed(contacts(point(0.0), 0.0), &pieces, 1e-9);
+    let (exact, _) = followed(contacts(point(0.0), 0.0), &pieces, 1e-8);
     for tolerance in [1e-4, 1e-5, 1e-6] {
         let (found, error) = followed(contacts(point(0.0), 0.0), &pieces, tolerance);
         let off = found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

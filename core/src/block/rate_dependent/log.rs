@@ -7,7 +7,7 @@ use super::sliding::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::trace::End;
 use crate::block::{EnergyBalance, Regime};
-use crate::dynamics::{SLIP_VELOCITY, SlidingCell};
+use crate::dynamics::SLIP_VELOCITY;
 use crate::record::{Quantity, Record};
 
 /// A slip: the time during which the slider is more than ten times as fast as the drive, or until it comes to rest.
@@ -150,7 +150,7 @@ impl Log {
             if moment.velocity > fast || slider.motion.is_stopping() {
                 self.add_to_trace(moment);
             } else {
-                self.end(moment, fast, cell);
+                self.end(moment, fast, slider);
             }
         }
         // The velocity has a maximum within the last three points where it ceases to increase.
@@ -165,12 +165,13 @@ impl Log {
         self.last = moment;
     }
 
-    /// Ends the open slip in the step to `moment`. `cell` is the slider there.
-    fn end(&mut self, moment: Moment, fast: f64, cell: &SlidingCell) {
+    /// Ends the open slip in the step to `moment`, in which the slider comes to rest or becomes slower than `fast`.
+    fn end(&mut self, moment: Moment, fast: f64, slider: &SlidingBlock) {
         let Some(open) = self.open.take() else { return };
         self.oscillations.clear();
-        // At rest forces jump where the background force turns or decreases, so that values between do not occur.
-        let arrested = cell.velocity == 0.0;
+        let cell = slider.cell();
+        // A slider with a mass comes to rest beyond its balance, where the forces jump, so that values between do not occur.
+        let arrested = cell.velocity == 0.0 && slider.motion.equation.mass > 0.0;
         let slows = self.last.velocity > fast && !arrested;
         let after = if slows { self.last.until(&moment, fast) } else { moment };
         self.add_to_trace(after);
@@ -196,17 +197,44 @@ impl Log {
         self.slips.pop()
     }
 
-    /// The results of the motion so far.
-    pub fn close(self) -> Slide {
+    /// The kind of sliding so far.
+    fn regime(&self) -> Regime {
         /// Smallest amplitude of an oscillation, in tolerances.
         const SEEN: f64 = 10.0;
-        let Self { trace, slips, start, last, largest, fraction, oscillations, tolerance, .. } = self;
-        let jumps: Vec<Jump> = slips.iter().map(RateDependentSlip::jump).collect();
+        let (start, last) = (self.start.point(), self.last.point());
         let regime =
-            regime::classify(&jumps, start.point(), last.point(), largest.0 / largest.1, End::Reached);
+            regime::classify(&self.jumps(), start, last, self.largest.0 / self.largest.1, End::Reached);
         // The breaks of single contacts make random oscillations, which say nothing about stability.
-        let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
-        let regime = regime::with_oscillations(regime, &oscillations, seen);
+        let seen = if self.fraction > 0.0 { f64::INFINITY } else { SEEN * self.tolerance };
+        regime::with_oscillations(regime, &self.oscillations, seen)
+    }
+
+    fn jumps(&self) -> Vec<Jump> {
+        self.slips.iter().map(RateDependentSlip::jump).collect()
+    }
+
+    /// The kind of sliding, once it is decided: stick-slip that [`regime::lasts`], or no slip any more while the load point has
+    /// moved by `sliding` since the first loading, which ends with the first slip, or after the advance `loading` of the load
+    /// point.
+    pub fn decided(&self, [loading, sliding]: [f64; 2]) -> Option<Regime> {
+        if self.open.is_some() {
+            return None;
+        }
+        let driven = |moment: &Moment| moment.drive - self.start.drive;
+        let loaded = self.slips.first().map_or(loading, |first| driven(&first.before).min(loading));
+        let regime = self.regime();
+        let is_decided = match regime {
+            Regime::Smooth { .. } | Regime::Transient { .. } => driven(&self.last) >= loaded + sliding,
+            Regime::Persistent { .. } => regime::lasts(&self.jumps()),
+            Regime::Runaway | Regime::Undecided { .. } => false,
+        };
+        is_decided.then_some(regime)
+    }
+
+    /// The results of the motion so far.
+    pub fn close(self) -> Slide {
+        let regime = self.regime();
+        let Self { trace, slips, start, last, .. } = self;
         Slide { trace, slips, energy: last.energy - start.energy, regime, error: None }
     }
 }

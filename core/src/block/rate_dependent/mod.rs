@@ -11,6 +11,7 @@
 mod log;
 mod moment;
 mod motion;
+mod regime;
 mod sliding;
 
 use super::{Block, Loading, Slip};

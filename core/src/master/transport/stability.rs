@@ -41,6 +41,25 @@ struct Crossing {
     roots: i32,
 }
 
+/// A line Re s = a.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    rate: f64,
+    /// The number of roots on its right.
+    roots: i32,
+    /// Where a root crosses it for the stiffness nearest to that of the slider.
+    guess: Option<Complex64>,
+}
+
+impl Line {
+    /// Whether this root is the only one on its right, but for the conjugate.
+    fn has_alone(&self, root: Complex64) -> bool {
+        /// What rounding leaves of the imaginary part of a real root.
+        const ROUNDING: f64 = 1e-9;
+        root.re > self.rate && (self.roots == 1 || self.roots == 2 && root.im > ROUNDING * root.re)
+    }
+}
+
 impl StepResponse {
     /// K_c(v; M, γ) for a mass and a damping ≥ 0, above which steady sliding is stable, and the angular
     /// frequency of the oscillation that sets in there. Infinite if no spring makes steady sliding stable, as
@@ -71,7 +90,7 @@ impl StepResponse {
     /// As [`Self::critical_stiffness`].
     pub fn unstable_roots(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<usize> {
         let watch = Watch::new(monitor);
-        let roots = self.right_of(slider, 0.0, &watch)?.max(0) as usize;
+        let roots = self.line(slider, 0.0, &watch)?.roots.max(0) as usize;
         watch.check().map(|()| roots)
     }
 
@@ -82,37 +101,37 @@ impl StepResponse {
     /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found; those of
     /// [`Self::critical_stiffness`].
     pub fn growth(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<Option<Complex64>> {
-        /// Bisections of the interval of rates before Newton's method.
-        const HALVINGS: usize = 20;
+        /// Largest number of lines Re s = a on which roots are counted.
+        const LINES: usize = 60;
         /// Ratio of the rates at which the search for an upper limit asks.
         const WIDER: f64 = 8.0;
         if !(slider.mass > 0.0 || slider.damping > 0.0) {
             return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
         }
-        if self.unstable_roots(slider, monitor)? == 0 {
+        let watch = Watch::new(monitor);
+        let mut left = self.line(slider, 0.0, &watch)?;
+        if left.roots <= 0 {
             return Ok(None);
         }
-        let watch = Watch::new(monitor);
-        // No root is on the right of a line that is far enough on the right.
-        let (mut low, mut high) = (0.0, 1.0 / self.known());
-        while self.right_of(slider, high, &watch)? > 0 {
-            (low, high) = (high, WIDER * high);
+        // Bisection for a line with one root on its right, or one and its conjugate. That is the root of the fastest growth, and
+        // Newton's method has found it if it ends there.
+        let (mut high, mut next) = (f64::INFINITY, 1.0 / self.known());
+        for _ in 0..LINES {
+            let found = left.guess.and_then(|guess| self.polish(slider, guess));
+            if let Some(root) = found.filter(|root| left.has_alone(*root)) {
+                return Ok(Some(root));
+            }
+            let line = self.line(slider, next, &watch)?;
+            if line.roots > 0 {
+                left = line;
+            } else {
+                high = next;
+            }
+            next = if high.is_finite() { 0.5 * (left.rate + high) } else { WIDER * next };
         }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            // Of all roots, that of the fastest growth is the last one to the right of the line.
-            *(if self.right_of(slider, middle, &watch)? > 0 { &mut low } else { &mut high }) = middle;
-        }
-        let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
-        let nearest =
-            self.crossings(slider, low, &watch)?.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        watch.check()?;
-        let guess = nearest.map(|crossing| Complex64::new(low, crossing.frequency));
-        guess.and_then(|guess| self.polish(slider, guess)).map(Some).ok_or_else(|| {
-            let what = "the rate at which deviations from steady sliding grow".to_owned();
-            let (reached, wanted) = (Float(high - low), Float(0.0));
-            Error::Accuracy { key: String::new(), what, reached, wanted }
-        })
+        let what = "the rate at which deviations from steady sliding grow".to_owned();
+        let (reached, wanted) = (Float(high - left.rate), Float(0.0));
+        Err(Error::Accuracy { key: String::new(), what, reached, wanted })
     }
 
     /// D(s) − K.
@@ -120,12 +139,15 @@ impl StepResponse {
         (slider.mass * s + slider.damping) * s + self.at(s)
     }
 
-    /// The number of roots with Re s > a.
-    fn right_of(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<i32> {
+    /// The roots with Re s > a.
+    fn line(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<Line> {
         let crossings = self.crossings(slider, rate, watch)?;
         watch.check()?;
         let before = crossings.iter().filter(|crossing| crossing.stiffness > slider.stiffness);
-        Ok(before.map(|crossing| crossing.roots).sum())
+        let roots = before.map(|crossing| crossing.roots).sum();
+        let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
+        let nearest = crossings.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        Ok(Line { rate, roots, guess: nearest.map(|crossing| Complex64::new(rate, crossing.frequency)) })
     }
 
     /// The crossings of the line Re s = a ≥ 0.
