@@ -242,11 +242,25 @@ pub fn headroom(top: f64) -> f64 {
     if top > 0.0 { 1.08 * top } else { 1.0 }
 }
 
-/// The ends of a logarithmic axis, with margins around ascending values.
+/// The ends of a logarithmic axis, with margins around ascending values, and with two labels at least.
 pub fn decades(values: &[f64]) -> (f64, f64) {
     let (first, last) = (values[0], values[values.len() - 1]);
     let air = (last / first).powf(0.03);
-    (first / air, last * air)
+    with_labels((first / air, last * air))
+}
+
+/// A logarithmic axis that contains two of 1, 2 and 5 times powers of ten, which have labels on a short one.
+fn with_labels((low, high): (f64, f64)) -> (f64, f64) {
+    let exponents = low.log10().floor() as i32 - 1..=high.log10().floor() as i32 + 1;
+    let labels: Vec<f64> = exponents.flat_map(|n| [1.0, 2.0, 5.0].map(|k| k * 10f64.powi(n))).collect();
+    let (below, above) = (labels.partition_point(|at| *at < low), labels.partition_point(|at| *at <= high));
+    let (lower, higher) = (labels[below - 1], labels[above]);
+    match above - below {
+        0 => (lower, higher),
+        1 if low / lower < higher / high => (lower, high),
+        1 => (low, higher),
+        _ => (low, high),
+    }
 }
 
 /// Minimum of an axis, relative to its maximum, above which 0 is not shown.

@@ -648,6 +648,16 @@ fn moving(velocity: impl Fn(f64) -> f64) -> String {
 
 /// Slow creep, slow slip and rest are distinguished from each other; the axis of a velocity of one size, or of both signs, is linear.
 #[test]
+fn a_short_logarithmic_axis_has_two_labels() {
+    let ends = |low: f64, high: f64| super::style::decades(&[low, high]);
+    // 50, and 100 added; 5 and 2 added; both of a single value; 10 and 20.
+    assert!((36.0..37.0).contains(&ends(37.0, 66.0).0) && ends(37.0, 66.0).1 == 100.0);
+    assert_eq!(ends(2.1, 7.0).0, 2.0);
+    assert_eq!(ends(3e-3, 3e-3), (2e-3, 5e-3));
+    assert!(ends(9.0, 21.0).0 > 8.0 && ends(9.0, 21.0).1 < 22.0);
+}
+
+#[test]
 fn a_velocity_over_decades_has_a_logarithmic_axis() {
     let slow = moving(|t| if t < 50.0 { 1e-6 } else { 1e-2 });
     for power in ["10⁻⁶", "10⁻⁴", "10⁻²"] {

@@ -41,18 +41,18 @@ struct Crossing {
     roots: i32,
 }
 
-/// A line Re s = a.
+/// The number of roots on the right of a line Re s = a.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct RootCount {
+    /// a.
     rate: f64,
-    /// The number of roots on its right.
     roots: i32,
-    /// Where a root crosses it for the stiffness nearest to that of the slider.
+    /// Where a root crosses the line for the stiffness nearest to that of the slider.
     guess: Option<Complex64>,
 }
 
-impl Line {
-    /// Whether this root is the only one on its right, but for the conjugate.
+impl RootCount {
+    /// Whether this root is the only one on the right of the line, but for the conjugate.
     fn has_alone(&self, root: Complex64) -> bool {
         /// What rounding leaves of the imaginary part of a real root.
         const ROUNDING: f64 = 1e-9;
@@ -90,7 +90,7 @@ impl StepResponse {
     /// As [`Self::critical_stiffness`].
     pub fn unstable_roots(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<usize> {
         let watch = Watch::new(monitor);
-        let roots = self.line(slider, 0.0, &watch)?.roots.max(0) as usize;
+        let roots = self.count(slider, 0.0, &watch)?.roots.max(0) as usize;
         watch.check().map(|()| roots)
     }
 
@@ -109,28 +109,28 @@ impl StepResponse {
             return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
         }
         let watch = Watch::new(monitor);
-        let mut left = self.line(slider, 0.0, &watch)?;
-        if left.roots <= 0 {
+        let mut last = self.count(slider, 0.0, &watch)?;
+        if last.roots <= 0 {
             return Ok(None);
         }
         // Bisection for a line with one root on its right, or one and its conjugate. That is the root of the fastest growth, and
         // Newton's method has found it if it ends there.
         let (mut high, mut next) = (f64::INFINITY, 1.0 / self.known());
         for _ in 0..LINES {
-            let found = left.guess.and_then(|guess| self.polish(slider, guess));
-            if let Some(root) = found.filter(|root| left.has_alone(*root)) {
+            let found = last.guess.and_then(|guess| self.polish(slider, guess));
+            if let Some(root) = found.filter(|root| last.has_alone(*root)) {
                 return Ok(Some(root));
             }
-            let line = self.line(slider, next, &watch)?;
-            if line.roots > 0 {
-                left = line;
+            let count = self.count(slider, next, &watch)?;
+            if count.roots > 0 {
+                last = count;
             } else {
                 high = next;
             }
-            next = if high.is_finite() { 0.5 * (left.rate + high) } else { WIDER * next };
+            next = if high.is_finite() { 0.5 * (last.rate + high) } else { WIDER * next };
         }
         let what = "the rate at which deviations from steady sliding grow".to_owned();
-        let (reached, wanted) = (Float(high - left.rate), Float(0.0));
+        let (reached, wanted) = (Float(high - last.rate), Float(0.0));
         Err(Error::Accuracy { key: String::new(), what, reached, wanted })
     }
 
@@ -139,15 +139,15 @@ impl StepResponse {
         (slider.mass * s + slider.damping) * s + self.at(s)
     }
 
-    /// The roots with Re s > a.
-    fn line(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<Line> {
+    /// How many roots have Re s > a.
+    fn count(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<RootCount> {
         let crossings = self.crossings(slider, rate, watch)?;
         watch.check()?;
         let before = crossings.iter().filter(|crossing| crossing.stiffness > slider.stiffness);
         let roots = before.map(|crossing| crossing.roots).sum();
         let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
         let nearest = crossings.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        Ok(Line { rate, roots, guess: nearest.map(|crossing| Complex64::new(rate, crossing.frequency)) })
+        Ok(RootCount { rate, roots, guess: nearest.map(|crossing| Complex64::new(rate, crossing.frequency)) })
     }
 
     /// The crossings of the line Re s = a ≥ 0.
