@@ -251,6 +251,10 @@ pub fn decades(values: &[f64]) -> (f64, f64) {
 
 /// A logarithmic axis that contains two of 1, 2 and 5 times powers of ten, which have labels on a short one.
 fn with_labels((low, high): (f64, f64)) -> (f64, f64) {
+    // Others have no logarithms, or no powers of ten beside them.
+    if !(low > 1e-300 && high < 1e300) {
+        return (low, high);
+    }
     let exponents = low.log10().floor() as i32 - 1..=high.log10().floor() as i32 + 1;
     let labels: Vec<f64> = exponents.flat_map(|n| [1.0, 2.0, 5.0].map(|k| k * 10f64.powi(n))).collect();
     let (below, above) = (labels.partition_point(|at| *at < low), labels.partition_point(|at| *at <= high));

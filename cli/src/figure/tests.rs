@@ -646,7 +646,6 @@ fn moving(velocity: impl Fn(f64) -> f64) -> String {
     svg(&draw(&outcome).unwrap(), "protocol.svg")
 }
 
-/// Slow creep, slow slip and rest are distinguished from each other; the axis of a velocity of one size, or of both signs, is linear.
 #[test]
 fn a_short_logarithmic_axis_has_two_labels() {
     let ends = |low: f64, high: f64| super::style::decades(&[low, high]);
@@ -655,8 +654,12 @@ fn a_short_logarithmic_axis_has_two_labels() {
     assert_eq!(ends(2.1, 7.0).0, 2.0);
     assert_eq!(ends(3e-3, 3e-3), (2e-3, 5e-3));
     assert!(ends(9.0, 21.0).0 > 8.0 && ends(9.0, 21.0).1 < 22.0);
+    // As they are.
+    assert_eq!([ends(1e-310, 1e-310), ends(1e308, 1e308)], [(1e-310, 1e-310), (1e308, 1e308)]);
+    assert!(ends(0.0, 0.0).0.is_nan() && ends(1.0, f64::INFINITY).1 == f64::INFINITY);
 }
 
+/// Slow creep, slow slip and rest are distinguished from each other; the axis of a velocity of one size, or of both signs, is linear.
 #[test]
 fn a_velocity_over_decades_has_a_logarithmic_axis() {
     let slow = moving(|t| if t < 50.0 { 1e-6 } else { 1e-2 });
