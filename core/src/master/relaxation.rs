@@ -335,13 +335,23 @@ impl<'a, 'm> Transform<'a, 'm> {
             Complex64::new(left, top),
             Complex64::new(left, 1e-9 / self.mean),
         ];
-        let turned: f64 = corners.windows(2).map(|c| self.argument_change(c[0], c[1])).sum();
+        let [right_bottom, right_top, left_top, left_bottom] = corners;
+        let turned = self.argument_change_to_the_right(right_bottom, right_top)
+            + self.argument_change(right_top, left_top)
+            + self.argument_change(left_top, left_bottom);
         (turned / std::f64::consts::TAU * 2.0).round() as i64 / 2
+    }
+
+    /// Change of the argument of the transform of survival from a to b in the right half plane, where |φ̂| < 1 leaves the real part
+    /// of 1 − φ̂ above 0, so that neither its argument nor that of s goes round.
+    fn argument_change_to_the_right(&self, a: Complex64, b: Complex64) -> f64 {
+        let argument = |s: Complex64| (1.0 - self.breaking(s)).arg() - s.arg();
+        argument(b) - argument(a)
     }
 
     /// Change of the argument of the transform of survival from a to b.
     fn argument_change(&self, a: Complex64, b: Complex64) -> f64 {
-        let steps = ((b - a).norm() * self.mean / 0.4).ceil() as usize;
+        let steps = ((b - a).norm() * self.mean / 0.8).ceil() as usize;
         let at = |k: usize| a + (b - a) * (k as f64 / steps as f64);
         let mut before = self.survival(a);
         let step = |k: usize| {

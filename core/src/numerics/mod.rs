@@ -1,6 +1,6 @@
 //! Numerical methods, without reference to contacts.
 //!
-//! * Functions as Legendre series on cells: `legendre` (16-point Gauss rule), `piecewise`, `rearrange`, `fourier` (transforms), `breakpoints` (where they
+//! * Functions as Legendre series on cells: `legendre` (16-point Gauss rule), `piecewise`, `rearrange`, `laplace` and `fourier` (transforms), `breakpoints` (where they
 //!   are not smooth), `stencil` (Lagrange interpolation), `table` (a look-up table).
 //! * Equations: `volterra` (convolution equations of the second kind), `diffusion` (Fokker–Planck equation on an axis), `motion`
 //!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent),
@@ -24,6 +24,7 @@ pub(crate) mod fourier;
 pub(crate) mod fractional;
 pub(crate) mod gauss;
 pub(crate) mod incomplete;
+mod laplace;
 pub(crate) mod least_squares;
 #[doc(hidden)]
 pub mod legendre;

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+use super::laplace::transform;
 use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at, series_of_two};
 
 /// A function that is a polynomial of degree 15 on each cell of [start, end] and 0 elsewhere.
@@ -326,58 +327,10 @@ impl Piecewise {
 
     /// The Laplace transform ∫e^{−su} f(u) du and its derivative with respect to s.
     pub fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
-        let cells = (0..self.coefficients.len()).map(|cell| {
-            let (middle, half) = self.cell(cell);
-            let ([value, moment], scale) = cell_transform(&self.coefficients[cell], s * half);
-            let front = half * (scale - s * middle).exp();
-            (front * value, -front * (middle * value + half * moment))
-        });
-        cells.fold((Complex64::ZERO, Complex64::ZERO), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1))
+        let cells = self.coefficients.iter().enumerate();
+        let cells = cells.map(|(cell, coefficients)| transform(coefficients, self.cell(cell), s));
+        cells.fold((Complex64::ZERO, Complex64::ZERO), |sum, cell| (sum.0 + cell[0], sum.1 - cell[1]))
     }
-}
-
-/// ∫e^{−zt} f(t) dt and ∫t e^{−zt} f(t) dt over [−1, 1] of a Legendre series, both divided by e^ρ; and ρ.
-fn cell_transform(coefficients: &Nodal, z: Complex64) -> ([Complex64; 2], f64) {
-    // A Gauss rule would need points in proportion to |z|. From |z| > 16 the recurrence is stable
-    // for all degrees of the series, and its cost does not depend on z.
-    if z.norm() > 20.0 {
-        return (far_transform(coefficients, z), z.re.abs());
-    }
-    // 16 Gauss points integrate six radians to rounding.
-    let parts = (z.norm() / 3.0).ceil().max(1.0);
-    let (part, mut sums) = (1.0 / parts, [Complex64::ZERO; 2]);
-    for k in 0..parts as usize {
-        let centre = -1.0 + (2 * k + 1) as f64 * part;
-        for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
-            let t = centre + part * t;
-            let term = part * w * series(coefficients, t) * (-z * t).exp();
-            sums[0] += term;
-            sums[1] += t * term;
-        }
-    }
-    (sums, 0.0)
-}
-
-/// The same for large |z|, divided by e^{|Re z|}. The integrals J_n = ∫e^{−zt} P_n dt satisfy J_{n+1} =
-/// J_{n−1} + (2n+1) J_n/z, which is stable for n < |z|.
-fn far_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
-    // Both ends of the integration by parts, scaled by the larger exponential.
-    let (up, down) = ((-z - z.re.abs()).exp(), (z - z.re.abs()).exp());
-    let mut last = (down - up) / z;
-    let mut next = last / z - (up + down) / z;
-    let mut integrals = [last; NODES + 1];
-    for n in 1..=NODES {
-        integrals[n] = next;
-        (last, next) = (next, last + (2 * n + 1) as f64 * next / z);
-    }
-    let mut sums = [Complex64::ZERO; 2];
-    for (n, c) in coefficients.iter().enumerate() {
-        let k = n as f64;
-        let below = if n > 0 { k * integrals[n - 1] } else { Complex64::ZERO };
-        sums[0] += c * integrals[n];
-        sums[1] += c * ((k + 1.0) * integrals[n + 1] + below) / (2.0 * k + 1.0);
-    }
-    sums
 }
 
 /// The cells between two edges, by bisection.

@@ -81,6 +81,29 @@ pub fn stick_slip_stability(
 /// About how often the stiffness is halved until stick-slip persists.
 const HALVINGS: f64 = 3.0;
 
+/// Progress of the search for the stiffness at which persistent stick-slip ends. Each motion takes an equal share of what is left:
+/// at least one more halving until stick-slip persists, and the bisections.
+struct SearchProgress {
+    /// Of the whole that is done.
+    fraction: f64,
+    halvings: f64,
+    bisections: f64,
+    /// Whether stick-slip has persisted behind a spring.
+    persists: bool,
+}
+
+impl SearchProgress {
+    /// The fraction of the whole that is done before the next motion, and the share of this motion.
+    fn motion(&mut self) -> (f64, f64) {
+        let halvings = if self.persists { 0.0 } else { self.halvings.max(1.0) };
+        let share = (1.0 - self.fraction) / (halvings + self.bisections).max(1.0);
+        *(if self.persists { &mut self.bisections } else { &mut self.halvings }) -= 1.0;
+        let done = self.fraction;
+        self.fraction += share;
+        (done, share)
+    }
+}
+
 /// Contacts that wait for a slider behind springs of any stiffness.
 pub(super) struct Springs {
     table: scenario::Block,
@@ -237,13 +260,13 @@ impl Springs {
         let highest = highest.max(SOFTEST * self.all);
         let lowest = (SOFTEST * self.all).max(self.block.least_stiffness());
         let range = [lowest.min(highest), highest];
-        // A few halvings, then bisection of one of them.
-        let motions = HALVINGS + (2f64.ln() / resolution.ln_1p()).log2().max(0.0).ceil();
-        let mut done = 0.0;
+        let bisections = (2f64.ln() / resolution.ln_1p()).log2().max(0.0).ceil();
+        let mut progress = SearchProgress { fraction: 0.0, halvings: HALVINGS, bisections, persists: false };
         PersistenceLimit::find(range, resolution, |stiffness| {
-            let part = &mut Part::new(monitor, done / motions, 1.0 / motions);
-            done = (done + 1.0).min(motions - 1.0);
-            self.regime(stiffness, part)
+            let (done, share) = progress.motion();
+            let regime = self.regime(stiffness, &mut Part::new(monitor, done, share))?;
+            progress.persists |= matches!(regime, Regime::Persistent { .. });
+            Ok(regime)
         })
     }
 
@@ -322,5 +345,27 @@ fn critical_in_sliding(
         Ok(critical) => Ok(critical.map_or(0.0, |found| found.0)),
         Err(Error::Invalid { .. }) => Ok(stability(contacts, velocity, None, monitor)?.critical_stiffness),
         Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_rises_with_each_motion_and_ends_at_one() {
+        for halvings in [0, 2, 9] {
+            let mut progress =
+                SearchProgress { fraction: 0.0, halvings: HALVINGS, bisections: 7.0, persists: false };
+            let mut ends: f64 = 0.0;
+            for motion in 0..halvings + 1 + 7 {
+                progress.persists = motion > halvings;
+                let (done, share) = progress.motion();
+                // Each motion begins where the one before ended.
+                assert!((done - ends).abs() < 1e-14 && share > 0.01, "{halvings}, {motion}: {done} {share}");
+                ends = done + share;
+            }
+            assert!((ends - 1.0).abs() < 1e-14, "{ends}");
+        }
     }
 }

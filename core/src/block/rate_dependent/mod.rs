@@ -11,7 +11,7 @@
 mod log;
 mod moment;
 mod motion;
-mod regime;
+mod regime_in_time;
 mod sliding;
 
 use super::{Block, Loading, Slip};
