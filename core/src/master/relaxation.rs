@@ -181,6 +181,8 @@ struct Transform<'a, 'm> {
     known: f64,
     /// Smallest Re s for which a transform is known.
     leftmost: f64,
+    /// −λ of thresholds whose tail falls like exp(−λx).
+    decay: f64,
     watch: &'a Watch<'m>,
 }
 
@@ -196,6 +198,7 @@ impl<'a, 'm> Transform<'a, 'm> {
         Self {
             reformed,
             mean: reformed.mean(),
+            decay: if timed { f64::NEG_INFINITY } else { -law.decay_rate() },
             leftmost: continuation.as_ref().map_or(known, Continuation::leftmost),
             continuation,
             everywhere: apart && law.laplace_is_closed() && !timed,
@@ -235,6 +238,23 @@ impl<'a, 'm> Transform<'a, 'm> {
         (1.0 - self.breaking(s)) / s
     }
 
+    /// A frequency above which no root has Re s > `left`, or the highest one searched: there |φ̂(s)| ≤ V/|s| < 1 with the total
+    /// variation V of φ(u) e^{−u Re s}.
+    fn highest(&self, left: f64) -> f64 {
+        /// V right of `left` is up to 3/2 of that at `left`, which is computed from single points.
+        const MARGIN: f64 = 1.8;
+        /// Least frequency searched, in harmonics.
+        const FEWEST: f64 = 2.5;
+        let harmonic = std::f64::consts::TAU / self.mean;
+        let all = (HARMONICS + 0.5) * harmonic;
+        let breaking = self.reformed.breaking();
+        // Left of the decay rate of the thresholds φ̂ is no integral.
+        if left < 0.9 * self.decay || breaking.atoms().next().is_some() {
+            return all;
+        }
+        (MARGIN * breaking.curve().variation(left)).clamp(FEWEST * harmonic, all)
+    }
+
     /// Smallest Re s of terms of the expansion: amplitudes further left are below the accuracy of the lives.
     fn last_term(&self) -> f64 {
         -25.0 / self.reformed.force().curve().end()
@@ -265,7 +285,7 @@ impl<'a, 'm> Transform<'a, 'm> {
         (inside && residue < 1e-10).then_some(s)
     }
 
-    /// The roots with 0 < Im s ≤ Ω, slowest first: from the minima of |1 − φ̂| on the imaginary axis and from
+    /// The roots with 0 < Im s ≤ Ω, [`Self::highest`], slowest first: from the minima of |1 − φ̂| on the imaginary axis and from
     /// the roots of the Gaussian with the same mean and variance, until the argument principle finds no
     /// further root to the right of the slowest.
     fn roots(&self) -> Vec<Complex64> {
@@ -290,7 +310,7 @@ impl<'a, 'm> Transform<'a, 'm> {
     }
 
     fn guesses(&self, density: u32) -> Vec<Complex64> {
-        let top = HARMONICS * std::f64::consts::TAU / self.mean;
+        let top = self.highest(self.last_term()).min(HARMONICS * std::f64::consts::TAU / self.mean);
         let step = 0.3 / (self.mean * f64::from(density));
         let axis: Vec<f64> = (0..=(top / step) as usize)
             .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step))).norm())
@@ -327,7 +347,7 @@ impl<'a, 'm> Transform<'a, 'm> {
     /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument
     /// principle.
     fn zeros_right_of(&self, left: f64) -> i64 {
-        let top = std::f64::consts::TAU * (HARMONICS + 0.5) / self.mean;
+        let top = self.highest(left);
         let right = 1.0 / self.mean;
         let corners = [
             Complex64::new(right, 1e-9 / self.mean),

@@ -325,6 +325,20 @@ impl Piecewise {
         points
     }
 
+    /// Total variation of f(u) e^{−au} with its jumps, from values at the nodes and the ends of cells.
+    pub fn variation(&self, a: f64) -> f64 {
+        let (mut last, mut variation) = (0.0, 0.0);
+        for (cell, coefficients) in self.coefficients.iter().enumerate() {
+            let (middle, half) = self.cell(cell);
+            for t in std::iter::once(-1.0).chain(RULE.nodes).chain([1.0]) {
+                let value = series(coefficients, t) * (-a * (middle + half * t)).exp();
+                variation += f64::abs(value - last);
+                last = value;
+            }
+        }
+        variation + last.abs()
+    }
+
     /// The Laplace transform ∫e^{−su} f(u) du and its derivative with respect to s.
     pub fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
         let cells = self.coefficients.iter().enumerate();
@@ -467,6 +481,20 @@ mod tests {
             assert!((value - exact(s)).norm() < 1e-14, "{s}");
             assert!((derivative - slope(s)).norm() < 3e-14, "{s}");
         }
+    }
+
+    #[test]
+    fn the_variation_counts_jumps_and_slopes() {
+        // A jump from 0 to 1, a rise to e^{1/2}, a jump down to e^{−1/2}, a fall to e^{−1} and a jump to 0.
+        let p = Piecewise::resolve(
+            |u: f64| if u < 0.5 { 1.0 } else { (-2.0 * u).exp() },
+            &[0.5],
+            1.0,
+            Resolution::Mean(1e-15),
+        );
+        let (top, after, last) = (0.5_f64.exp(), (-0.5_f64).exp(), (-1.0_f64).exp());
+        let exact = 1.0 + (top - 1.0) + (top - after) + (after - last) + last;
+        assert!((p.variation(-1.0) - exact).abs() < 1e-13, "{}", p.variation(-1.0));
     }
 
     #[test]
