@@ -145,7 +145,7 @@ const status = (tab, text) => tab.waitForFunction((start) => document.getElement
 const settled = async (tab) => {
   await status(tab, "full accuracy");
   // Nothing waits any more.
-  await tab.waitForFunction(() => !engine.working && !engine.waiting && state.changes.size === 0);
+  await tab.waitForFunction(() => !engine.working && !engine.waiting && state.changes.size === 0, undefined, { timeout: 60000 });
 };
 const text = (tab) => tab.inputValue("#text");
 const shown = (tab) => tab.evaluate(() => state.shown);
