@@ -248,8 +248,8 @@ impl<'a, 'm> Transform<'a, 'm> {
         let harmonic = std::f64::consts::TAU / self.mean;
         let all = (HARMONICS + 0.5) * harmonic;
         let breaking = self.reformed.breaking();
-        // Left of the decay rate of the thresholds φ̂ is no integral.
-        if left < 0.9 * self.decay || breaking.atoms().next().is_some() {
+        // Farther to the left the unknown end of the life may count; left of the decay rate of the thresholds φ̂ is no integral.
+        if left < self.last_term().max(0.9 * self.decay) || breaking.atoms().next().is_some() {
             return all;
         }
         (MARGIN * breaking.curve().variation(left)).clamp(FEWEST * harmonic, all)

@@ -94,7 +94,7 @@ struct SearchProgress {
 
 impl SearchProgress {
     /// The fraction of the whole that is done before the next motion, and the share of this motion.
-    fn motion(&mut self) -> (f64, f64) {
+    fn next_motion(&mut self) -> (f64, f64) {
         let halvings = if self.persists { 0.0 } else { self.halvings.max(1.0) };
         let share = (1.0 - self.fraction) / (halvings + self.bisections).max(1.0);
         *(if self.persists { &mut self.bisections } else { &mut self.halvings }) -= 1.0;
@@ -263,7 +263,7 @@ impl Springs {
         let bisections = (2f64.ln() / resolution.ln_1p()).log2().max(0.0).ceil();
         let mut progress = SearchProgress { fraction: 0.0, halvings: HALVINGS, bisections, persists: false };
         PersistenceLimit::find(range, resolution, |stiffness| {
-            let (done, share) = progress.motion();
+            let (done, share) = progress.next_motion();
             let regime = self.regime(stiffness, &mut Part::new(monitor, done, share))?;
             progress.persists |= matches!(regime, Regime::Persistent { .. });
             Ok(regime)
@@ -360,7 +360,7 @@ mod tests {
             let mut ends: f64 = 0.0;
             for motion in 0..halvings + 1 + 7 {
                 progress.persists = motion > halvings;
-                let (done, share) = progress.motion();
+                let (done, share) = progress.next_motion();
                 // Each motion begins where the one before ended.
                 assert!((done - ends).abs() < 1e-14 && share > 0.01, "{halvings}, {motion}: {done} {share}");
                 ends = done + share;

@@ -203,7 +203,7 @@ fn warm(stiffness: f64) -> Regime {
 fn a_temperature_lets_stick_slip_end_behind_softer_springs() {
     // Without a temperature stick-slip persists up to 0.05 at least. By `tables/make_warm_stick_slip.py`, cohorts at single
     // thresholds in implicit steps, slips behind a spring of 0.01 have a period of 6.6832 and a drop of 0.04135 with steps of 1e-2,
-    // 6.692 and 0.04157 with steps half as long, and by extrapolation 6.70 and 0.0418; behind one of 0.02 there are two slips. The
+    // 6.693 and 0.04157 with steps half as long, and by extrapolation 6.70 and 0.0418; behind one of 0.02 there are two slips. The
     // bounds are what the tolerance of 1e-4 leaves: with one of 2e-5 the period is longer by 0.2 %.
     let soft = warm(0.01);
     let Regime::Persistent { period, drop, .. } = soft else { panic!("{soft:?}") };
