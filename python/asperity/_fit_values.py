@@ -414,6 +414,8 @@ class Profile(NamedTuple):
     """By how much -2 ln L, lowest in all other free numbers, is above its minimum; 3.84 at the ends of the
     interval of 95 %. inf where there is no curve.
     """
+    name: str = "value"
+    """The number, such as thresholds.mean."""
 
     def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
         """Plots the rise, with that at the ends of the interval of 95 %; it needs matplotlib.
@@ -439,5 +441,5 @@ class Profile(NamedTuple):
 
         ax = _plot.lines([(self.values, self.rise, None)], ("", ""), ax, **style)
         ax.axhline(3.84, linestyle="--", linewidth=0.8, color=_plot.muted())
-        ax.set(xlabel="value", ylabel=r"rise of $-2\ln L$")
+        ax.set(xlabel=self.name.replace("_", " "), ylabel=r"rise of $-2\ln L$")
         return ax

@@ -266,15 +266,26 @@ def stretches(found: "StretchDensity | LawDensity", ax: "Axes | None" = None, **
     several = len(rows) > 1
     atoms = found.atoms if isinstance(found.atoms, list) else [found.atoms]
     colors = shades(len(rows)) if several else [None]
+    labels = labels_of("X", found.position, len(rows))
     stems = []
-    for row, one, color in zip(rows, atoms, colors, strict=True):
+    for row, one, color, label in zip(rows, atoms, colors, labels, strict=True):
         own = style if color is None else {"color": color, **style}
+        own = own if label is None else {"label": label, **own}
         line = outline(ax, found.stretch, row, **own)
         stems.append((one.position, one.weight, line.get_color()))
     ax.set_ylim(bottom=0.0)
     masses(ax, stems)
     ax.set(xlabel=axis("x", ""), ylabel=axis("Q", ""))
+    if any(labels):
+        ax.legend(ncols=1 + len(labels) // 10)
     return ax
+
+
+def labels_of(symbol: str, numbers: "NDArray[np.float64] | None", count: int) -> "list[str | None]":
+    """Labels of curves, one for each number; none without numbers."""
+    if numbers is None:
+        return [None] * count
+    return [f"${symbol}$ = {number:.6g}" for number in numbers]
 
 
 def outline(
@@ -292,6 +303,7 @@ class LawDensity(NamedTuple):
     stretch: "NDArray[np.float64]"
     density: "NDArray[np.float64]"
     atoms: "Atoms"
+    position: None = None
 
 
 def density(law: "Law") -> LawDensity:

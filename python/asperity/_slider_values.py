@@ -355,6 +355,8 @@ class Potential(NamedTuple):
     """Positions X, shape (n,), a length."""
     energy: "NDArray[np.float64]"
     """The potential V(X_T, X): shape (n,), or (m, n) for a list of m drives."""
+    drive: "NDArray[np.float64] | None" = None
+    """The drives X_T of a list, shape (m,), a length; None for one potential."""
 
     def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
         """Plots the potential, one curve for each drive; it needs matplotlib.
@@ -379,5 +381,6 @@ class Potential(NamedTuple):
         from asperity import _plot
 
         rows = self.energy if self.energy.ndim == 2 else self.energy[None, :]
-        curves = [(self.position, row, None) for row in rows]
+        labels = _plot.labels_of("X_T", self.drive, len(rows))
+        curves = [(self.position, row, label) for row, label in zip(rows, labels, strict=True)]
         return _plot.lines(curves, ("X", "V"), ax, **style)

@@ -63,6 +63,8 @@ class StretchDensity(NamedTuple):
     """Point masses: stretches that many contacts share, with the fractions of contacts; one for each position
     of a list.
     """
+    position: "NDArray[np.float64] | None" = None
+    """The positions X of a list, shape (m,), a length; None for one distribution."""
 
     def plot(self, ax: "Axes | None" = None, **style: Any) -> "Axes":
         """Plots the density, one curve for each position, point masses as stems; it needs matplotlib.

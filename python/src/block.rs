@@ -587,7 +587,7 @@ impl Block {
     /// The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
     /// equilibrium.
     ///
-    /// The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
+    /// The result has `position` of shape (n,), `energy` of shape (n,) or (m, n), and the drives of a list as `drive`.
     ///
     /// Parameters
     /// ----------
@@ -628,7 +628,7 @@ impl Block {
         let energy = drives.iter().flat_map(|&drive| curve.potential(stiffness, drive)).collect();
         let shape = [drives.len(), curve.position.len()];
         let energy = convert::array(slf.py(), if single { &shape[1..] } else { &shape }, energy)?;
-        values::potential(slf.py(), curve.position, energy)
+        values::potential(slf.py(), curve.position, energy, (!single).then_some(drives))
     }
 }
 

@@ -322,7 +322,7 @@ impl Estimates {
             };
             values.iter().enumerate().map(one).collect()
         })?;
-        values::profile(py, values, rise)
+        values::profile(py, &name, values, rise)
     }
 
     /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free

@@ -665,7 +665,7 @@ impl Pull {
         }
         match found.pop() {
             Some(only) if single => values::stretches(py, stretches, only),
-            last => values::evolution(py, stretches, found.into_iter().chain(last).collect()),
+            last => values::evolution(py, stretches, found.into_iter().chain(last).collect(), positions),
         }
     }
 

@@ -68,11 +68,17 @@ pub fn stretches(py: Python<'_>, at: Vec<f64>, found: Stretches) -> PyResult<Str
 }
 
 /// Distributions of stretches at several positions.
-pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResult<StretchDensity<'_>> {
+pub fn evolution(
+    py: Python<'_>,
+    at: Vec<f64>,
+    found: Vec<Stretches>,
+    positions: Vec<f64>,
+) -> PyResult<StretchDensity<'_>> {
     let masses = found.iter().map(|one| atoms(py, &one.atoms)).collect::<PyResult<Vec<_>>>()?;
     let shape = [found.len(), at.len()];
     let density = found.into_iter().flat_map(|one| one.density).collect();
-    STRETCH_DENSITY.get(py)?.call1((row(py, at)?, array(py, &shape, density)?, masses)).map(StretchDensity)
+    let columns = (row(py, at)?, array(py, &shape, density)?, masses, row(py, positions)?);
+    STRETCH_DENSITY.get(py)?.call1(columns).map(StretchDensity)
 }
 
 /// A parameter of a measured curve.
@@ -222,8 +228,10 @@ pub fn potential<'py>(
     py: Python<'py>,
     position: Vec<f64>,
     energy: Bound<'py, PyAny>,
+    drives: Option<Vec<f64>>,
 ) -> PyResult<Potential<'py>> {
-    POTENTIAL.get(py)?.call1((row(py, position)?, energy)).map(Potential)
+    let drives = drives.map(|drives| row(py, drives)).transpose()?;
+    POTENTIAL.get(py)?.call1((row(py, position)?, energy, drives)).map(Potential)
 }
 
 /// Slips, from columns by name.
@@ -330,6 +338,6 @@ pub fn posterior<'py>(py: Python<'py>, reported: &PosteriorSummary) -> PyResult<
 }
 
 /// The profile of −2 ln L of a number.
-pub fn profile(py: Python<'_>, values: Vec<f64>, rise: Vec<f64>) -> PyResult<Profile<'_>> {
-    PROFILE.get(py)?.call1((row(py, values)?, row(py, rise)?)).map(Profile)
+pub fn profile<'py>(py: Python<'py>, name: &str, values: Vec<f64>, rise: Vec<f64>) -> PyResult<Profile<'py>> {
+    PROFILE.get(py)?.call1((row(py, values)?, row(py, rise)?, name)).map(Profile)
 }

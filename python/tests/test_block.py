@@ -214,8 +214,11 @@ def test_equilibria() -> None:
 
 
 def test_the_potential_pushes_towards_balance() -> None:
-    position, energy = SOFT.potential(drive=[1.0, 1.666198355430], distance=2.0)
+    position, energy, drive = SOFT.potential(drive=[1.0, 1.666198355430], distance=2.0)
     assert energy.shape == (2, position.size)
+    assert drive is not None
+    assert drive.tolist() == [1.0, 1.666198355430]
+    assert SOFT.potential(1.0, 2.0).drive is None
     np.testing.assert_array_equal(energy[0], SOFT.potential(1.0, 2.0).energy)
     # -V' = K(X_T - X) - F, by differences: V'' is at most 10.
     push = -(energy[0, 2:] - energy[0, :-2]) / (position[2:] - position[:-2])

@@ -176,7 +176,8 @@ def test_the_profile_of_a_linear_number_is_a_parabola() -> None:
     # The profile is found to a small part of the error; 1.96 has three digits.
     assert fit.interval_by_profile("offset") == pytest.approx(interval, abs=0.02 * error)
     assert interval[1] - value == pytest.approx(1.96 * error, rel=1e-3)
-    values, rise = fit.profile("offset")
+    values, rise, name = fit.profile("offset")
+    assert name == "offset"
     # Multiples of the printed error: rounding.
     np.testing.assert_allclose(values[[0, 6, -1]], [value - 3 * error, value, value + 3 * error], rtol=1e-9)
     # Searches end where −2 ln L is within 1e-6 of its minimum.

@@ -49,8 +49,11 @@ def test_stretches_add_up_to_one_and_to_the_force(pull: asp.Pull) -> None:
     stretches = np.linspace(0.0, 1.5, 6001)
     several = pull.stretch_density(at=[0.0, 1.09, 2.18], stretches=stretches)
     assert several.density.shape == (3, 6001)
+    assert several.position is not None
+    assert several.position.tolist() == [0.0, 1.09, 2.18]
     single = pull.stretch_density(at=1.09, stretches=stretches)
     np.testing.assert_array_equal(single.density, several.density[1])
+    assert single.position is None
     # The trapezoidal rule on densities that jump at 0: its error is a step times the jump, at most 20.
     step = stretches[1]
     mass = several.density.sum(axis=1) * step

@@ -134,6 +134,19 @@ def test_objects_have_pictures() -> None:
         assert drawn(record.plot())
 
 
+def test_curves_at_several_positions_have_a_legend() -> None:
+    block = asp.Block(THEORY, 1.0)
+    for several, one, labels in (
+        (THEORY.pull(3.0, 31).stretch_density([0.5, 1.0]), THEORY.pull(3.0, 31).stretch_density(0.5), "X"),
+        (block.potential([0.5, 1.0], 3.0), block.potential(0.5, 3.0), "X_T"),
+    ):
+        legend = several.plot().get_legend()
+        assert legend is not None
+        assert [text.get_text() for text in legend.get_texts()] == [f"${labels}$ = 0.5", f"${labels}$ = 1"]
+        assert one.plot().get_legend() is None
+        matplotlib.pyplot.close("all")
+
+
 LAWS: list[asp.Law] = [
     asp.Gaussian(1.0, 0.05),
     asp.Rectangular(0.5, 1.5),

@@ -246,6 +246,10 @@ impl Law for Mixture {
         self.components.iter().flat_map(|(_, law)| law.seams()).collect()
     }
 
+    fn components(&self) -> Option<&[(f64, SharedLaw)]> {
+        Some(&self.components)
+    }
+
     fn laplace_is_closed(&self) -> bool {
         self.components.iter().all(|(_, law)| law.laplace_is_closed())
     }

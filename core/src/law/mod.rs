@@ -257,6 +257,11 @@ pub trait Law: Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// The components of a mixture with their weights; `None` for others.
+    fn components(&self) -> Option<&[(f64, SharedLaw)]> {
+        None
+    }
+
     /// Whether [`Law::laplace`] is a closed form, not a quadrature.
     fn laplace_is_closed(&self) -> bool {
         true

@@ -42,6 +42,8 @@ enum Thresholds {
     Law(SharedLaw),
     /// Density and point masses, if the distribution's own transform is a quadrature.
     Resolved(Kernel),
+    /// Components with their weights, of which one has an exponential tail.
+    Mixture(Vec<(f64, Self)>),
 }
 
 /// Starting mass down to which starts are resolved, since e^{sr} amplifies it: 13 standard deviations of a
@@ -79,15 +81,23 @@ impl Continuation {
         self.thresholds.transform(s) * self.births.transform(-s).0 - self.before.transform(self.edge - s).0
     }
 
+    /// A bound of |s φ̂(s)| on Re s = `left`, by the variation of its parts; `None` where point masses leave none or it is not
+    /// computed.
+    pub(crate) fn variation(&self, left: f64) -> Option<f64> {
+        let Thresholds::Resolved(thresholds) = &self.thresholds else {
+            return None;
+        };
+        if thresholds.atoms().chain(self.before.atoms()).next().is_some() {
+            return None;
+        }
+        // ν is a measure: its transform is largest where nothing oscillates.
+        let births = self.births.transform((-left).into()).0.re;
+        Some(births * thresholds.curve().variation(left) + self.before.curve().variation(self.edge - left))
+    }
+
     /// The smallest Re s for which it is valid.
     pub(crate) fn leftmost(&self) -> f64 {
-        let leftmost = match &self.thresholds {
-            Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
-            Thresholds::Law(_) => f64::NEG_INFINITY,
-            // What is left out is 1e-16 of what e^{−sx} lifts.
-            Thresholds::Resolved(kernel) => (DEEPEST.ln() + 37.0) / kernel.curve().end(),
-        };
-        leftmost.max(-self.known_rate)
+        self.thresholds.leftmost().max(-self.known_rate)
     }
 }
 
@@ -104,8 +114,15 @@ fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Breakpoint> {
 
 impl Thresholds {
     fn new(law: &SharedLaw) -> Self {
-        if law.laplace_is_closed() || law.decay_rate().is_finite() {
+        if law.laplace_is_closed() {
             return Self::Law(law.clone());
+        }
+        // One cell after the other down to the tail would end far right of where an exponential tail is singular.
+        if law.decay_rate().is_finite() {
+            return law.components().map_or_else(
+                || Self::Law(law.clone()),
+                |parts| Self::Mixture(parts.iter().map(|(weight, law)| (*weight, Self::new(law))).collect()),
+            );
         }
         let mut breakpoints = with_atoms(law.as_ref());
         Breakpoint::sort(&mut breakpoints);
@@ -117,6 +134,20 @@ impl Thresholds {
         match self {
             Self::Law(law) => law.laplace(s),
             Self::Resolved(kernel) => kernel.transform(s).0,
+            Self::Mixture(parts) => parts.iter().map(|(weight, part)| *weight * part.transform(s)).sum(),
+        }
+    }
+
+    /// The smallest Re s for which it is valid.
+    fn leftmost(&self) -> f64 {
+        match self {
+            Self::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
+            Self::Law(_) => f64::NEG_INFINITY,
+            // What is left out is 1e-16 of what e^{−sx} lifts.
+            Self::Resolved(kernel) => (DEEPEST.ln() + 37.0) / kernel.curve().end(),
+            Self::Mixture(parts) => {
+                parts.iter().map(|(_, part)| part.leftmost()).fold(f64::NEG_INFINITY, f64::max)
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Relaxation to steady sliding: the spectrum of exponents, and the force far from the start.
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_4, SQRT_2, TAU};
 
 use num_complex::Complex64;
 
@@ -10,6 +10,7 @@ use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::order::sort_by_number;
+use crate::numerics::zeros::{Rectangle, argument_change, turns};
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and c_j =
 /// φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
@@ -51,14 +52,20 @@ struct Term {
     amplitude: Complex64,
 }
 
-/// Ratio |Re s|/|s| below which an oscillation counts as undamped.
-const UNDAMPED: f64 = 1e-12;
-
 /// Highest frequency searched, in units of 2π/(mean life).
 const HARMONICS: f64 = 40.0;
 
+/// Steps in which changes of the argument are followed, and the distance from the real axis, in units of 1/(mean life).
+const STEP: f64 = 0.8;
+const REAL: f64 = 1e-9;
+
 /// Truncation error of the expansion of F/(N_c⟨k⟩ × mean life) where it is called valid.
 const LEFT_OUT: f64 = 1e-12;
+
+/// Whether an oscillation lasts, to rounding.
+fn is_undamped(s: &Complex64) -> bool {
+    -s.re < 1e-12 * s.norm()
+}
 
 /// x̄²/σ.
 fn paper_estimate(contacts: &Contacts, reformed: &Life) -> f64 {
@@ -87,20 +94,29 @@ impl Relaxation {
         }
         let watch = Watch::new(monitor);
         let transform = Transform::new(contacts, reformed, &watch);
-        let roots = transform.roots();
         let law = &contacts.thresholds;
         let rate = if contacts.rules.are_time_dependent() { f64::INFINITY } else { law.decay_rate() };
-        let slowest = roots.first().map(|s| if -s.re < UNDAMPED * s.norm() { 0.0 } else { -s.re });
+        let Some(roots) = transform.roots() else {
+            watch.check()?;
+            return Ok(Self {
+                paper_estimate: paper_estimate(contacts, reformed),
+                ..Self::unknown(kinetic_friction)
+            });
+        };
+        let slowest = roots.first().map(|s| if is_undamped(s) { 0.0 } else { -s.re });
         // An exponential tail of the thresholds is a singularity of φ̂ on the real axis at −λ:
         // whichever lies farther to the right, it or the first root, decays more slowly.
         let slowest = match slowest {
             Some(root) if rate > 0.0 => root.min(rate),
             Some(root) => root,
-            None if rate.is_finite() => rate,
+            None if rate.is_finite() && rate <= -transform.leftmost => rate,
             None => f64::NAN,
         };
         let terms = transform.terms(&roots, first);
-        let valid_from = valid_from(&terms, &roots, rate.min(law.known_rate()), first, reformed);
+        // Roots that are not known lie left of where the transform is.
+        let known = rate.min(law.known_rate());
+        let next = roots.get(terms.len()).or(roots.last()).map_or(known.min(-transform.leftmost), |s| -s.re);
+        let valid_from = valid_from(&terms, (&roots, next), known, first, reformed);
         watch.check()?;
         Ok(Self {
             roots,
@@ -112,15 +128,15 @@ impl Relaxation {
         })
     }
 
-    /// For the mean-field closure, which only describes steady sliding.
+    /// For the mean-field closure, which only describes steady sliding, and where the slowest root is not known for certain.
     fn unknown(kinetic_friction: f64) -> Self {
         let (roots, terms) = (Vec::new(), Vec::new());
         let [length, paper_estimate] = [f64::NAN; 2];
         Self { roots, terms, length, paper_estimate, kinetic_friction, valid_from: f64::INFINITY }
     }
 
-    /// Relaxation length X*, infinite if the force never becomes steady. NaN if no root is found, if a
-    /// truncated tail may dominate ([`crate::law::Law::known_rate`]), and for `ageing.mean_field`.
+    /// Relaxation length X*, infinite if the force never becomes steady. NaN where no root is known to
+    /// be the slowest, if a truncated tail may dominate ([`crate::law::Law::known_rate`]), and for `ageing.mean_field`.
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -151,15 +167,19 @@ impl Relaxation {
 }
 
 /// The position at which the first omitted term, and an exponential tail of the thresholds or the unknown
-/// part of it, have decayed.
-fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, reformed: &Life) -> f64 {
-    let undamped = |s: &Complex64| -s.re < UNDAMPED * s.norm();
-    if rate == 0.0 || roots.iter().any(undamped) {
+/// part of it, have decayed. `next` is the decay rate of the first omitted term.
+fn valid_from(
+    terms: &[Term],
+    (roots, next): (&[Complex64], f64),
+    rate: f64,
+    first: &Life,
+    reformed: &Life,
+) -> f64 {
+    if rate == 0.0 || roots.iter().any(is_undamped) {
         return f64::INFINITY;
     }
     // Unknown roots have amplitudes and rates like the last known one; the margin accounts for their sum.
     let size = terms.iter().map(|t| t.amplitude.norm() / unit_force(reformed)).fold(1.0, f64::max);
-    let next = roots.get(terms.len()).or(roots.last()).map_or(rate, |s| -s.re);
     let fade = (1e5 * size / LEFT_OUT).ln().max(0.0) / next;
     let tail = -LEFT_OUT.ln() / rate;
     tail.max(fade).max(first.breaking().curve().end())
@@ -238,21 +258,23 @@ impl<'a, 'm> Transform<'a, 'm> {
         (1.0 - self.breaking(s)) / s
     }
 
-    /// A frequency above which no root has Re s > `left`, or the highest one searched: there |φ̂(s)| ≤ V/|s| < 1 with the total
-    /// variation V of φ(u) e^{−u Re s}.
+    /// A frequency above which no root has Re s > `left`, or the highest one searched: |φ̂(s)| ≤ V/|s| < 1 there, V the total
+    /// variation of φ(u) e^{−u Re s}.
     fn highest(&self, left: f64) -> f64 {
         /// V right of `left` is up to 3/2 of that at `left`, which is computed from single points.
         const MARGIN: f64 = 1.8;
         /// Least frequency searched, in harmonics.
         const FEWEST: f64 = 2.5;
-        let harmonic = std::f64::consts::TAU / self.mean;
+        let harmonic = TAU / self.mean;
         let all = (HARMONICS + 0.5) * harmonic;
         let breaking = self.reformed.breaking();
         // Farther to the left the unknown end of the life may count; left of the decay rate of the thresholds φ̂ is no integral.
-        if left < self.last_term().max(0.9 * self.decay) || breaking.atoms().next().is_some() {
-            return all;
-        }
-        (MARGIN * breaking.curve().variation(left)).clamp(FEWEST * harmonic, all)
+        let variation = if left < self.last_term().max(0.9 * self.decay) {
+            self.continuation.as_ref().and_then(|laws| laws.variation(left))
+        } else {
+            breaking.atoms().next().is_none().then(|| breaking.curve().variation(left))
+        };
+        variation.map_or(all, |variation| (MARGIN * variation).clamp(FEWEST * harmonic, all))
     }
 
     /// Smallest Re s of terms of the expansion: amplitudes further left are below the accuracy of the lives.
@@ -285,54 +307,161 @@ impl<'a, 'm> Transform<'a, 'm> {
         (inside && residue < 1e-10).then_some(s)
     }
 
-    /// The roots with 0 < Im s ≤ Ω, [`Self::highest`], slowest first: from the minima of |1 − φ̂| on the imaginary axis and from
-    /// the roots of the Gaussian with the same mean and variance, until the argument principle finds no
-    /// further root to the right of the slowest.
-    fn roots(&self) -> Vec<Complex64> {
+    /// Roots with 0 < Im s ≤ Ω, [`Self::highest`], slowest first: from the minima of |1 − φ̂| on the imaginary axis, from the
+    /// roots of the Gaussian with the same mean and variance, and the first ones by continuation from s = 0. The argument
+    /// principle tells whether a root lies to the right of the slowest, which is then searched for. `None` where no root is the
+    /// slowest beyond doubt.
+    fn roots(&self) -> Option<Vec<Complex64>> {
+        /// Roots sought by continuation: where they are far from the imaginary axis.
+        const FOLLOWED: usize = 3;
         if self.continued {
-            return self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect();
+            return Some(self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect());
         }
-        let mut found: Vec<Complex64> = Vec::new();
-        // Each root is verified; completeness follows from the argument principle, not from the guesses.
-        for density in [1, 4] {
-            for guess in self.guesses(density) {
-                let new = |s: &Complex64| !found.iter().any(|r| (r - s).norm() < 1e-6 / self.mean);
-                if let Some(s) = self.polish(guess).filter(new) {
-                    found.push(s);
+        let top = self.highest(self.last_term()).min(HARMONICS * TAU / self.mean);
+        let axis = self.dips(top).into_iter().map(|s| s - 1e-3 / self.mean);
+        let gaussian = self.harmonics(HARMONICS as u32).filter(|s| s.re > self.last_term());
+        let mut found = self.polished(axis.chain(gaussian));
+        if found.len() < FOLLOWED || !self.begins(&found) {
+            let guesses: Vec<_> = found.into_iter().chain(self.followed(FOLLOWED)).collect();
+            found = self.polished(guesses.into_iter());
+        }
+        if self.begins(&found) {
+            return Some(found);
+        }
+        let slowest = self.slowest_right_of(found.first().map_or(self.leftmost, |s| 0.999 * s.re))?;
+        Some(self.polished(slowest.into_iter().chain(found)))
+    }
+
+    /// Points near the first roots, where ln φ̂ = −2πi j, as far as they are reached from s = 0 along the curve |φ̂(s)| = 1
+    /// without a long step.
+    fn followed(&self, most: usize) -> Vec<Complex64> {
+        /// Steps from one root to the next, and bisections of a step.
+        const STEPS: u32 = 12;
+        const BISECTIONS: i32 = 6;
+        let (mut s, mut t, mut step) = (Complex64::ZERO, 0.0, 1.0 / f64::from(STEPS));
+        let mut roots = Vec::new();
+        while roots.len() < most && step > 2.0_f64.powi(-BISECTIONS) / f64::from(STEPS) {
+            let next = (roots.len() + 1) as f64;
+            let to = if t + 1.01 * step > next { next } else { t + step };
+            match self.along(s, t, to) {
+                Some(at) if at.re > self.leftmost => {
+                    (s, t) = (at, to);
+                    if t == next {
+                        roots.push(s);
+                    }
                 }
-            }
-            sort_by_number(&mut found, |item| -item.re);
-            if found.first().is_some_and(|slowest| self.zeros_right_of(0.98 * slowest.re) == 0) {
-                break;
+                _ => step *= 0.5,
             }
         }
+        roots
+    }
+
+    /// From the point s at which ln φ̂ = −2πi t to the one at which it is −2πi `to`, by a chord method. `None` where it is too
+    /// far for it.
+    fn along(&self, s: Complex64, t: f64, to: f64) -> Option<Complex64> {
+        let distance = 1e-4 / self.mean;
+        let [below, above] = [-distance, distance].map(|h| self.breaking(s + h));
+        let slope = (above / below).ln() / (2.0 * distance);
+        let step = Complex64::new(0.0, TAU * (t - to)) / slope;
+        let target = Complex64::from_polar(1.0, -TAU * to);
+        let mut at = s + step;
+        for _ in 0..8 {
+            let correction = (self.breaking(at) / target).ln() / slope;
+            at -= correction;
+            if !at.is_finite() || (at - s - step).norm() > 0.4 * step.norm() {
+                return None;
+            }
+            if correction.norm() < 1e-3 * step.norm() {
+                return Some(at);
+            }
+        }
+        None
+    }
+
+    /// Whether roots, slowest first, begin with the slowest of all.
+    fn begins(&self, found: &[Complex64]) -> bool {
+        let Some(slowest) = found.first() else {
+            return false;
+        };
+        // A line left of it counts those beside it, too, unless another root is in its way.
+        let all_right_of = |left: f64| {
+            let top = self.highest(left);
+            let known = found.iter().filter(|s| s.re > left && s.im <= top).count();
+            self.zeros_right_of(left) == Some(known as i64)
+        };
+        let lines = [1.001, 0.999].map(|share| share * slowest.re);
+        is_undamped(slowest) || lines.into_iter().any(|left| left > self.leftmost && all_right_of(left))
+    }
+
+    /// The roots from these guesses, slowest first.
+    fn polished(&self, guesses: impl Iterator<Item = Complex64>) -> Vec<Complex64> {
+        let mut found: Vec<Complex64> = Vec::new();
+        for guess in guesses {
+            let new = |s: &Complex64| !found.iter().any(|r| (r - s).norm() < 1e-6 / self.mean);
+            found.extend(self.polish(guess).filter(new));
+        }
+        sort_by_number(&mut found, |item| -item.re);
         found
     }
 
-    fn guesses(&self, density: u32) -> Vec<Complex64> {
-        let top = self.highest(self.last_term()).min(HARMONICS * std::f64::consts::TAU / self.mean);
-        let step = 0.3 / (self.mean * f64::from(density));
-        let axis: Vec<f64> = (0..=(top / step) as usize)
-            .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step))).norm())
-            .collect();
-        let dips =
-            (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
-        let mut guesses: Vec<_> =
-            dips.map(|k| Complex64::new(-1e-3 / self.mean, (k + 1) as f64 * step)).collect();
-        guesses.extend(self.harmonics(HARMONICS as u32));
-        guesses.retain(|s| density > 1 || s.re > self.last_term());
-        if density > 1 {
-            let grid = (1..60).flat_map(|k| [0.5, 1.0, 2.0, 4.0].map(|re| (re, f64::from(k) * 0.25)));
-            guesses.extend(grid.map(|(re, im)| Complex64::new(-re, im) / self.mean));
+    /// The slowest roots right of `edge`, searched for at growing distances from the imaginary axis. `None` where they are not
+    /// found for certain.
+    fn slowest_right_of(&self, edge: f64) -> Option<Vec<Complex64>> {
+        // The transform is singular at the decay rate of the thresholds.
+        let edge = edge.max((1.0 - 1e-6) * self.leftmost);
+        let mut right = 0.0;
+        while right > edge {
+            let left = edge.max((SQRT_2 * right).min(-0.5 / self.mean));
+            let count = self.zeros_right_of(left)?;
+            if count > 0 {
+                return self.first_between(left, right, count);
+            }
+            right = left;
         }
-        guesses
+        Some(Vec::new())
+    }
+
+    /// The slowest of `count` roots with `left` < Re s < `right`, right of which there is none, by bisection.
+    fn first_between(&self, mut left: f64, mut right: f64, mut count: i64) -> Option<Vec<Complex64>> {
+        /// Frequencies that are searched first, in harmonics: where broad distributions have roots that far to the left.
+        const LOW: f64 = 3.0;
+        while count > 1 && right - left > 1e-6 * right.abs() {
+            let middle = 0.5 * (left + right);
+            match self.zeros_right_of(middle)? {
+                0 => right = middle,
+                fewer => (left, count) = (middle, fewer),
+            }
+        }
+        let survival = |s| self.survival(s);
+        let (step, refine) = (STEP / self.mean, |s| self.polish(s));
+        let top = self.highest(left);
+        let low_top = top.min(LOW * TAU / self.mean);
+        let corner = |re, im| Complex64::new(re, im);
+        let below = Rectangle { low: corner(left, REAL / self.mean), high: corner(right, low_top) };
+        let of_below = below.zeros(&survival, step)?;
+        let mut found = below.locate(&survival, step, &refine, of_below)?;
+        if of_below != count {
+            let above = Rectangle { low: corner(left, low_top), high: corner(right, top) };
+            found.extend(above.locate(&survival, step, &refine, count - of_below)?);
+        }
+        Some(found)
+    }
+
+    /// Where |1 − φ̂| is least on the imaginary axis, up to a frequency.
+    fn dips(&self, top: f64) -> Vec<Complex64> {
+        let step = 0.3 / self.mean;
+        let at = |k: usize| Complex64::new(0.0, (k + 1) as f64 * step);
+        let line: Vec<f64> =
+            (0..=(top / step) as usize).map(|k| (1.0 - self.breaking(at(k))).norm()).collect();
+        let inner = 1..line.len().saturating_sub(1);
+        inner.filter(|&k| line[k] <= line[k - 1] && line[k] < line[k + 1]).map(at).collect()
     }
 
     /// The first roots of the Gaussian of equal mean and variance, [x̄ − √(x̄² − 4πijσ²)]/σ².
     fn harmonics(&self, count: u32) -> impl Iterator<Item = Complex64> {
         let (mean, variance) = (self.mean, self.variance());
         (1..=count).map(move |j| {
-            let argument_change = Complex64::new(0.0, 2.0 * std::f64::consts::TAU * f64::from(j) * variance);
+            let argument_change = Complex64::new(0.0, 2.0 * TAU * f64::from(j) * variance);
             (mean - (mean * mean - argument_change).sqrt()) / variance
         })
     }
@@ -344,60 +473,23 @@ impl<'a, 'm> Transform<'a, 'm> {
         (second - self.mean * self.mean).max(1e-12 * self.mean * self.mean)
     }
 
-    /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument
-    /// principle.
-    fn zeros_right_of(&self, left: f64) -> i64 {
-        let top = self.highest(left);
-        let right = 1.0 / self.mean;
-        let corners = [
-            Complex64::new(right, 1e-9 / self.mean),
-            Complex64::new(right, top),
-            Complex64::new(left, top),
-            Complex64::new(left, 1e-9 / self.mean),
-        ];
-        let [right_bottom, right_top, left_top, left_bottom] = corners;
-        let turned = self.argument_change_to_the_right(right_bottom, right_top)
-            + self.argument_change(right_top, left_top)
-            + self.argument_change(left_top, left_bottom);
-        (turned / std::f64::consts::TAU * 2.0).round() as i64 / 2
+    /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument principle; `None` where
+    /// it is not found. On the real axis the transform is real and positive, so that the path need not be closed there.
+    fn zeros_right_of(&self, left: f64) -> Option<i64> {
+        let (top, right) = (self.highest(left), 1.0 / self.mean);
+        let right_top = Complex64::new(right, top);
+        let left_top = Complex64::new(left, top);
+        let [right_bottom, left_bottom] = [right, left].map(|re| Complex64::new(re, REAL / self.mean));
+        let change = |a, b| argument_change(&|s| self.survival(s), a, b, STEP / self.mean);
+        let sides = [change(right_top, left_top)?, change(left_top, left_bottom)?];
+        turns(self.argument_change_to_the_right(right_bottom, right_top) + sides.iter().sum::<f64>())
     }
 
-    /// Change of the argument of the transform of survival from a to b in the right half plane, where |φ̂| < 1 leaves the real part
-    /// of 1 − φ̂ above 0, so that neither its argument nor that of s goes round.
+    /// Change of the argument of the transform of survival from a to b in the right half plane, where |φ̂| < 1 leaves the real
+    /// part of 1 − φ̂ above 0, so that neither its argument nor that of s goes round.
     fn argument_change_to_the_right(&self, a: Complex64, b: Complex64) -> f64 {
         let argument = |s: Complex64| (1.0 - self.breaking(s)).arg() - s.arg();
         argument(b) - argument(a)
-    }
-
-    /// Change of the argument of the transform of survival from a to b.
-    fn argument_change(&self, a: Complex64, b: Complex64) -> f64 {
-        let steps = ((b - a).norm() * self.mean / 0.8).ceil() as usize;
-        let at = |k: usize| a + (b - a) * (k as f64 / steps as f64);
-        let mut before = self.survival(a);
-        let step = |k: usize| {
-            let after = self.survival(at(k + 1));
-            let turned = self.argument_change_on_step((at(k), before), (at(k + 1), after), 0);
-            before = after;
-            turned
-        };
-        (0..steps).map(step).sum()
-    }
-
-    /// The same on a step, bisected until neither half changes the argument by more than ½.
-    fn argument_change_on_step(
-        &self,
-        a: (Complex64, Complex64),
-        b: (Complex64, Complex64),
-        depth: u32,
-    ) -> f64 {
-        let middle = 0.5 * (a.0 + b.0);
-        let middle = (middle, self.survival(middle));
-        let halves = [(middle.1 / a.1).arg(), (b.1 / middle.1).arg()];
-        if halves.iter().all(|argument_change| argument_change.abs() < 0.5) || depth > 10 {
-            return halves.iter().sum();
-        }
-        self.argument_change_on_step(a, middle, depth + 1)
-            + self.argument_change_on_step(middle, b, depth + 1)
     }
 
     /// Terms of the roots that the lives resolve, per unit stiffness.

@@ -4,7 +4,7 @@
 //!   are not smooth), `stencil` (Lagrange interpolation), `table` (a look-up table).
 //! * Equations: `volterra` (convolution equations of the second kind), `diffusion` (Fokker–Planck equation on an axis), `motion`
 //!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent),
-//!   `nelder_mead` (minima in several variables).
+//!   `zeros` (of analytic functions), `nelder_mead` (minima in several variables).
 //! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
 //! * Statistics and sums: `least_squares`, `student` (quantiles), `powerlaw`, `cutoff`, `omori`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
 //!   `accumulation` (the point at which an integral reaches a value), `sorting`, `dawson`, `incomplete` (integrals of exponentials from tables), `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
@@ -51,3 +51,4 @@ pub(crate) mod table;
 pub(crate) mod tr_bdf2;
 pub(crate) mod volterra;
 pub(crate) mod wide;
+pub(crate) mod zeros;

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::common::{contacts, gamma, gaussian, mixture, point, rectangular};
+use crate::common::{contacts, gamma, gaussian, lognormal, master, mixture, point, rectangular, weibull};
 use asperity::contacts::{Ageing, Barrier, Contacts, FreeFriction, FreeTime, Initial, Rules, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
@@ -12,18 +12,26 @@ use asperity::monitor::{Cost, Monitor};
 
 const TOLERANCE: f64 = 1e-6;
 
-/// Counts steps.
-#[derive(Default)]
-struct Steps(usize);
+/// Counts pieces of work of one kind.
+struct Count {
+    cost: Cost,
+    pieces: usize,
+}
 
-impl Monitor for Steps {
+impl Count {
+    fn of(cost: Cost) -> Self {
+        Self { cost, pieces: 0 }
+    }
+}
+
+impl Monitor for Count {
     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
     fn cost(&mut self, cost: Cost, pieces: usize) {
-        if cost == Cost::TransportSteps {
-            self.0 += pieces;
+        if cost == self.cost {
+            self.pieces += pieces;
         }
     }
 }
@@ -61,12 +69,12 @@ fn cases() -> Vec<(&'static str, Contacts)> {
 
 /// The transport after a motion, with the trace at these times and the number of steps.
 fn moved(contacts: &Contacts, pieces: &[Piece], times: &[f64]) -> (Transport, Vec<f64>, usize) {
-    let mut steps = Steps::default();
+    let mut steps = Count::of(Cost::TransportSteps);
     let mut transport =
         Transport::new_with(contacts.clone(), &Initial::default(), TOLERANCE, &mut ()).unwrap();
     let history = History::new(pieces.to_vec()).unwrap();
     let trace = transport.follow_with(&history, times, &mut steps).unwrap();
-    (transport, trace.force, steps.0)
+    (transport, trace.force, steps.pieces)
 }
 
 #[test]
@@ -104,6 +112,35 @@ fn long_sliding_costs_what_becoming_steady_costs() {
         }
         let [one, two] = [short.force(), long.force()];
         assert!((one - two).abs() < TOLERANCE, "{name}: {one} {two}");
+    }
+}
+
+#[test]
+fn long_pulls_cost_what_becoming_steady_costs() {
+    let laws = [
+        gaussian(1.0, 0.1),
+        gaussian(1.0, 0.03),
+        gamma(1.0, 1.4),
+        weibull(1.5, 1.0),
+        lognormal(1.0, 0.5),
+        mixture(&[(0.999, gaussian(1.0, 0.2)), (1e-3, gaussian(20.0, 2.0))]),
+    ];
+    for law in laws {
+        let master = master(&law, &point(0.0), &point(0.0));
+        let kinetic = master.steady_state().kinetic_friction();
+        let pulled = |distance: f64| {
+            let mut cells = Count::of(Cost::VolterraCells);
+            let pull = master.pull_with(distance, TOLERANCE, &mut cells).unwrap();
+            for x in [0.7 * distance, distance] {
+                let off = (pull.force(x) - kinetic).abs();
+                // The tolerance, of contacts with a mean life of about 1.
+                assert!(off < TOLERANCE, "{law:?}: {off:e} at {x}");
+            }
+            cells.pieces
+        };
+        let (near, far) = (pulled(3e3), [1e5, 1e6, 1e7].map(pulled));
+        // Steady after 1500 at most; cells grow wider for a while before it is seen that they may be as wide as one likes.
+        assert!(far.iter().all(|&cells| cells < 3 * near), "{law:?}: {near}, {far:?}");
     }
 }
 

@@ -8,6 +8,7 @@ use super::elements::{Basis, Elements};
 use super::galerkin::{Field, GalerkinElement, Operator, implicit_step};
 use super::radau::{RADAU, Radau, STAGES};
 use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::piecewise::extrapolated;
 use crate::numerics::wide::vectorised;
 
 /// The motion of the elements in a step.
@@ -179,8 +180,7 @@ pub(super) fn truncation_in_time(start: &Elements, stages: &[Elements], radau: &
         }
         let c = radau.coefficients(&values);
         let pair = |k: usize| c[k].abs().max(c[k - 1].abs());
-        let (last, before) = (pair(STAGES), pair(STAGES - 2));
-        2.0 * if last < before { last * last / before } else { last }
+        2.0 * extrapolated(pair(STAGES), pair(STAGES - 2))
     };
     (0..start.count()).map(|i| of(i, 0) + of(i, 1)).sum()
 }

@@ -253,8 +253,8 @@ impl March<'_> {
                 control.width = 2.0 * width;
                 return Ok(());
             }
-            // A constant density: one cell reaches to the next breakpoint.
-            if !last && done.is_multiple_of(256) && self.is_flat() {
+            // A constant density: one cell reaches to the next breakpoint. Runs may all be shorter than what lies between checks.
+            if !last && self.values.len().is_multiple_of(256) && self.is_flat() {
                 control.width = stop - here;
                 return Ok(());
             }
