@@ -385,7 +385,7 @@ class Block(Description):
         """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
         equilibrium.
 
-        The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
+        The result has `position` of shape (n,), `energy` of shape (n,) or (m, n), and the drives of a list as `drive`.
 
         Parameters
         ----------
