@@ -117,7 +117,7 @@ impl Thresholds {
         if law.laplace_is_closed() {
             return Self::Law(law.clone());
         }
-        // One cell after the other down to the tail would end far right of where an exponential tail is singular.
+        // Resolved down to survival of 1e-250, an exponential tail would not be known up to its singularity at −λ.
         if law.decay_rate().is_finite() {
             return law.components().map_or_else(
                 || Self::Law(law.clone()),

@@ -308,24 +308,24 @@ impl<'a, 'm> Transform<'a, 'm> {
     }
 
     /// Roots with 0 < Im s ≤ Ω, [`Self::highest`], slowest first: from the minima of |1 − φ̂| on the imaginary axis, from the
-    /// roots of the Gaussian with the same mean and variance, and the first ones by continuation from s = 0. The argument
+    /// roots of the Gaussian with the same mean and variance, and the first ones by path following from s = 0. The argument
     /// principle tells whether a root lies to the right of the slowest, which is then searched for. `None` where no root is the
     /// slowest beyond doubt.
     fn roots(&self) -> Option<Vec<Complex64>> {
-        /// Roots sought by continuation: where they are far from the imaginary axis.
+        /// Roots sought by path following: the first ones, where they are far from the imaginary axis.
         const FOLLOWED: usize = 3;
         if self.continued {
             return Some(self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect());
         }
         let top = self.highest(self.last_term()).min(HARMONICS * TAU / self.mean);
-        let axis = self.dips(top).into_iter().map(|s| s - 1e-3 / self.mean);
+        let axis = self.minima_on_the_axis(top).into_iter().map(|s| s - 1e-3 / self.mean);
         let gaussian = self.harmonics(HARMONICS as u32).filter(|s| s.re > self.last_term());
         let mut found = self.polished(axis.chain(gaussian));
-        if found.len() < FOLLOWED || !self.begins(&found) {
-            let guesses: Vec<_> = found.into_iter().chain(self.followed(FOLLOWED)).collect();
+        if found.len() < FOLLOWED || !self.starts_with_slowest(&found) {
+            let guesses: Vec<_> = found.into_iter().chain(self.by_path_following(FOLLOWED)).collect();
             found = self.polished(guesses.into_iter());
         }
-        if self.begins(&found) {
+        if self.starts_with_slowest(&found) {
             return Some(found);
         }
         let slowest = self.slowest_right_of(found.first().map_or(self.leftmost, |s| 0.999 * s.re))?;
@@ -334,7 +334,7 @@ impl<'a, 'm> Transform<'a, 'm> {
 
     /// Points near the first roots, where ln φ̂ = −2πi j, as far as they are reached from s = 0 along the curve |φ̂(s)| = 1
     /// without a long step.
-    fn followed(&self, most: usize) -> Vec<Complex64> {
+    fn by_path_following(&self, most: usize) -> Vec<Complex64> {
         /// Steps from one root to the next, and bisections of a step.
         const STEPS: u32 = 12;
         const BISECTIONS: i32 = 6;
@@ -343,7 +343,7 @@ impl<'a, 'm> Transform<'a, 'm> {
         while roots.len() < most && step > 2.0_f64.powi(-BISECTIONS) / f64::from(STEPS) {
             let next = (roots.len() + 1) as f64;
             let to = if t + 1.01 * step > next { next } else { t + step };
-            match self.along(s, t, to) {
+            match self.path_step(s, t, to) {
                 Some(at) if at.re > self.leftmost => {
                     (s, t) = (at, to);
                     if t == next {
@@ -358,7 +358,7 @@ impl<'a, 'm> Transform<'a, 'm> {
 
     /// From the point s at which ln φ̂ = −2πi t to the one at which it is −2πi `to`, by a chord method. `None` where it is too
     /// far for it.
-    fn along(&self, s: Complex64, t: f64, to: f64) -> Option<Complex64> {
+    fn path_step(&self, s: Complex64, t: f64, to: f64) -> Option<Complex64> {
         let distance = 1e-4 / self.mean;
         let [below, above] = [-distance, distance].map(|h| self.breaking(s + h));
         let slope = (above / below).ln() / (2.0 * distance);
@@ -378,8 +378,8 @@ impl<'a, 'm> Transform<'a, 'm> {
         None
     }
 
-    /// Whether roots, slowest first, begin with the slowest of all.
-    fn begins(&self, found: &[Complex64]) -> bool {
+    /// Whether the first of these roots is the slowest of all.
+    fn starts_with_slowest(&self, found: &[Complex64]) -> bool {
         let Some(slowest) = found.first() else {
             return false;
         };
@@ -448,7 +448,7 @@ impl<'a, 'm> Transform<'a, 'm> {
     }
 
     /// Where |1 − φ̂| is least on the imaginary axis, up to a frequency.
-    fn dips(&self, top: f64) -> Vec<Complex64> {
+    fn minima_on_the_axis(&self, top: f64) -> Vec<Complex64> {
         let step = 0.3 / self.mean;
         let at = |k: usize| Complex64::new(0.0, (k + 1) as f64 * step);
         let line: Vec<f64> =

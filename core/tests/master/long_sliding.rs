@@ -139,7 +139,7 @@ fn long_pulls_cost_what_becoming_steady_costs() {
             cells.pieces
         };
         let (near, far) = (pulled(3e3), [1e5, 1e6, 1e7].map(pulled));
-        // Steady after 1500 at most; cells grow wider for a while before it is seen that they may be as wide as one likes.
+        // Steady after 1500 at most; cells grow wider for a while before one is allowed to reach to the end.
         assert!(far.iter().all(|&cells| cells < 3 * near), "{law:?}: {near}, {far:?}");
     }
 }
