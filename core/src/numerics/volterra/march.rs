@@ -253,7 +253,7 @@ impl March<'_> {
                 control.width = 2.0 * width;
                 return Ok(());
             }
-            // A constant density: one cell reaches to the next breakpoint. Cells of all runs are counted, since each may be short.
+            // A constant density: one cell reaches to the next breakpoint. Cells of all runs count: each may be short.
             if !last && self.values.len().is_multiple_of(256) && self.is_flat() {
                 control.width = stop - here;
                 return Ok(());
