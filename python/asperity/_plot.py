@@ -276,8 +276,11 @@ def stretches(found: "StretchDensity | LawDensity", ax: "Axes | None" = None, **
     ax.set_ylim(bottom=0.0)
     masses(ax, stems)
     ax.set(xlabel=axis("x", ""), ylabel=axis("Q", ""))
-    if any(labels):
-        ax.legend(ncols=1 + len(labels) // 10)
+    few = 6
+    if any(labels) and len(labels) <= few:
+        ax.legend()
+    elif any(labels):
+        legend_above(ax)
     return ax
 
 

@@ -84,6 +84,15 @@ impl Barrier {
         }
     }
 
+    /// The largest −∂(ΔE/E_0)/∂y up to y, for 0 ≤ y ≤ 1.
+    pub(crate) fn steepest(self, y: f64) -> f64 {
+        match self {
+            Self::Elastic => 2.0 * y,
+            Self::Bell => 1.0,
+            Self::Catastrophe => 1.5,
+        }
+    }
+
     /// The length s of the closed form ∫^x e^{−ΔE(ξ)/T} dξ = s G(x) e^{−ΔE(x)/T} for a threshold h, from E_0/T.
     ///
     /// | barrier | s | G(x) |

@@ -16,9 +16,9 @@ pub(super) struct ConstantThreshold {
     whole: f64,
     start: f64,
     /// ΔE(r)/T.
-    begun: f64,
+    pub(super) begun: f64,
     /// s.
-    length: f64,
+    pub(super) length: f64,
     /// G(r) e^{−ΔE(r)/T}.
     before: f64,
 }
@@ -67,6 +67,17 @@ impl ConstantThreshold {
             return (short(self.barrier, (self.threshold, self.whole), stretch, advance), now);
         }
         (self.length * (self.gain(stretch) * now - self.before), now)
+    }
+
+    /// e^{−ΔE(x)/T} after an advance.
+    #[inline]
+    pub(super) fn rate(&self, advance: f64) -> f64 {
+        (-self.whole * self.barrier.height_at(self.start + advance, self.threshold)).exp()
+    }
+
+    /// The largest −∂(ΔE/T)/∂x up to a stretch.
+    pub(super) fn steepest(&self, stretch: f64) -> f64 {
+        self.whole / self.threshold * self.barrier.steepest(stretch / self.threshold)
     }
 
     /// G.

@@ -423,7 +423,7 @@ fn is_uneven([low, high]: [IntervalEnd; 2]) -> bool {
 }
 
 /// The zones of a distribution, the last of them extended to the threshold `highest`.
-fn zones(law: &dyn Law, highest: f64) -> Vec<Zone> {
+pub(super) fn zones(law: &dyn Law, highest: f64) -> Vec<Zone> {
     let end = law.upper_quantile(NEGLIGIBLE);
     // Gauss points integrate twice as far as they interpolate.
     let wider = |zone: Zone| Zone {
@@ -436,7 +436,7 @@ fn zones(law: &dyn Law, highest: f64) -> Vec<Zone> {
 
 /// The edges, with graded ones towards the `steep` positions: down to `least` from 0, and to rounding
 /// elsewhere.
-fn graded(mut edges: Vec<f64>, steep: &[f64], least: f64) -> Vec<f64> {
+pub(super) fn graded(mut edges: Vec<f64>, steep: &[f64], least: f64) -> Vec<f64> {
     /// 16 Gauss points integrate a power to 5e-19 over a part that is twice as wide as its distance.
     const RATIO: f64 = 1.0 / 3.0;
     for &at in steep {

@@ -131,7 +131,7 @@ pub(super) fn near(places: &[f64], low: f64, high: f64) -> bool {
 }
 
 /// Gauss–Legendre points and weights on [low, high].
-fn legendre(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
+pub(super) fn legendre(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     RULE.nodes.iter().zip(&RULE.weights).map(move |(t, w)| (middle + half * t, half * w))
 }

@@ -24,6 +24,7 @@ use num_complex::Complex64;
 
 use crate::contacts::{Ageing, Contacts, FreeTime, ThresholdEvolution};
 use crate::error::positive;
+use crate::master::{StepResponse, Transport};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
@@ -42,6 +43,8 @@ pub struct DynamicStiffness {
     /// Γ_s, per time.
     rate: f64,
     lives: Vec<ThresholdLife>,
+    /// In closed form, of contacts with temperature and constant thresholds; `lives` are then empty.
+    thermal: Option<StepResponse>,
 }
 
 /// Contacts of one fresh threshold in steady sliding, at evenly spaced ages from 0 to the last one.
@@ -127,6 +130,13 @@ impl DynamicStiffness {
             return Err(Error::invalid("ageing", expected, "another"));
         }
         let aside = &mut Aside { fraction: 0.0, monitor };
+        let (delay, friction) = (contacts.rules.delay.clone(), contacts.rules.free_friction);
+        if friction.viscosity > 0.0 {
+            let expected =
+                "free contacts without viscosity, with which the dynamic stiffness has no upper limit";
+            return Err(Error::invalid("free_friction.viscosity", expected, friction.viscosity));
+        }
+        let thermal = Transport::thermal_response(contacts, velocity, aside)?;
         let evolution = ThresholdEvolution::of_with(contacts, aside)?;
         let (low, high) = (law.quantile(BEYOND), law.upper_quantile(BEYOND));
         let mut borders: Vec<f64> =
@@ -134,7 +144,7 @@ impl DynamicStiffness {
         borders.extend(law.breakpoints().iter().map(|b| b.position).filter(|at| (low..high).contains(at)));
         borders.sort_by(f64::total_cmp);
         let mut lives = Vec::new();
-        for ends in borders.windows(2).filter(|ends| ends[1] > ends[0]) {
+        for ends in borders.windows(2).filter(|ends| thermal.is_none() && ends[1] > ends[0]) {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
                 report(aside, 0.0)?;
@@ -145,21 +155,19 @@ impl DynamicStiffness {
         }
         let all: f64 = lives.iter().map(|life| life.weight).sum();
         lives.iter_mut().for_each(|life| life.weight /= all);
-        let (delay, friction) = (contacts.rules.delay.clone(), contacts.rules.free_friction);
-        if friction.viscosity > 0.0 {
-            let expected =
-                "free contacts without viscosity, with which the dynamic stiffness has no upper limit";
-            return Err(Error::invalid("free_friction.viscosity", expected, friction.viscosity));
-        }
         let friction = friction.force;
         let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
         let (length, count) = (law.mean(), contacts.count);
         let rate = 1.0 / (mean + delay.mean());
-        Ok(Self { velocity, length, count, delay, friction, rate, lives })
+        Ok(Self { velocity, length, count, delay, friction, rate, lives, thermal })
     }
 
-    /// F̂(s) for Re s ≥ 0 up to some hundred v over the mean threshold, the highest frequency that the ages resolve.
+    /// F̂(s) for Re s ≥ 0 up to some hundred v over the mean threshold, the highest frequency that the ages resolve; with
+    /// temperature and without ageing at any frequency, in closed form ([`Transport::step_response`]).
     pub fn at(&self, s: Complex64) -> Complex64 {
+        if let Some(thermal) = &self.thermal {
+            return thermal.at(s);
+        }
         let [mut held, mut lost, mut pulls, mut force] = [Complex64::ZERO; 4];
         for life in &self.lives {
             let sums = life.response(s).map(|sum| life.weight * sum);
@@ -187,6 +195,9 @@ impl DynamicStiffness {
     /// F̂(∞), the response to a sudden displacement. With one delay for all breaks F̂ has no limit for s → i∞; this is its value at
     /// the frequencies of which the delay is a multiple of the period.
     pub fn instantaneous(&self) -> f64 {
+        if let Some(thermal) = &self.thermal {
+            return thermal.instantaneous();
+        }
         let friction = if matches!(self.delay, FreeTime::Fixed(_)) { 0.0 } else { self.friction };
         let of = |life: &ThresholdLife| {
             let last = life.ages[life.ages.len() - 1];

@@ -120,6 +120,16 @@ impl Piecewise {
         end: f64,
         resolution: Resolution,
     ) -> ([Self; K], f64) {
+        Self::resolved(&f, edges, end, resolution)
+    }
+
+    /// The same, compiled once for each number of functions.
+    fn resolved<const K: usize>(
+        f: &dyn Fn(f64) -> [f64; K],
+        edges: &[f64],
+        end: f64,
+        resolution: Resolution,
+    ) -> ([Self; K], f64) {
         let mut edges: Vec<f64> =
             edges.iter().copied().filter(|&x| x > 0.0 && x < end).chain([0.0, end]).collect();
         edges.sort_by(f64::total_cmp);
@@ -127,9 +137,9 @@ impl Piecewise {
         let mut out = std::array::from_fn(|_| Self { boundaries: vec![0.0], coefficients: Vec::new() });
         let (mut integral, mut missed) = (0.0, 0.0);
         for pair in edges.windows(2) {
-            let mut bisection = Bisection::new(&f, resolution, integral);
+            let mut bisection = Bisection::new(f, resolution, integral);
             while !bisection.divide((pair[0], pair[1]), (f64::INFINITY, 0)) {
-                bisection = Bisection::new(&f, bisection.resolution.coarser(), integral);
+                bisection = Bisection::new(f, bisection.resolution.coarser(), integral);
             }
             if bisection.resolution != resolution {
                 missed += bisection.missed;
@@ -372,8 +382,8 @@ impl Piecewise {
 }
 
 /// The cells between two edges, by bisection.
-struct Bisection<'a, F, const K: usize> {
-    f: &'a F,
+struct Bisection<'a, const K: usize> {
+    f: &'a dyn Fn(f64) -> [f64; K],
     resolution: Resolution,
     /// The integral of the first function up to the last cell, from the start of the first edge.
     integral: f64,
@@ -383,8 +393,8 @@ struct Bisection<'a, F, const K: usize> {
     missed: f64,
 }
 
-impl<'a, F: Fn(f64) -> [f64; K], const K: usize> Bisection<'a, F, K> {
-    fn new(f: &'a F, resolution: Resolution, integral: f64) -> Self {
+impl<'a, const K: usize> Bisection<'a, K> {
+    fn new(f: &'a dyn Fn(f64) -> [f64; K], resolution: Resolution, integral: f64) -> Self {
         Self { f, resolution, integral, cells: Vec::new(), missed: 0.0 }
     }
 
@@ -430,7 +440,7 @@ impl<'a, F: Fn(f64) -> [f64; K], const K: usize> Bisection<'a, F, K> {
 /// Interpolates several functions on [a, b], bisecting where one of them needs it; returns false if there are too many cells
 /// after the first `cells`. `before` is the largest error of the parent cell, in tolerances.
 fn bisect_each(
-    f: &impl Fn(f64) -> Vec<f64>,
+    f: &dyn Fn(f64) -> Vec<f64>,
     (a, b): (f64, f64),
     (before, depth): (f64, u32),
     (limits, cells): (&[(f64, f64)], usize),

@@ -336,7 +336,9 @@ fn critical_in_sliding(
     block: &scenario::Block,
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
-    if block.slip.inertia_and_drag()? != (0.0, 0.0) {
+    // With temperature and without ageing the response to a step has a closed form at all frequencies.
+    let thermal = contacts.rules.temperature.is_some() && contacts.rules.ageing.is_none();
+    if thermal || block.slip.inertia_and_drag()? != (0.0, 0.0) {
         return Ok(stability(contacts, velocity, Some(block), monitor)?.critical_stiffness);
     }
     // In closed form where thresholds follow from the age; otherwise from the response to a step.

@@ -4,10 +4,12 @@ use std::sync::{Arc, OnceLock};
 
 use crate::common::{contacts, gaussian, point};
 use asperity::block::{Block, Loading, Regime, Slide, Slip};
-use asperity::contacts::{Ageing, Contacts, FreeFriction, FreeTime, Rules};
+use asperity::contacts::{
+    Ageing, Barrier, Contacts, FreeFriction, FreeTime, Hazard, Initial, Rules, Stiffness, Temperature,
+};
 use asperity::history::{History, Piece};
-use asperity::law::{Exponential, SharedLaw};
-use asperity::master::{DynamicStiffness, Slider, StepResponse, Transport};
+use asperity::law::{Exponential, Gamma, Mixture, Rectangular, SharedLaw};
+use asperity::master::{DynamicStiffness, MasterEquation, Slider, StepResponse, Transport};
 use asperity::numerics::legendre::RULE;
 use num_complex::Complex64;
 
@@ -312,4 +314,98 @@ fn above_the_critical_stiffness_large_deviations_may_go_on() {
     let (small, large) = (pulled(1e-3), pulled(0.1));
     assert!(matches!(small, Regime::Smooth { .. }), "{small}");
     assert!(matches!(large, Regime::Persistent { .. }), "{large}");
+}
+
+/// Contacts with a temperature T, an attempt rate of 1 and a barrier.
+fn thermal(thresholds: &SharedLaw, reforming: &SharedLaw, barrier: Barrier, energy: f64) -> Contacts {
+    let temperature = Temperature { energy, attempt_rate: 1.0, barrier, hazard: Hazard::Joint };
+    let rules = Rules { temperature: Some(temperature), ..Rules::default() };
+    Contacts { rules, ..contacts(thresholds, reforming) }
+}
+
+/// Where the barrier is low beside T, contacts break at the rate ω whatever their stretch: F̂ = ks/(s + ω), a Maxwell element.
+#[test]
+fn contacts_that_break_at_a_constant_rate_are_a_maxwell_element() {
+    let contacts = thermal(&gaussian(1.0, 0.1), &point(0.0), Barrier::Bell, 1e7);
+    let response = Transport::step_response(&contacts, 1e-3, 30.0, 1e-5, &mut ()).unwrap();
+    for s in [[0.0, 0.01], [0.0, 1.0], [0.0, 100.0], [0.3, 2.0]].map(|s| Complex64::new(s[0], s[1])) {
+        // E_0/T is 5e-8, and the correlation is resolved to 1e-9.
+        assert!((response.at(s) - s / (s + 1.0)).norm() < 1e-6, "{s} {}", response.at(s));
+    }
+    near(response.integral(), 1.0, 1e-6);
+}
+
+/// F̂ ≈ s dF_k/dv at low frequencies, with F_k of the renewal equation, by differences of fourth order.
+#[test]
+fn the_response_in_closed_form_integrates_to_the_slope_of_kinetic_friction() {
+    let [narrow, broad]: [SharedLaw; 2] = [gaussian(1.0, 0.1), Arc::new(Exponential::new(1.0).unwrap())];
+    let medium: SharedLaw = Arc::new(Gamma::new(1.0, 0.5).unwrap());
+    let components = vec![(0.6, point(0.0)), (0.4, point(0.3))];
+    let two: SharedLaw = Arc::new(Mixture::new(components).unwrap());
+    let mut cases = Vec::new();
+    for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+        for law in [&narrow, &medium, &broad, &point(1.0)] {
+            cases.push(thermal(law, &point(0.0), barrier, 0.02));
+        }
+        cases.push(thermal(&narrow, &two, barrier, 0.1));
+        let stiffness = Stiffness::PerThreshold(2.0);
+        cases.push(Contacts { stiffness, ..thermal(&medium, &point(0.0), barrier, 0.1) });
+    }
+    for contacts in cases {
+        for velocity in [1e-4, 0.3] {
+            let kinetic = |velocity: f64| {
+                MasterEquation::at(contacts.clone(), &Initial::default(), velocity)
+                    .unwrap()
+                    .steady_state()
+                    .kinetic_friction()
+            };
+            let at = |k: f64| kinetic(velocity * (1.0 + 1e-3 * k));
+            let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12e-3 * velocity);
+            let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
+            // F_k to 1e-11 over 1e-3 of v, and 1e-9 of the correlation over its own length, some T/k.
+            let expected = 1e-7 / velocity;
+            near(response.integral(), slope, expected);
+        }
+    }
+}
+
+/// The closed form against the trapezoidal rule of contacts that age by next to nothing, and against the motion in time, in which
+/// contacts that re-form over a range of stretches are followed.
+#[test]
+fn the_response_in_closed_form_is_that_of_quadrature_and_of_the_motion_in_time() {
+    let velocity = 0.1;
+    let range: SharedLaw = Arc::new(Rectangular::new(0.0, 1e-5).unwrap());
+    let friction = FreeFriction { force: 0.3, ..FreeFriction::default() };
+    let distributed = FreeTime::Distributed(Arc::new(Exponential::new(2.0).unwrap()));
+    for delay in [FreeTime::default(), 2.0.into(), distributed] {
+        let of = |reforming: &SharedLaw, ageing: Option<Ageing>| {
+            let mut contacts = thermal(&gaussian(1.0, 0.2), reforming, Barrier::Elastic, 0.1);
+            (contacts.rules.delay, contacts.rules.ageing) = (delay.clone(), ageing);
+            if !contacts.rules.delay.is_none() {
+                contacts.rules.free_friction = friction;
+            }
+            contacts
+        };
+        let respond =
+            |contacts: &Contacts| Transport::step_response(contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
+        let closed = respond(&of(&point(0.0), None));
+        let followed = respond(&of(&range, None));
+        let little = Some(Ageing::Logarithmic { growth: 1e-12, time: 1.0 });
+        let quadrature = DynamicStiffness::new(&of(&point(0.0), little), velocity).unwrap();
+        for frequency in [0.003, 0.03, 0.1, 0.3, 1.0] {
+            let s = Complex64::new(0.0, frequency);
+            // Trapezoids over a two-thousandth of the life, in which the phase changes by up to 0.005.
+            let apart = (closed.at(s) - quadrature.at(s)).norm();
+            assert!(apart < 5e-5, "{s}: {} {}", closed.at(s), quadrature.at(s));
+            // Forces of steps are known to some 1e-3 of the stiffness of the contacts.
+            assert!(
+                (closed.at(s) - followed.at(s)).norm() < 5e-3,
+                "{s}: {} {}",
+                closed.at(s),
+                followed.at(s)
+            );
+        }
+        let thermal = DynamicStiffness::new(&of(&point(0.0), None), velocity).unwrap();
+        near(thermal.instantaneous(), quadrature.instantaneous(), 5e-5);
+    }
 }

@@ -43,6 +43,7 @@ mod step_context;
 mod step_control;
 mod survival_table;
 mod thermal;
+mod thermal_response;
 mod threshold_rule;
 mod trace;
 mod trial;

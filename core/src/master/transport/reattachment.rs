@@ -115,6 +115,14 @@ impl Reattachment {
         }
     }
 
+    /// [`Self::force`] for s → i∞ where d̂ is 1 in phase, or 0 for free times that differ.
+    pub(super) fn force_in_phase(&self) -> f64 {
+        match self.delay {
+            FreeTime::Fixed(_) => 0.0,
+            FreeTime::Distributed(_) => self.least_force_at_once(),
+        }
+    }
+
     /// Frequencies, from `low` to `high` or beyond, between which the dynamic stiffness is smooth, not farther apart than by this
     /// factor.
     ///

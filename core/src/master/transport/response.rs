@@ -19,6 +19,7 @@ use super::dense_output::RequestedReadings;
 use super::merging::MergingRule;
 use super::reattachment::Reattachment;
 use super::settled::ConstantRate;
+use super::thermal_response::ThermalResponse;
 use super::{Transport, steady};
 use crate::contacts::{Contacts, FreeFriction, FreeTime, Rules};
 use crate::monitor::{Aside, Monitor, Part};
@@ -27,15 +28,27 @@ use crate::{Error, Result};
 /// The response of steady sliding to a small step of the slider.
 #[derive(Debug, Clone)]
 pub struct StepResponse {
-    /// v.
-    pub velocity: f64,
-    /// Times t since the step, evenly spaced from 0.
-    pub time: Vec<f64>,
-    /// r(t), force per length, if contacts re-form at once; taken as 0 after the last time.
-    pub response: Vec<f64>,
-    /// Fraction of contacts that have broken until then because of the step, per length, if contacts re-form at once.
-    breaks: Vec<f64>,
+    velocity: f64,
+    immediate: ImmediateResponse,
     reattachment: Option<Reattachment>,
+}
+
+/// The response of contacts that re-form at once.
+#[derive(Debug, Clone)]
+enum ImmediateResponse {
+    Followed(FollowedResponse),
+    Thermal(Box<ThermalResponse>),
+}
+
+/// A response in time.
+#[derive(Debug, Clone)]
+struct FollowedResponse {
+    /// Times t since the step, evenly spaced from 0.
+    time: Vec<f64>,
+    /// r(t), force per length; taken as 0 after the last time.
+    response: Vec<f64>,
+    /// Fraction of contacts that have broken until then because of the step, per length.
+    breaks: Vec<f64>,
 }
 
 /// Size of the step, in units of the length on which lives vary.
@@ -49,6 +62,9 @@ const FAST: f64 = 1e4;
 
 /// Largest number of times, in each of which all cohorts move.
 const MOST: f64 = 4_194_304.0;
+
+/// Mean lives after which a response in closed form has no more structure.
+const LIVES: f64 = 30.0;
 
 /// Frequencies evaluated per factor e.
 const PER_FOLD: f64 = 50.0;
@@ -65,8 +81,9 @@ fn fits(velocity: f64, count: f64) -> Result<()> {
 }
 
 impl Transport {
-    /// The response of steady sliding at a velocity to a small step, over `lives` mean lives of a contact; 0
-    /// for time-independent contacts.
+    /// The response of steady sliding at a velocity to a small step. It is 0 for time-independent contacts, and has a closed form
+    /// with temperature and without ageing if contacts re-form at one stretch or a few. Else it is followed in time over `lives`
+    /// mean lives of a contact, to `tolerance`.
     ///
     /// # Errors
     /// Those of [`Transport::steady`]; a number of lives that is not above 0; a delay after which all contacts stay in phase;
@@ -81,24 +98,45 @@ impl Transport {
         super::positive("lives", lives)?;
         super::positive("velocity", velocity)?;
         contacts.check(&steady::relaxed())?;
-        let Rules { delay, free_friction, .. } = &contacts.rules;
+        let Rules { free_friction, .. } = &contacts.rules;
         if free_friction.viscosity > 0.0 {
             let expected =
                 "0 where the response of steady sliding is computed: a step has no limit with a viscosity";
             return Err(Error::invalid("free_friction.viscosity", expected, free_friction.viscosity));
         }
-        let mut immediate = contacts.clone();
-        (immediate.rules.delay, immediate.rules.free_friction) =
-            (FreeTime::default(), FreeFriction::default());
-        let of = &mut Aside { fraction: 0.0, monitor };
+        if let Some(thermal) = Self::thermal_response(contacts, velocity, monitor)? {
+            return Ok(thermal);
+        }
+        let immediate = immediate(contacts);
         let reattachment =
-            (!delay.is_none()).then(|| Reattachment::new(contacts, &immediate, velocity, of)).transpose()?;
+            reattachment(contacts, &immediate, velocity, &mut Aside { fraction: 0.0, monitor })?;
         let response = if immediate.rules.are_time_dependent() {
             followed(&immediate, velocity, lives, tolerance, monitor)?
         } else {
             time_independent(contacts, velocity, reattachment.as_ref())
         };
-        Ok(StepResponse { reattachment, ..response })
+        Ok(StepResponse { velocity, immediate: ImmediateResponse::Followed(response), reattachment })
+    }
+
+    /// The same where it has a closed form: with temperature, without ageing, and if contacts re-form at a few stretches.
+    ///
+    /// # Errors
+    /// Those of [`Self::step_response`].
+    pub(crate) fn thermal_response(
+        contacts: &Contacts,
+        velocity: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<StepResponse>> {
+        if contacts.rules.temperature.is_none() || contacts.rules.ageing.is_some() {
+            return Ok(None);
+        }
+        let immediate = immediate(contacts);
+        let thermal = ThermalResponse::of(&immediate, velocity, LIVES, &mut Part::new(monitor, 0.0, 0.9))?;
+        let Some(thermal) = thermal else { return Ok(None) };
+        let reattachment =
+            reattachment(contacts, &immediate, velocity, &mut Aside { fraction: 0.9, monitor })?;
+        let immediate = ImmediateResponse::Thermal(Box::new(thermal));
+        Ok(Some(StepResponse { velocity, immediate, reattachment }))
     }
 
     /// Force and fraction of broken contacts at the times, of steady sliding on.
@@ -119,13 +157,31 @@ impl Transport {
     }
 }
 
+/// The same contacts, if they re-form at once.
+fn immediate(contacts: &Contacts) -> Contacts {
+    let mut immediate = contacts.clone();
+    (immediate.rules.delay, immediate.rules.free_friction) = (FreeTime::default(), FreeFriction::default());
+    immediate
+}
+
+/// What a free time changes, if there is one.
+fn reattachment(
+    contacts: &Contacts,
+    immediate: &Contacts,
+    velocity: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<Reattachment>> {
+    let delayed = !contacts.rules.delay.is_none();
+    delayed.then(|| Reattachment::new(contacts, immediate, velocity, monitor)).transpose()
+}
+
 /// Time-independent contacts: the force of steady sliding does not depend on how the slider moves on, and a step breaks as many
 /// contacts as the same distance of steady sliding.
-fn time_independent(contacts: &Contacts, velocity: f64, free: Option<&Reattachment>) -> StepResponse {
+fn time_independent(contacts: &Contacts, velocity: f64, free: Option<&Reattachment>) -> FollowedResponse {
     let time = vec![0.0, contacts.thresholds.mean() / velocity];
     // Without a free time no response depends on breaks.
     let breaks = vec![free.map_or(0.0, Reattachment::breaks_per_length); 2];
-    StepResponse { velocity, time, response: vec![0.0; 2], breaks, reattachment: None }
+    FollowedResponse { time, response: vec![0.0; 2], breaks }
 }
 
 /// The response of contacts that re-form at once, from two solutions: of steady sliding with and without a step.
@@ -135,7 +191,7 @@ fn followed(
     lives: f64,
     tolerance: f64,
     monitor: &mut dyn Monitor,
-) -> Result<StepResponse> {
+) -> Result<FollowedResponse> {
     let aside = &mut Aside { fraction: 0.0, monitor };
     let mut steady = Transport::steady_with(contacts, velocity, tolerance, aside)?;
     (steady.rough, steady.constant) = (None, ConstantRate::unused());
@@ -154,18 +210,24 @@ fn followed(
     let per_length =
         |of: usize| after.iter().zip(&before).map(|(after, before)| (after[of] - before[of]) / by).collect();
     let (response, breaks) = (per_length(0), per_length(1));
-    Ok(StepResponse { velocity, time, response, breaks, reattachment: None })
+    Ok(FollowedResponse { time, response, breaks })
 }
 
 impl StepResponse {
     /// The response r at evenly spaced times from 0 of contacts that re-form at once.
     pub fn new(velocity: f64, time: Vec<f64>, response: Vec<f64>) -> Self {
         let breaks = vec![0.0; time.len()];
-        Self { velocity, time, response, breaks, reattachment: None }
+        let followed = FollowedResponse { time, response, breaks };
+        Self { velocity, immediate: ImmediateResponse::Followed(followed), reattachment: None }
     }
 
-    /// F̂(s), Re s ≥ 0, with r linear between the times. Beyond the frequencies that these resolve, r is r(0)
-    /// + ρ/s, as for |s| → ∞, with ρ from Im F̂ at the last resolved frequency.
+    /// v.
+    pub fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
+    /// F̂(s), Re s ≥ 0, with r linear between the times if it was followed in time. Beyond the frequencies that these resolve, F̂
+    /// is then r(0) + ρ/s, as for |s| → ∞, with ρ from Im F̂ at the last resolved frequency.
     pub fn at(&self, s: Complex64) -> Complex64 {
         self.joined(s, Reattachment::force)
     }
@@ -177,39 +239,54 @@ impl StepResponse {
 
     /// The least real part of F̂ at the frequencies ω → ∞ at which its imaginary part is 0.
     pub(super) fn least_at_once(&self) -> f64 {
+        let [force, breaks] = self.at_once();
         match &self.reattachment {
-            None => self.response[0],
-            Some(free) => free.attached() * (self.response[0] + self.breaks[0] * free.least_force_at_once()),
+            None => force,
+            Some(free) => free.attached() * (force + breaks * free.least_force_at_once()),
         }
     }
 
+    /// F̂(∞); with one delay for all breaks its value at the frequencies of which the delay is a multiple of the period.
+    pub(crate) fn instantaneous(&self) -> f64 {
+        let [force, breaks] = self.at_once();
+        self.reattachment
+            .as_ref()
+            .map_or(force, |free| free.attached() * (force + breaks * free.force_in_phase()))
+    }
+
     fn joined(&self, s: Complex64, force: impl Fn(&Reattachment, Complex64) -> Complex64) -> Complex64 {
-        let [immediate, breaks] = self.if_immediate(s);
+        let [immediate, breaks] = match &self.immediate {
+            ImmediateResponse::Followed(followed) => followed.transforms(s),
+            ImmediateResponse::Thermal(thermal) => thermal.transforms(s),
+        };
         match &self.reattachment {
             None => immediate,
             Some(free) => free.attached() * (immediate + breaks * force(free, s)),
         }
     }
 
-    /// F̂₀(s) and β̂(s) of contacts that re-form at once.
-    fn if_immediate(&self, s: Complex64) -> [Complex64; 2] {
-        if s.norm() <= self.resolved() {
-            return self.sums(s);
+    /// Both responses at the time of the step.
+    fn at_once(&self) -> [f64; 2] {
+        match &self.immediate {
+            ImmediateResponse::Followed(followed) => [followed.response[0], followed.breaks[0]],
+            ImmediateResponse::Thermal(thermal) => thermal.at_once(),
         }
-        let last = Complex64::new(0.0, self.resolved());
-        let first = [self.response[0], self.breaks[0]];
-        let sums = self.sums(last);
-        [0, 1].map(|i| Complex64::from(first[i]) - last.im * sums[i].im / s)
     }
 
-    /// The highest frequency that the times resolve.
+    /// The highest frequency at which the response has structure, or up to which it is resolved.
     fn resolved(&self) -> f64 {
-        1.0 / self.time[1]
+        match &self.immediate {
+            ImmediateResponse::Followed(followed) => followed.resolved(),
+            ImmediateResponse::Thermal(thermal) => thermal.highest(),
+        }
     }
 
-    /// Duration for which the response is known.
+    /// Duration after which there is no response.
     pub(super) fn known(&self) -> f64 {
-        self.time[self.time.len() - 1]
+        match &self.immediate {
+            ImmediateResponse::Followed(followed) => followed.time[followed.time.len() - 1],
+            ImmediateResponse::Thermal(thermal) => thermal.duration(),
+        }
     }
 
     /// Frequencies between which F̂ is smooth.
@@ -223,6 +300,37 @@ impl StepResponse {
         }
         let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
         Ok((0..=count as u32).map(|k| low * (high / low).powf(f64::from(k) / count)).collect())
+    }
+
+    /// The derivative of F̂ at s = 0: dF_k/dv.
+    pub fn integral(&self) -> f64 {
+        let [immediate, breaks] = match &self.immediate {
+            ImmediateResponse::Followed(followed) => {
+                [followed.integral(), followed.breaks[followed.breaks.len() - 1]]
+            }
+            ImmediateResponse::Thermal(thermal) => thermal.integrals(),
+        };
+        self.reattachment
+            .as_ref()
+            .map_or(immediate, |free| free.attached() * (immediate + breaks * free.force_rate()))
+    }
+}
+
+impl FollowedResponse {
+    /// s ∫r e^{−st} dt, and the same of the breaks.
+    fn transforms(&self, s: Complex64) -> [Complex64; 2] {
+        if s.norm() <= self.resolved() {
+            return self.sums(s);
+        }
+        let last = Complex64::new(0.0, self.resolved());
+        let first = [self.response[0], self.breaks[0]];
+        let sums = self.sums(last);
+        [0, 1].map(|i| Complex64::from(first[i]) - last.im * sums[i].im / s)
+    }
+
+    /// The highest frequency that the times resolve.
+    fn resolved(&self) -> f64 {
+        1.0 / self.time[1]
     }
 
     /// Both responses transformed, linear between the times.
@@ -240,14 +348,10 @@ impl StepResponse {
         sums
     }
 
-    /// The derivative of F̂ at s = 0: dF_k/dv.
-    pub fn integral(&self) -> f64 {
+    /// ∫r dt.
+    fn integral(&self) -> f64 {
         let part =
             |(time, response): (&[f64], &[f64])| 0.5 * (time[1] - time[0]) * (response[0] + response[1]);
-        let immediate: f64 = self.time.windows(2).zip(self.response.windows(2)).map(part).sum();
-        let breaks = self.breaks[self.breaks.len() - 1];
-        self.reattachment
-            .as_ref()
-            .map_or(immediate, |free| free.attached() * (immediate + breaks * free.force_rate()))
+        self.time.windows(2).zip(self.response.windows(2)).map(part).sum()
     }
 }
