@@ -12,26 +12,16 @@ pub const ERRORS: f64 = 4.0;
 /// What the solutions may be apart besides, of the largest force: twice the tolerance by default where thresholds diffuse in
 /// time, the coarsest there is, and rounding where all contacts of an ensemble do the same and its error is 0.
 const SOLVED: f64 = 2e-4;
-/// Contacts of an ensemble whose size is not given.
-const CONTACTS: i64 = 100_000;
 
 /// How far the two are apart in the last row of one of the tables in a folder, in standard errors beyond what solutions may
-/// miss; none where there is no such table. The force of one contact is part of the error: where less than one is expected to
-/// break and none does, the ensemble knows no scatter.
+/// miss; none where there is no such table.
 pub fn deviation(results: &Path) -> Option<f64> {
-    let contacts = contacts(&results.join("scenario.toml")).unwrap_or(CONTACTS);
     ["force.csv", "trace.csv", "velocity_curve.csv"]
         .into_iter()
-        .find_map(|name| in_table(&results.join(name), contacts as f64))
+        .find_map(|name| in_table(&results.join(name)))
 }
 
-/// The number of contacts of an ensemble, if it is given.
-fn contacts(scenario: &Path) -> Option<i64> {
-    let scenario: toml::Table = std::fs::read_to_string(scenario).ok()?.parse().ok()?;
-    scenario.get("ensemble")?.get("size")?.as_integer()
-}
-
-fn in_table(path: &Path, contacts: f64) -> Option<f64> {
+fn in_table(path: &Path) -> Option<f64> {
     let text = std::fs::read_to_string(path).ok()?;
     let mut rows = text.lines();
     let names: Vec<_> = rows.next()?.split(',').collect();
@@ -44,7 +34,7 @@ fn in_table(path: &Path, contacts: f64) -> Option<f64> {
     let largest = rows.iter().map(|row| row[force].abs()).fold(0.0, f64::max);
     let last = rows.last()?;
     let beyond = ((last[drawn] - last[force]).abs() - SOLVED * largest).max(0.0);
-    Some(if beyond == 0.0 { 0.0 } else { beyond / last[error].hypot(largest / contacts) })
+    Some(if beyond == 0.0 { 0.0 } else { beyond / last[error] })
 }
 
 /// Deviations of cases.

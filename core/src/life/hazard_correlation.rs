@@ -34,11 +34,11 @@ struct Correlated<'a> {
     highest: f64,
 }
 
-/// Error of C, and of C over the mean threshold.
+/// Error of the integral of C over a cell, in mean thresholds.
 const TOLERANCE: f64 = 1e-9;
 /// Fraction of contacts, or of what they contribute, that is left out.
 const NEGLIGIBLE: f64 = 1e-14;
-/// ln of what is left out beside the largest value.
+/// −ln of the surviving fraction, or of the hazard of a contact that has just formed, that is left out.
 const NOTHING: f64 = 35.0;
 /// By how much the exponents of e^x or of e^{−e^x} may differ in a panel of 16 Gauss points, which miss 1e-11 of the latter.
 const APART: f64 = 5.0;
@@ -131,7 +131,7 @@ impl<'a> Correlated<'a> {
             let constant = self.constant(threshold, start);
             (self.attempts * constant.length).ln() - constant.begun
         });
-        // Stronger contacts break so far below their thresholds whatever these are.
+        // How far below its threshold a contact breaks depends little on the threshold, unless it may break at once.
         if before.max(after) > -NOTHING && (before - after).abs() > APART && high - low > 1e-6 * high {
             let middle = 0.5 * (low + high);
             self.panel([low, middle], start, visit);
@@ -162,7 +162,7 @@ impl<'a> Correlated<'a> {
         }
         if !survive(top) {
             let mut low = 0.0;
-            // To a twentieth, which is what the hazard is known to be large over.
+            // Nothing survives beyond the highest u₀; a twentieth more costs a few panels.
             while top - low > 0.05 * top {
                 let middle = 0.5 * (low + top);
                 *(if survive(middle) { &mut low } else { &mut top }) = middle;

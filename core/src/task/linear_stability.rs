@@ -5,7 +5,7 @@ use crate::master::{Slider, Transport};
 use crate::monitor::{Monitor, Part};
 use crate::{Result, scenario};
 
-/// Sliding distance over which the response of steady sliding is computed, in mean lives of a contact.
+/// Sliding distance over which the response of steady sliding is followed where it has no closed form, in mean lives of a contact.
 const LIVES: f64 = 30.0;
 /// Tolerance of that response; the error of K_c is then some 1e-3 of the stiffness of the contacts, or of K_c if that is larger.
 const RESPONSE: f64 = 1e-5;
