@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use crate::contacts::{Ageing, Contacts, FreeTime, ThresholdEvolution};
+use crate::contacts::{Ageing, Contacts, FreeTime, Rules, ThresholdEvolution};
 use crate::error::positive;
 use crate::master::{StepResponse, Transport};
 use crate::monitor::{Aside, Monitor, Watch, report};
@@ -36,6 +36,23 @@ pub struct DynamicStiffness {
     velocity: f64,
     /// The mean fresh threshold, which sets the frequencies.
     length: f64,
+    /// The mean free time.
+    delay: f64,
+    form: Form,
+}
+
+/// How F̂ is computed.
+#[derive(Debug, Clone)]
+enum Form {
+    /// In closed form, of contacts with temperature and constant thresholds.
+    Thermal(Box<StepResponse>),
+    /// By quadrature over ages and thresholds.
+    Quadrature(LifeQuadrature),
+}
+
+/// Contacts of all fresh thresholds.
+#[derive(Debug, Clone)]
+struct LifeQuadrature {
     count: f64,
     delay: FreeTime,
     /// Friction force of a free contact.
@@ -43,8 +60,6 @@ pub struct DynamicStiffness {
     /// Γ_s, per time.
     rate: f64,
     lives: Vec<ThresholdLife>,
-    /// In closed form, of contacts with temperature and constant thresholds; `lives` are then empty.
-    thermal: Option<StepResponse>,
 }
 
 /// Contacts of one fresh threshold in steady sliding, at evenly spaced ages from 0 to the last one.
@@ -130,82 +145,35 @@ impl DynamicStiffness {
             return Err(Error::invalid("ageing", expected, "another"));
         }
         let aside = &mut Aside { fraction: 0.0, monitor };
-        let (delay, friction) = (contacts.rules.delay.clone(), contacts.rules.free_friction);
-        if friction.viscosity > 0.0 {
+        let Rules { delay, free_friction, .. } = &contacts.rules;
+        if free_friction.viscosity > 0.0 {
             let expected =
                 "free contacts without viscosity, with which the dynamic stiffness has no upper limit";
-            return Err(Error::invalid("free_friction.viscosity", expected, friction.viscosity));
+            return Err(Error::invalid("free_friction.viscosity", expected, free_friction.viscosity));
         }
-        let thermal = Transport::thermal_response(contacts, velocity, aside)?;
-        let evolution = ThresholdEvolution::of_with(contacts, aside)?;
-        let (low, high) = (law.quantile(BEYOND), law.upper_quantile(BEYOND));
-        let mut borders: Vec<f64> =
-            (0..=PANELS).map(|i| low + (high - low) * f64::from(i) / f64::from(PANELS)).collect();
-        borders.extend(law.breakpoints().iter().map(|b| b.position).filter(|at| (low..high).contains(at)));
-        borders.sort_by(f64::total_cmp);
-        let mut lives = Vec::new();
-        for ends in borders.windows(2).filter(|ends| thermal.is_none() && ends[1] > ends[0]) {
-            let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-            for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
-                report(aside, 0.0)?;
-                let newborn = middle + half * node;
-                let weight = half * weight * law.density(newborn);
-                lives.push(ThresholdLife::new(contacts, &evolution, velocity, newborn, weight));
-            }
-        }
-        let all: f64 = lives.iter().map(|life| life.weight).sum();
-        lives.iter_mut().for_each(|life| life.weight /= all);
-        let friction = friction.force;
-        let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
-        let (length, count) = (law.mean(), contacts.count);
-        let rate = 1.0 / (mean + delay.mean());
-        Ok(Self { velocity, length, count, delay, friction, rate, lives, thermal })
+        let form = match Transport::thermal_response(contacts, velocity, aside)? {
+            Some(thermal) => Form::Thermal(Box::new(thermal)),
+            None => Form::Quadrature(LifeQuadrature::new(contacts, velocity, aside)?),
+        };
+        Ok(Self { velocity, length: law.mean(), delay: delay.mean(), form })
     }
 
     /// F̂(s) for Re s ≥ 0 up to some hundred v over the mean threshold, the highest frequency that the ages resolve; with
     /// temperature and without ageing at any frequency, in closed form ([`Transport::step_response`]).
     pub fn at(&self, s: Complex64) -> Complex64 {
-        if let Some(thermal) = &self.thermal {
-            return thermal.at(s);
-        }
-        let [mut held, mut lost, mut pulls, mut force] = [Complex64::ZERO; 4];
-        for life in &self.lives {
-            let sums = life.response(s).map(|sum| life.weight * sum);
-            held += sums[0];
-            lost += sums[1];
-            pulls += sums[2];
-            force += sums[3];
-        }
-        let free = self.free(s);
-        self.count * self.rate * (force - lost / (held + free) * (pulls + self.friction * free))
-    }
-
-    /// The deviation of the free fraction per deviation of the rate of formation.
-    fn free(&self, s: Complex64) -> Complex64 {
-        let delay = self.delay.mean();
-        if s.norm() * delay < 1e-8 {
-            return Complex64::from(delay);
-        }
-        match &self.delay {
-            FreeTime::Fixed(delay) => ((s * delay).exp() - 1.0) / s,
-            FreeTime::Distributed(law) => (1.0 / law.laplace(s) - 1.0) / s,
+        match &self.form {
+            Form::Thermal(thermal) => thermal.at(s),
+            Form::Quadrature(quadrature) => quadrature.at(s),
         }
     }
 
     /// F̂(∞), the response to a sudden displacement. With one delay for all breaks F̂ has no limit for s → i∞; this is its value at
     /// the frequencies of which the delay is a multiple of the period.
     pub fn instantaneous(&self) -> f64 {
-        if let Some(thermal) = &self.thermal {
-            return thermal.instantaneous();
+        match &self.form {
+            Form::Thermal(thermal) => thermal.instantaneous(),
+            Form::Quadrature(quadrature) => quadrature.instantaneous(),
         }
-        let friction = if matches!(self.delay, FreeTime::Fixed(_)) { 0.0 } else { self.friction };
-        let of = |life: &ThresholdLife| {
-            let last = life.ages[life.ages.len() - 1];
-            life.weight
-                * (life.sum(|at| at.stiffness * at.survival)
-                    + (friction - last.stiffness * last.stretch) * life.lost)
-        };
-        self.count * self.rate * self.lives.iter().map(of).sum::<f64>()
     }
 
     /// The dynamic stiffness KF̂/(K + F̂) of contacts and a spring K in series: the change of the force per displacement
@@ -281,7 +249,7 @@ impl DynamicStiffness {
     /// Angular frequencies between which F̂ is smooth.
     fn frequencies(&self) -> Result<Vec<f64>> {
         let (low, high, count) = FREQUENCIES;
-        let (unit, delay) = (self.velocity / self.length, self.delay.mean());
+        let (unit, delay) = (self.velocity / self.length, self.delay);
         let needed = unit * high * delay / PHASE;
         if needed > MOST {
             let expected = format!(
@@ -314,6 +282,71 @@ fn filon(ends: &[f64], values: &[f64], time: f64) -> f64 {
         (2.0 * phase.sin() / phase, 2.0 * (phase.sin() / phase - phase.cos()) / phase)
     };
     half * (mean * sine * even + tilt * cosine * odd)
+}
+
+impl LifeQuadrature {
+    fn new(contacts: &Contacts, velocity: f64, monitor: &mut dyn Monitor) -> Result<Self> {
+        let law = contacts.thresholds.as_ref();
+        let evolution = ThresholdEvolution::of_with(contacts, monitor)?;
+        let (low, high) = (law.quantile(BEYOND), law.upper_quantile(BEYOND));
+        let mut borders: Vec<f64> =
+            (0..=PANELS).map(|i| low + (high - low) * f64::from(i) / f64::from(PANELS)).collect();
+        borders.extend(law.breakpoints().iter().map(|b| b.position).filter(|at| (low..high).contains(at)));
+        borders.sort_by(f64::total_cmp);
+        let mut lives = Vec::new();
+        for ends in borders.windows(2).filter(|ends| ends[1] > ends[0]) {
+            let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+            for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
+                report(monitor, 0.0)?;
+                let newborn = middle + half * node;
+                let weight = half * weight * law.density(newborn);
+                lives.push(ThresholdLife::new(contacts, &evolution, velocity, newborn, weight));
+            }
+        }
+        let all: f64 = lives.iter().map(|life| life.weight).sum();
+        lives.iter_mut().for_each(|life| life.weight /= all);
+        let delay = contacts.rules.delay.clone();
+        let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
+        let rate = 1.0 / (mean + delay.mean());
+        let friction = contacts.rules.free_friction.force;
+        Ok(Self { count: contacts.count, delay, friction, rate, lives })
+    }
+
+    fn at(&self, s: Complex64) -> Complex64 {
+        let [mut held, mut lost, mut pulls, mut force] = [Complex64::ZERO; 4];
+        for life in &self.lives {
+            let sums = life.response(s).map(|sum| life.weight * sum);
+            held += sums[0];
+            lost += sums[1];
+            pulls += sums[2];
+            force += sums[3];
+        }
+        let free = self.free(s);
+        self.count * self.rate * (force - lost / (held + free) * (pulls + self.friction * free))
+    }
+
+    /// The deviation of the free fraction per deviation of the rate of formation.
+    fn free(&self, s: Complex64) -> Complex64 {
+        let delay = self.delay.mean();
+        if s.norm() * delay < 1e-8 {
+            return Complex64::from(delay);
+        }
+        match &self.delay {
+            FreeTime::Fixed(delay) => ((s * delay).exp() - 1.0) / s,
+            FreeTime::Distributed(law) => (1.0 / law.laplace(s) - 1.0) / s,
+        }
+    }
+
+    fn instantaneous(&self) -> f64 {
+        let friction = if matches!(self.delay, FreeTime::Fixed(_)) { 0.0 } else { self.friction };
+        let of = |life: &ThresholdLife| {
+            let last = life.ages[life.ages.len() - 1];
+            life.weight
+                * (life.sum(|at| at.stiffness * at.survival)
+                    + (friction - last.stiffness * last.stretch) * life.lost)
+        };
+        self.count * self.rate * self.lives.iter().map(of).sum::<f64>()
+    }
 }
 
 impl ThresholdLife {

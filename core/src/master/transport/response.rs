@@ -9,6 +9,8 @@
 //! F̂(iω) is the complex dynamic stiffness at the angular frequency ω. At small ω, F̂ ≈ iω ∫r dt = iω
 //! dF_k/dv.
 //!
+//! With temperature and without ageing F̂ has a closed form ([`super::thermal_response`]). Else r is followed in time.
+//!
 //! A time between breaking and re-forming would let r jump, and contacts that are alike would stay in phase for long. So r is
 //! that of contacts that re-form at once, with the response of their breaks, and the free time enters in closed form
 //! ([`Reattachment`]).
@@ -62,9 +64,6 @@ const FAST: f64 = 1e4;
 
 /// Largest number of times, in each of which all cohorts move.
 const MOST: f64 = 4_194_304.0;
-
-/// Mean lives after which a response in closed form has no more structure.
-const LIVES: f64 = 30.0;
 
 /// Frequencies evaluated per factor e.
 const PER_FOLD: f64 = 50.0;
@@ -131,7 +130,7 @@ impl Transport {
             return Ok(None);
         }
         let immediate = immediate(contacts);
-        let thermal = ThermalResponse::of(&immediate, velocity, LIVES, &mut Part::new(monitor, 0.0, 0.9))?;
+        let thermal = ThermalResponse::of(&immediate, velocity, &mut Part::new(monitor, 0.0, 0.9))?;
         let Some(thermal) = thermal else { return Ok(None) };
         let reattachment =
             reattachment(contacts, &immediate, velocity, &mut Aside { fraction: 0.9, monitor })?;

@@ -28,9 +28,10 @@ pub(super) struct ThermalResponse {
     velocity: f64,
     /// ū.
     mean_life: f64,
-    /// Mean lives after which the response is over.
-    lives: f64,
 }
+
+/// Mean lives for which a response lasts: below its inverse F̂ has no more structure.
+const LIVES: f64 = 30.0;
 
 /// The highest frequency in units of v over the narrowest cell of the correlation: the next terms of the expansion in 1/s are
 /// less by as much.
@@ -41,12 +42,7 @@ impl ThermalResponse {
     ///
     /// # Errors
     /// Those of [`MasterEquation::at`]; stopped by the monitor.
-    pub(super) fn of(
-        contacts: &Contacts,
-        velocity: f64,
-        lives: f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Option<Self>> {
+    pub(super) fn of(contacts: &Contacts, velocity: f64, monitor: &mut dyn Monitor) -> Result<Option<Self>> {
         let part = &mut Part::new(monitor, 0.0, 0.9);
         let Some(correlation) = HazardCorrelation::of(contacts, velocity, &Watch::new(part))? else {
             return Ok(None);
@@ -54,7 +50,7 @@ impl ThermalResponse {
         let part = &mut Part::new(monitor, 0.9, 0.1);
         let equation = MasterEquation::reformed(contacts.clone(), Some(velocity), part)?;
         let mean_life = equation.life().mean();
-        Ok(Some(Self { equation, correlation, velocity, mean_life, lives }))
+        Ok(Some(Self { equation, correlation, velocity, mean_life }))
     }
 
     /// F̂ and sβ̂/s, the fraction of contacts that break because of the step, per length.
@@ -90,7 +86,7 @@ impl ThermalResponse {
 
     /// How long there is a response.
     pub(super) fn duration(&self) -> f64 {
-        self.lives * self.mean_life / self.velocity
+        LIVES * self.mean_life / self.velocity
     }
 
     /// S, p, C and C_x.
