@@ -39,7 +39,7 @@ pub(super) struct Cohorts {
 
 /// The lengths on which survival moments vary with the start.
 #[derive(Debug, Clone)]
-struct Reach {
+pub(super) struct Reach {
     thresholds: SharedLaw,
     /// Breakpoints of P_c above 0.
     edges: Vec<f64>,
@@ -50,13 +50,20 @@ struct Reach {
 }
 
 impl Reach {
-    fn new(contacts: &Contacts, model: &dyn BreakingModel) -> Self {
+    /// Of survival moments that vary on the length `resolution`; if `reported`, panels of starts are cut where contacts reach an
+    /// edge of P_c.
+    pub(super) fn new(contacts: &Contacts, resolution: f64, reported: bool) -> Self {
         let thresholds = contacts.thresholds.clone();
         let edges =
             with_atoms(thresholds.as_ref()).iter().map(|b| b.position).filter(|&at| at > 0.0).collect();
         let starts_smoothly = starts_smoothly(thresholds.as_ref());
-        let (reported, resolution) = (model.tells_of_edges(), model.resolution());
         Self { thresholds, edges, starts_smoothly, reported, resolution }
+    }
+
+    /// The density of starts on panels that resolve how survival moments vary with the start, to an error of each panel.
+    pub(super) fn panels<'a>(&self, starts: &'a Layer, error: f64) -> Panels<'a> {
+        let panels = Panels::new(&starts.density, 2.0 * CELL * self.resolution, NEGLIGIBLE);
+        panels.merged(|low, high| self.length(low, high), error)
     }
 
     /// A length L such that survival moments of starts in [`low`, `high`] vary no faster than e^{−((r −
@@ -292,7 +299,7 @@ impl Cohorts {
         let starts = Layer::placed(contacts, starts, conditional, BULK);
         let together =
             starts.point_masses.iter().map(|point_mass| model.cohort(point_mass.position, watch)).collect();
-        let reach = Reach::new(contacts, model.as_ref());
+        let reach = Reach::new(contacts, model.resolution(), model.tells_of_edges());
         let mut cohorts = Self { model, starts, together, spread: HashMap::new(), few: Vec::new(), reach };
         /// For more cohorts their breakpoints are too small to matter, and too many.
         const FEW: usize = 8;
@@ -328,8 +335,7 @@ impl Cohorts {
     fn panels(&self) -> Panels<'_> {
         /// Error of a merged panel: rounding.
         const LEFT_OUT: f64 = 1e-16;
-        let panels = Panels::new(&self.starts.density, 2.0 * CELL * self.model.resolution(), NEGLIGIBLE);
-        panels.merged(|low, high| self.reach.length(low, high), LEFT_OUT)
+        self.reach.panels(&self.starts, LEFT_OUT)
     }
 
     /// The sums at an advance.

@@ -57,13 +57,13 @@ impl ConstantThreshold {
         constant
     }
 
-    /// ∫_r^x e^{−ΔE/T} dξ after an advance, and e^{−ΔE(x)/T}.
+    /// ∫_r^x e^{−ΔE/T} dξ after an advance, which may be back, and e^{−ΔE(x)/T}.
     #[inline]
     pub(super) fn at(&self, advance: f64) -> (f64, f64) {
         let stretch = self.start + advance;
         let exponent = self.whole * self.barrier.height_at(stretch, self.threshold);
         let now = (-exponent).exp();
-        if self.begun - exponent < ALIKE && self.before > 0.0 {
+        if (self.begun - exponent).abs() < ALIKE && self.before > 0.0 {
             return (short(self.barrier, (self.threshold, self.whole), stretch, advance), now);
         }
         (self.length * (self.gain(stretch) * now - self.before), now)
@@ -73,6 +73,33 @@ impl ConstantThreshold {
     #[inline]
     pub(super) fn rate(&self, advance: f64) -> f64 {
         (-self.whole * self.barrier.height_at(self.start + advance, self.threshold)).exp()
+    }
+
+    /// ∫_r^x e^{−ΔE/T} dξ after sixteen advances.
+    #[inline(always)]
+    pub(super) fn integrals(&self, advances: &Nodal) -> Nodal {
+        let stretches = advances.map(|advance| self.start + advance);
+        let [thresholds, wholes, lengths] =
+            [self.threshold, self.whole, self.length].map(|value| [value; NODES]);
+        let exponents = exponents(self.barrier, &wholes, &thresholds, &stretches);
+        let mut out = gains(self.barrier, &lengths, &thresholds, &stretches);
+        for i in 0..NODES {
+            out[i] = self.length * (out[i] * exp(-exponents[i]) - self.before);
+        }
+        for i in 0..NODES {
+            if (self.begun - exponents[i]).abs() < ALIKE {
+                out[i] = short(self.barrier, (self.threshold, self.whole), stretches[i], advances[i]);
+            }
+        }
+        out
+    }
+
+    /// e^{−ΔE(x)/T} after sixteen advances.
+    #[inline(always)]
+    pub(super) fn rates(&self, advances: &Nodal) -> Nodal {
+        let stretches = advances.map(|advance| self.start + advance);
+        let (thresholds, wholes) = ([self.threshold; NODES], [self.whole; NODES]);
+        exponents(self.barrier, &wholes, &thresholds, &stretches).map(|exponent| exp(-exponent))
     }
 
     /// The largest −∂(ΔE/T)/∂x up to a stretch.
@@ -100,7 +127,9 @@ impl ConstantThresholds {
         let stretch = start + advance;
         let (mut exponents, mut rates, mut gains) = ([[0.0; NODES]; 2], [[0.0; NODES]; 2], [[0.0; NODES]; 2]);
         for (end, x) in [start, stretch].into_iter().enumerate() {
-            (exponents[end], gains[end]) = (self.exponents(x), self.gains(x));
+            let stretches = [x; NODES];
+            exponents[end] = self::exponents(self.barrier, &self.wholes, &self.thresholds, &stretches);
+            gains[end] = self::gains(self.barrier, &self.lengths, &self.thresholds, &stretches);
             for i in 0..NODES {
                 rates[end][i] = exp(-exponents[end][i]);
                 gains[end][i] *= rates[end][i];
@@ -117,45 +146,45 @@ impl ConstantThresholds {
         }
         [sums, rates[1]]
     }
+}
 
-    /// ΔE(x)/T.
-    #[inline(always)]
-    fn exponents(&self, stretch: f64) -> Nodal {
-        let mut out = self.wholes;
-        let missing = |h: f64| ((h - stretch) / h).max(0.0);
-        match self.barrier {
-            Barrier::Elastic => {
-                for i in 0..NODES {
-                    out[i] *= missing(self.thresholds[i]) * (1.0 + stretch / self.thresholds[i]);
-                }
-            }
-            Barrier::Bell => (0..NODES).for_each(|i| out[i] *= missing(self.thresholds[i])),
-            Barrier::Catastrophe => {
-                for i in 0..NODES {
-                    let missing = missing(self.thresholds[i]);
-                    out[i] *= missing * missing.sqrt();
-                }
+/// ΔE/T of sixteen contacts of these E_0/T.
+#[inline(always)]
+fn exponents(barrier: Barrier, wholes: &Nodal, thresholds: &Nodal, stretches: &Nodal) -> Nodal {
+    let (thresholds, stretches, mut out) = (*thresholds, *stretches, *wholes);
+    let missing = |i: usize| ((thresholds[i] - stretches[i]) / thresholds[i]).max(0.0);
+    match barrier {
+        Barrier::Elastic => {
+            for i in 0..NODES {
+                out[i] *= missing(i) * (1.0 + stretches[i] / thresholds[i]);
             }
         }
-        out
+        Barrier::Bell => (0..NODES).for_each(|i| out[i] *= missing(i)),
+        Barrier::Catastrophe => {
+            for i in 0..NODES {
+                let missing = missing(i);
+                out[i] *= missing * missing.sqrt();
+            }
+        }
     }
+    out
+}
 
-    /// G.
-    #[inline(always)]
-    fn gains(&self, stretch: f64) -> Nodal {
-        let mut places = [1.0; NODES];
-        match self.barrier {
-            Barrier::Elastic => {
-                (0..NODES).for_each(|i| places[i] = stretch / self.lengths[i]);
-                dawsons_by_table(&places)
+/// G of sixteen contacts of these s.
+#[inline(always)]
+fn gains(barrier: Barrier, lengths: &Nodal, thresholds: &Nodal, stretches: &Nodal) -> Nodal {
+    let mut places = [1.0; NODES];
+    match barrier {
+        Barrier::Elastic => {
+            (0..NODES).for_each(|i| places[i] = stretches[i] / lengths[i]);
+            dawsons_by_table(&places)
+        }
+        Barrier::Bell => places,
+        Barrier::Catastrophe => {
+            for i in 0..NODES {
+                places[i] = ((thresholds[i] - stretches[i]).max(0.0) / lengths[i]).sqrt();
             }
-            Barrier::Bell => places,
-            Barrier::Catastrophe => {
-                for i in 0..NODES {
-                    places[i] = ((self.thresholds[i] - stretch).max(0.0) / self.lengths[i]).sqrt();
-                }
-                cubics(&places)
-            }
+            cubics(&places)
         }
     }
 }

@@ -41,6 +41,11 @@ impl<'a> Panels<'a> {
         Self { density, panels: panels.collect() }
     }
 
+    /// The ends of each panel.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.panels.iter().map(|panel| [panel.low, panel.high])
+    }
+
     /// Visits the Gauss points in a domain, with their weight × density.
     pub(super) fn each(&self, mut domain: Domain, mut visit: impl FnMut(f64, f64)) {
         let (low, high) = (domain.low, domain.high);

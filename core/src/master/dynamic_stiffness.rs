@@ -115,8 +115,8 @@ impl DynamicStiffness {
     /// Of contacts that slide steadily at `velocity`.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; a velocity that is not above 0; thresholds with point masses; contacts that re-form
-    /// stretched; thresholds that diffuse or follow a mean field.
+    /// Those of [`Contacts::check`]; a velocity that is not above 0. Without temperature or with ageing: thresholds with point
+    /// masses; contacts that re-form stretched; thresholds that diffuse or follow a mean field.
     pub fn new(contacts: &Contacts, velocity: f64) -> Result<Self> {
         Self::new_with(contacts, velocity, &mut ())
     }
@@ -130,20 +130,6 @@ impl DynamicStiffness {
         contacts.check(&crate::contacts::Initial::default())?;
         contacts.have_no_stiffness_table()?;
         contacts.break_by_own_threshold()?;
-        let law = contacts.thresholds.as_ref();
-        if contacts.reforming.upper_quantile(0.0) > 0.0 {
-            let found = format!("up to {}", contacts.reforming.upper_quantile(0.0));
-            return Err(Error::invalid("reforming", "contacts that re-form without stretch", found));
-        }
-        if let Some(atom) = law.atoms().first() {
-            let expected =
-                "a distribution without point masses, whose simultaneous breaks have no linear response";
-            return Err(Error::invalid("thresholds", expected, format!("one at {}", atom.position)));
-        }
-        if let Some(Ageing::Smoluchowski { .. } | Ageing::MeanField { .. }) = contacts.rules.ageing {
-            let expected = "thresholds that follow from the age of a contact (logarithmic or frozen_rank)";
-            return Err(Error::invalid("ageing", expected, "another"));
-        }
         let aside = &mut Aside { fraction: 0.0, monitor };
         let Rules { delay, free_friction, .. } = &contacts.rules;
         if free_friction.viscosity > 0.0 {
@@ -153,9 +139,12 @@ impl DynamicStiffness {
         }
         let form = match Transport::thermal_response(contacts, velocity, aside)? {
             Some(thermal) => Form::Thermal(Box::new(thermal)),
-            None => Form::Quadrature(LifeQuadrature::new(contacts, velocity, aside)?),
+            None => {
+                are_integrated(contacts)?;
+                Form::Quadrature(LifeQuadrature::new(contacts, velocity, aside)?)
+            }
         };
-        Ok(Self { velocity, length: law.mean(), delay: delay.mean(), form })
+        Ok(Self { velocity, length: contacts.thresholds.mean(), delay: delay.mean(), form })
     }
 
     /// F̂(s) for Re s ≥ 0 up to some hundred v over the mean threshold, the highest frequency that the ages resolve; with
@@ -282,6 +271,24 @@ fn filon(ends: &[f64], values: &[f64], time: f64) -> f64 {
         (2.0 * phase.sin() / phase, 2.0 * (phase.sin() / phase - phase.cos()) / phase)
     };
     half * (mean * sine * even + tilt * cosine * odd)
+}
+
+/// Whether the trapezoidal rule of ages integrates the lives of contacts.
+fn are_integrated(contacts: &Contacts) -> Result<()> {
+    if contacts.reforming.upper_quantile(0.0) > 0.0 {
+        let found = format!("up to {}", contacts.reforming.upper_quantile(0.0));
+        return Err(Error::invalid("reforming", "contacts that re-form without stretch", found));
+    }
+    if let Some(atom) = contacts.thresholds.atoms().first() {
+        let expected =
+            "a distribution without point masses, whose simultaneous breaks have no linear response";
+        return Err(Error::invalid("thresholds", expected, format!("one at {}", atom.position)));
+    }
+    if let Some(Ageing::Smoluchowski { .. } | Ageing::MeanField { .. }) = contacts.rules.ageing {
+        let expected = "thresholds that follow from the age of a contact (logarithmic or frozen_rank)";
+        return Err(Error::invalid("ageing", expected, "another"));
+    }
+    Ok(())
 }
 
 impl LifeQuadrature {

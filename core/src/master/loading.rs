@@ -31,7 +31,7 @@ enum Motion {
 }
 
 /// Curves of energies and breaks along a branch.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct EnergyCurves {
     energy: Piecewise,
     /// Energy that the unbroken contacts will dissipate when they break.
@@ -82,7 +82,14 @@ impl LoadingBranch {
     ) -> Result<Option<Self>> {
         match &self.motion {
             Motion::Renewed(renewal) => {
-                Self::renewed(renewal.first.clone(), &renewal.reformed, end, tolerance, monitor).map(Some)
+                let (first, reformed) = (renewal.first.clone(), &renewal.reformed);
+                let longer = Self::renewed(first, reformed, end, tolerance, monitor)?;
+                // Energies that have been asked for are asked for again, where no monitor can stop them.
+                if self.energy_curves.get().is_some() {
+                    let curves = longer.energy_curves(monitor)?;
+                    longer.energy_curves.get_or_init(|| curves);
+                }
+                Ok(Some(longer))
             }
             Motion::Held { .. } => Ok(None),
         }
@@ -191,7 +198,9 @@ impl LoadingBranch {
     /// A contact that breaks at the stretch x dissipates ½k x²; one that re-forms adds its ½k r², counted
     /// when it breaks.
     pub(super) fn energies(&self, u: f64, cell: usize) -> BranchEnergies {
-        let energy_curves = self.energy_curves.get_or_init(|| self.energy_curves());
+        // Only a monitor can make them fail.
+        let energy_curves =
+            self.energy_curves.get_or_init(|| self.energy_curves(&mut ()).unwrap_or_default());
         let at = |curve: &Piecewise| at(curve, u, cell);
         let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
         let brought = |life: &Life| start(life.breaking_energy()) - life.newborn_energy();
@@ -210,17 +219,14 @@ impl LoadingBranch {
         BranchEnergies { elastic: at(&energy_curves.energy), lost, broken }
     }
 
-    fn energy_curves(&self) -> EnergyCurves {
-        match &self.motion {
+    fn energy_curves(&self, monitor: &mut dyn Monitor) -> Result<EnergyCurves> {
+        Ok(match &self.motion {
             Motion::Renewed(renewal) => {
-                let atoms = renewal.solution.atoms.iter().map(|a| (a.position, a.weight));
+                let atoms: Vec<_> = renewal.solution.atoms.iter().map(|a| (a.position, a.weight)).collect();
                 EnergyCurves {
-                    energy: renewal.sum(Life::energy, &mut ()).unwrap_or_default(),
-                    breaking_energy: renewal.sum(Life::breaking_energy, &mut ()).unwrap_or_default(),
-                    yet_to_break: renewal
-                        .solution
-                        .density
-                        .integrated_from_end(0.0, &atoms.collect::<Vec<_>>()),
+                    energy: renewal.sum(Life::energy, monitor)?,
+                    breaking_energy: renewal.sum(Life::breaking_energy, monitor)?,
+                    yet_to_break: renewal.solution.density.integrated_from_end(0.0, &atoms),
                 }
             }
             Motion::Held { first, .. } => EnergyCurves {
@@ -228,7 +234,7 @@ impl LoadingBranch {
                 breaking_energy: first.breaking_energy().curve().clone(),
                 yet_to_break: first.survival().curve().clone(),
             },
-        }
+        })
     }
 
     /// The contacts at the advance u, seen in the direction of motion. At the end of the cell those that

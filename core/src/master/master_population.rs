@@ -135,7 +135,7 @@ impl MasterPopulation {
     }
 
     /// The unloading branch, solved as far as needed.
-    fn unloading_branch(&mut self) -> Result<&UnloadingBranch> {
+    fn unloading_branch(&mut self, monitor: &mut dyn Monitor) -> Result<&UnloadingBranch> {
         self.interface.require_one_way("drive", "a way back")?;
         let back = match self.back.take() {
             Some(back) => back,
@@ -143,7 +143,7 @@ impl MasterPopulation {
         };
         let back = self.back.insert(back);
         if self.behind >= back.length {
-            back.solve(self.branch.is_held(), &self.interface)?;
+            back.solve(self.branch.is_held(), &self.interface, monitor)?;
         }
         Ok(back)
     }
@@ -238,7 +238,8 @@ impl MasterPopulation {
 
     /// Replaces the branch by the unloading branch from the furthest point, where its straight part ends.
     fn start_reverse_branch(&mut self) -> Result<()> {
-        if let UnloadingBranch { branch: Some(branch), length, breaks, .. } = self.unloading_branch()?.clone()
+        if let UnloadingBranch { branch: Some(branch), length, breaks, .. } =
+            self.unloading_branch(&mut ())?.clone()
         {
             self.behind = 0.0;
             self.accumulate_energies();
@@ -326,7 +327,7 @@ impl Population for MasterPopulation {
             return Ok(SmoothInterval { length: f64::INFINITY, straight: true, breaks: false });
         }
         let behind = self.behind;
-        let back = self.unloading_branch()?;
+        let back = self.unloading_branch(monitor)?;
         Ok(match &back.branch {
             Some(branch) if behind >= back.length => {
                 let cell = branch.cell(behind);
@@ -360,7 +361,7 @@ impl Population for MasterPopulation {
             return Ok(());
         }
         let behind = self.behind + by;
-        let length = self.unloading_branch()?.length;
+        let length = self.unloading_branch(&mut ())?.length;
         if behind < length - rounding {
             self.behind = behind;
             return Ok(());
@@ -381,8 +382,8 @@ impl Population for MasterPopulation {
         self.enter_next_cell(true)
     }
 
-    fn reset(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<()> {
-        let fresh = self.interface.fresh()?;
+    fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()> {
+        let fresh = self.interface.fresh(monitor)?;
         let released = self.branch_energies().elastic - self.interface.newborn_energy();
         self.accumulate_energies();
         self.lost += released;
@@ -418,7 +419,7 @@ impl Population for MasterPopulation {
             if self.moved == self.direction { layer } else { layer.mirrored() }
         });
         layers.extend(newborn);
-        let branch = self.interface.renewed(layers, &mut ())?;
+        let branch = self.interface.renewed(layers, monitor)?;
         self.accumulate_energies();
         self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
         self.start_branch(Arc::new(branch), self.direction);

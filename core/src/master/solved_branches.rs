@@ -84,11 +84,11 @@ impl SolvedBranches {
     }
 
     /// The branch of contacts that have all just re-formed.
-    pub(super) fn fresh(&self) -> Result<Arc<LoadingBranch>> {
+    pub(super) fn fresh(&self, monitor: &mut dyn Monitor) -> Result<Arc<LoadingBranch>> {
         if let Some(branch) = self.fresh.get() {
             return Ok(branch.clone());
         }
-        let branch = Arc::new(self.branch(self.reformed.clone(), &mut ())?);
+        let branch = Arc::new(self.branch(self.reformed.clone(), monitor)?);
         Ok(self.fresh.get_or_init(|| branch).clone())
     }
 

@@ -6,6 +6,7 @@ use super::loading::LoadingBranch;
 use super::solved_branches::SolvedBranches;
 use crate::Result;
 use crate::life::{Layer, LayerSums, reaches_threshold_atom};
+use crate::monitor::Monitor;
 
 /// Fraction of contacts ignored when finding the first break on unloading.
 const FEW: f64 = 1e-18;
@@ -48,13 +49,18 @@ impl UnloadingBranch {
     }
 
     /// Solves the branch, on which broken contacts are `held` free or re-form.
-    pub(super) fn solve(&mut self, held: bool, interface: &SolvedBranches) -> Result<()> {
+    pub(super) fn solve(
+        &mut self,
+        held: bool,
+        interface: &SolvedBranches,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         if self.branch.is_none() {
             let layers = self.layers.to_vec();
-            let branch = if held { interface.held(layers) } else { interface.renewed(layers, &mut ())? };
+            let branch = if held { interface.held(layers) } else { interface.renewed(layers, monitor)? };
             // Breaks at the end of the linear part must lie within the solution.
             let further = if 2.0 * self.length > branch.end() {
-                branch.extended(4.0 * self.length, interface.tolerance, &mut ())?
+                branch.extended(4.0 * self.length, interface.tolerance, monitor)?
             } else {
                 None
             };

@@ -101,7 +101,7 @@ impl MasterPopulation {
         (self.inherited, self.worst) = (kept.inherited, kept.worst);
         (self.back, self.marked) = (None, None);
         if kept.back {
-            self.unloading_branch()?;
+            self.unloading_branch(monitor)?;
         }
         Ok(())
     }

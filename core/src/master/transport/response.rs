@@ -81,8 +81,7 @@ fn fits(velocity: f64, count: f64) -> Result<()> {
 
 impl Transport {
     /// The response of steady sliding at a velocity to a small step. It is 0 for time-independent contacts, and has a closed form
-    /// with temperature and without ageing if contacts re-form at one stretch or a few. Else it is followed in time over `lives`
-    /// mean lives of a contact, to `tolerance`.
+    /// with temperature and without ageing. Else it is followed in time over `lives` mean lives of a contact, to `tolerance`.
     ///
     /// # Errors
     /// Those of [`Transport::steady`]; a number of lives that is not above 0; a delay after which all contacts stay in phase;
@@ -117,7 +116,7 @@ impl Transport {
         Ok(StepResponse { velocity, immediate: ImmediateResponse::Followed(response), reattachment })
     }
 
-    /// The same where it has a closed form: with temperature, without ageing, and if contacts re-form at a few stretches.
+    /// The same where it has a closed form: with temperature, and without ageing.
     ///
     /// # Errors
     /// Those of [`Self::step_response`].
