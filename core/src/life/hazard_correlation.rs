@@ -62,10 +62,12 @@ struct Section {
     highest: [f64; 2],
 }
 
-/// A part of the path of contacts formed up to its beginning, and the highest threshold of contacts that may break there.
-struct PathPart {
+/// A part of the path of contacts that form at its beginning, or that have arrived there from a section and those before it.
+struct PathPart<'a> {
     range: [f64; 2],
+    /// The highest threshold of contacts that may break here.
     highest: f64,
+    arrived: Option<&'a Section>,
 }
 
 /// Error of the integral of C over a cell, in mean thresholds.
@@ -192,10 +194,13 @@ impl<'a> Correlated<'a> {
     /// C and C_x at an advance.
     fn at(&self, advance: f64, watch: &Watch<'_>) -> [f64; 2] {
         let mut sums = [0.0; 2];
-        let mut add = |weight: f64, of: [f64; 2]| (0..2).for_each(|i| sums[i] += weight * of[i]);
+        let mut add = |weight: f64, path: &PathPart<'_>| {
+            let of = watch.value(|| self.along(path, advance));
+            (0..2).for_each(|i| sums[i] += weight * of[i]);
+        };
         for mass in &self.starts.point_masses {
-            let path = PathPart { range: [mass.position, f64::INFINITY], highest: self.highest };
-            add(mass.weight, watch.value(|| self.along(&path, advance, |_| 1.0)));
+            let range = [mass.position, f64::INFINITY];
+            add(mass.weight, &PathPart { range, highest: self.highest, arrived: None });
         }
         // Between these starts contacts have a smooth density of thresholds ahead.
         let cuts: Vec<f64> = self.breakpoints.iter().map(|at| at - advance).collect();
@@ -205,15 +210,10 @@ impl<'a> Correlated<'a> {
             if low + advance < highest {
                 let domain = Domain { cuts: cuts.clone(), ..within(section.range) };
                 self.panels.each(domain, |start, points| {
-                    let path = PathPart { range: [start, high], highest };
-                    add(points, watch.value(|| self.along(&path, advance, |_| 1.0)));
+                    add(points, &PathPart { range: [start, high], highest, arrived: None });
                 });
             }
-            let path = PathPart { range: [high, section.next], highest: beyond };
-            add(
-                1.0,
-                watch.value(|| self.along(&path, advance, |threshold| self.arrived(section, threshold))),
-            );
+            add(1.0, &PathPart { range: [high, section.next], highest: beyond, arrived: Some(section) });
         }
         sums
     }
@@ -240,14 +240,14 @@ impl<'a> Correlated<'a> {
         formed.chunks(NODES).map(of_sixteen).sum()
     }
 
-    /// C and C_x of contacts on a part of their path, with the fraction `arrived` of each threshold at its beginning.
-    fn along(&self, path: &PathPart, advance: f64, arrived: impl Fn(f64) -> f64) -> [f64; 2] {
+    /// C and C_x of contacts on a part of their path.
+    fn along(&self, path: &PathPart<'_>, advance: f64) -> [f64; 2] {
         let (law, range) = (self.contacts.thresholds.as_ref(), path.range);
         let mut sums = [0.0; 2];
         let mut add = |threshold: f64, weight: f64| {
             let of = if weight > 0.0 { self.of_threshold(threshold, range, advance) } else { [0.0; 2] };
             if of[0] > 0.0 {
-                let weight = weight * arrived(threshold);
+                let weight = weight * path.arrived.map_or(1.0, |section| self.arrived(section, threshold));
                 (0..2).for_each(|i| sums[i] += weight * of[i]);
             }
         };
@@ -268,7 +268,7 @@ impl<'a> Correlated<'a> {
     }
 
     /// Visits the Gauss points of a panel of thresholds, halved where weak contacts break at very different advances.
-    fn panel(&self, [low, high]: [f64; 2], start: f64, visit: &mut impl FnMut(f64, f64)) {
+    fn panel(&self, [low, high]: [f64; 2], start: f64, visit: &mut dyn FnMut(f64, f64)) {
         let [before, after] = [low, high].map(|threshold| {
             let constant = self.constant(threshold, start);
             (self.attempts * constant.length).ln() - constant.begun

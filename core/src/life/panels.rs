@@ -91,7 +91,7 @@ impl<'a> Panels<'a> {
     }
 
     /// Visits the Gauss points of a panel in a domain.
-    fn within(&self, panel: &StartPanel, domain: &Domain, visit: &mut impl FnMut(f64, f64)) {
+    fn within(&self, panel: &StartPanel, domain: &Domain, visit: &mut dyn FnMut(f64, f64)) {
         let from = domain.cuts.partition_point(|&x| x <= panel.low);
         let inside = &domain.cuts[from..domain.cuts.partition_point(|&x| x < panel.high).max(from)];
         if inside.is_empty() && !near(&domain.steep, panel.low, panel.high) {
@@ -112,7 +112,7 @@ impl<'a> Panels<'a> {
 
     /// Gauss points on part of a panel, bisected down to the width `least` while it is wider than its
     /// distance to a steep position.
-    fn part(&self, (low, high): (f64, f64), least: f64, steep: &[f64], visit: &mut impl FnMut(f64, f64)) {
+    fn part(&self, (low, high): (f64, f64), least: f64, steep: &[f64], visit: &mut dyn FnMut(f64, f64)) {
         let middle = 0.5 * (low + high);
         if high - low > least && low < middle && middle < high && near(steep, low, high) {
             self.part((low, middle), least, steep, visit);

@@ -35,9 +35,9 @@ pub struct VelocityCurve {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-dimension" = "force*length"))]
     pub temperatures: Vec<f64>,
-    /// Whether the critical stiffnesses at each velocity are also computed, which takes some seconds each where contacts age or
-    /// re-form over a range, and a tenth of a second with temperature alone; with `[block]` they are those for its mass and
-    /// damping, and the growth rate of deviations from steady sliding is computed for its stiffness.
+    /// Whether the critical stiffnesses at each velocity are also computed, which takes some seconds each where contacts age, and a
+    /// tenth of a second with temperature alone, or a second if they re-form over a range; with `[block]` they are those for its
+    /// mass and damping, and the growth rate of deviations from steady sliding is computed for its stiffness.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     #[schemars(extend("default" = false))]
     pub stability: bool,

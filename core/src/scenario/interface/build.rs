@@ -80,7 +80,7 @@ impl Interface {
                 let aside = &mut Aside { fraction: 0.0, monitor };
                 let population =
                     MasterEquation::new_with(contacts, initial, aside)?.population_with(tolerance, aside)?;
-                let cells = Curves::new_with(&population, self.size(), monitor)?;
+                let cells = Curves::new_with(&population, self.size(), aside)?;
                 let cells = if let Some(scales) = scales { cells.scaled(scales)? } else { cells };
                 Box::new(if let Some(areas) = areas { cells.with_areas(areas)? } else { cells })
             }
