@@ -378,6 +378,27 @@ fn the_response_in_closed_form_integrates_to_the_slope_of_kinetic_friction() {
     }
 }
 
+/// Friction falls with velocity where heat shortens the lives of weak contacts most. The motion in time of these contacts, known to
+/// some 1e-3 of the stiffness per frequency, had a slope of the other sign.
+#[test]
+fn friction_of_broad_thresholds_that_re_form_stretched_falls_with_velocity() {
+    let [thresholds, reforming]: [SharedLaw; 2] =
+        [Arc::new(Gamma::new(1.0, 0.5).unwrap()), Arc::new(Exponential::new(0.1).unwrap())];
+    let contacts = thermal(&thresholds, &reforming, Barrier::Elastic, 0.02);
+    let kinetic = |velocity: f64| {
+        let equation = MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap();
+        equation.steady_state().kinetic_friction()
+    };
+    let velocity = 0.01;
+    let at = |k: f64| kinetic(velocity * (1.0 + 1e-3 * k));
+    let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / 12e-3;
+    // Digits of the number; F_k to 1e-11 over 1e-3 of v.
+    near(slope, -7.587e-4, 1e-7);
+    let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
+    // The correlation is resolved to 1e-9, each panel of starts to 1e-11.
+    near(velocity * response.integral(), slope, 1e-8);
+}
+
 /// The closed form against the trapezoidal rule of contacts that age by next to nothing, and, where contacts re-form over a range of
 /// stretches, against their motion in time.
 #[test]
