@@ -1,14 +1,46 @@
 //! Loops on all threads, by rayon. WebAssembly has one thread: there they are loops, and rayon is left out.
+//!
+//! They are compiled once for a type of items, not once for each caller. An item costs two indirect calls, little beside work that
+//! is worth a thread.
+
+#[cfg(target_family = "wasm")]
+pub use one_thread::*;
+#[cfg(not(target_family = "wasm"))]
+pub use threads::*;
+
+/// Values of a function of the number of each item and of the item, in order.
+pub fn map<S: Send, T: Send>(items: Vec<S>, of: &(dyn Fn(usize, S) -> T + Sync)) -> Vec<T> {
+    map_with(items, 1, &|| (), &|(), number, item| of(number, item))
+}
 
 #[cfg(not(target_family = "wasm"))]
-pub use rayon::{current_num_threads, in_place_scope, prelude::*};
-#[cfg(target_family = "wasm")]
-pub use serial::*;
+mod threads {
+    use rayon::prelude::*;
+    pub use rayon::{current_num_threads, in_place_scope};
 
-/// What of rayon is used, on one thread.
+    /// The same with tools that are made for each share of the work, which has at least so many items.
+    pub fn map_with<S: Send, W, T: Send>(
+        items: Vec<S>,
+        least: usize,
+        tools: &(dyn Fn() -> W + Sync),
+        of: &(dyn Fn(&mut W, usize, S) -> T + Sync),
+    ) -> Vec<T> {
+        let numbered = items.into_par_iter().enumerate().with_min_len(least);
+        numbered.map_init(tools, |tools, (number, item)| of(tools, number, item)).collect()
+    }
+}
+
 #[cfg(target_family = "wasm")]
-mod serial {
-    use std::slice::{Chunks, ChunksMut, Iter, IterMut};
+mod one_thread {
+    pub fn map_with<S, W, T>(
+        items: Vec<S>,
+        _least: usize,
+        tools: &dyn Fn() -> W,
+        of: &dyn Fn(&mut W, usize, S) -> T,
+    ) -> Vec<T> {
+        let mut tools = tools();
+        items.into_iter().enumerate().map(|(number, item)| of(&mut tools, number, item)).collect()
+    }
 
     pub fn current_num_threads() -> usize {
         1
@@ -24,70 +56,5 @@ mod serial {
 
     pub fn in_place_scope<T>(work: impl FnOnce(&Scope) -> T) -> T {
         work(&Scope)
-    }
-
-    pub trait ParallelSlice<T> {
-        fn par_iter(&self) -> Iter<'_, T>;
-        fn par_iter_mut(&mut self) -> IterMut<'_, T>;
-        fn par_chunks(&self, size: usize) -> Chunks<'_, T>;
-        fn par_chunks_mut(&mut self, size: usize) -> ChunksMut<'_, T>;
-    }
-
-    impl<T> ParallelSlice<T> for [T] {
-        fn par_iter(&self) -> Iter<'_, T> {
-            self.iter()
-        }
-
-        fn par_iter_mut(&mut self) -> IterMut<'_, T> {
-            self.iter_mut()
-        }
-
-        fn par_chunks(&self, size: usize) -> Chunks<'_, T> {
-            self.chunks(size)
-        }
-
-        fn par_chunks_mut(&mut self, size: usize) -> ChunksMut<'_, T> {
-            self.chunks_mut(size)
-        }
-    }
-
-    pub trait IntoParallelIterator: IntoIterator + Sized {
-        fn into_par_iter(self) -> Self::IntoIter {
-            self.into_iter()
-        }
-    }
-
-    impl<I: IntoIterator> IntoParallelIterator for I {}
-
-    pub trait ParallelIterator: Iterator + Sized {
-        fn with_min_len(self, _least: usize) -> Self {
-            self
-        }
-
-        fn for_each_init<R>(self, tools: impl FnOnce() -> R, each: impl Fn(&mut R, Self::Item)) {
-            let mut tools = tools();
-            self.for_each(|item| each(&mut tools, item));
-        }
-
-        fn map_init<R, T>(
-            self,
-            tools: impl FnOnce() -> R,
-            each: impl Fn(&mut R, Self::Item) -> T,
-        ) -> impl Iterator<Item = T> {
-            let mut tools = tools();
-            self.map(move |item| each(&mut tools, item))
-        }
-    }
-
-    impl<I: Iterator> ParallelIterator for I {}
-
-    pub trait ParallelExtend<T> {
-        fn par_extend(&mut self, items: impl IntoIterator<Item = T>);
-    }
-
-    impl<T> ParallelExtend<T> for Vec<T> {
-        fn par_extend(&mut self, items: impl IntoIterator<Item = T>) {
-            self.extend(items);
-        }
     }
 }

@@ -1,10 +1,9 @@
 //! Loops over cells with the same bits on any number of threads: chunks do not depend on the threads, and sums are taken in
 //! order.
 
-use crate::parallel::*;
-
 use crate::Result;
 use crate::monitor::{Monitor, report};
+use crate::parallel;
 
 /// Cells of a chunk, the work of one thread at a time; fewer are not worth a thread.
 pub(super) const CHUNK: usize = 1 << 12;
@@ -14,14 +13,9 @@ const PIECE: usize = 8 * CHUNK;
 
 /// Fills a slice with a function of the cell.
 pub(super) fn fill<T: Send>(values: &mut [T], of: impl Fn(usize) -> T + Sync) {
-    let fill = |(chunk, values): (usize, &mut [T])| {
-        values.iter_mut().enumerate().for_each(|(i, value)| *value = of(chunk * CHUNK + i));
-    };
-    if values.len() <= CHUNK {
-        fill((0, values));
-    } else {
-        values.par_chunks_mut(CHUNK).enumerate().for_each(fill);
-    }
+    on_chunks(values, &|first, values| {
+        values.iter_mut().enumerate().for_each(|(i, value)| *value = of(first + i));
+    });
 }
 
 /// The same with a report to the monitor after each piece of many cells.
@@ -44,13 +38,17 @@ pub(super) fn fill_with<T: Send>(
 
 /// Changes each value of a slice by a function of the cell and the value.
 pub(super) fn change<T: Send + Copy>(values: &mut [T], of: impl Fn(usize, T) -> T + Sync) {
-    let change = |(chunk, values): (usize, &mut [T])| {
-        values.iter_mut().enumerate().for_each(|(i, value)| *value = of(chunk * CHUNK + i, *value));
-    };
+    on_chunks(values, &|first, values| {
+        values.iter_mut().enumerate().for_each(|(i, value)| *value = of(first + i, *value));
+    });
+}
+
+/// Calls a function with the first cell of each chunk and the values of the chunk.
+fn on_chunks<T: Send>(values: &mut [T], work: &(dyn Fn(usize, &mut [T]) + Sync)) {
     if values.len() <= CHUNK {
-        change((0, values));
+        work(0, values);
     } else {
-        values.par_chunks_mut(CHUNK).enumerate().for_each(change);
+        parallel::map(values.chunks_mut(CHUNK).collect(), &|chunk, values| work(chunk * CHUNK, values));
     }
 }
 
@@ -64,8 +62,9 @@ pub(super) fn change_chunks(
     if values.len() <= CHUNK {
         return of(0, values, others);
     }
-    let chunks = values.par_chunks_mut(CHUNK).zip(others.par_chunks_mut(CHUNK)).enumerate();
-    let found: Vec<f64> = chunks.map(|(chunk, (values, others))| of(chunk * CHUNK, values, others)).collect();
+    let chunks =
+        values.chunks_mut(CHUNK).zip(others.chunks_mut(CHUNK)).map(|(values, others)| [values, others]);
+    let found = parallel::map(chunks.collect(), &|chunk, [values, others]| of(chunk * CHUNK, values, others));
     found.into_iter().fold(0.0, f64::max)
 }
 
@@ -85,7 +84,7 @@ pub(super) fn gather<T: Send>(
     }
     // Floating-point addition is not associative: partial sums are added in the order of chunks,
     // never in the order in which threads finish.
-    let parts: Vec<T> = (0..number.div_ceil(CHUNK)).into_par_iter().map(part).collect();
+    let parts = parallel::map((0..number.div_ceil(CHUNK)).collect(), &|_, chunk| part(chunk));
     parts.into_iter().fold(nothing(), join)
 }
 
@@ -109,7 +108,7 @@ pub(super) fn find<T: Send>(
     let (mut found, chunks) = (Vec::new(), number.div_ceil(CHUNK));
     for first in (0..chunks).step_by(PIECE / CHUNK) {
         let piece = first..chunks.min(first + PIECE / CHUNK);
-        found.par_extend(piece.into_par_iter().map(part));
+        found.extend(parallel::map(piece.collect(), &|_, chunk| part(chunk)));
         report(monitor, 0.0)?;
     }
     Ok(found)
@@ -161,10 +160,9 @@ pub(super) fn sweep<const W: usize, const R: usize>(
     let chunks: Vec<_> = (0..number.div_ceil(CHUNK))
         .map(|_| rest.each_mut().map(|chunks| chunks.next().unwrap_or_default()))
         .collect();
-    let each = |(chunk, mut write): (usize, [&mut [f64]; W])| {
+    let each = |chunk: usize, mut write: [&mut [f64]; W]| {
         let (start, end) = (chunk * CHUNK, number.min((chunk + 1) * CHUNK));
         part(&mut write, read.map(|values| &values[start..end]), end - start)
     };
-    let parts: Vec<f64> = chunks.into_par_iter().enumerate().map(each).collect();
-    parts.into_iter().fold(0.0, join)
+    parallel::map(chunks, &each).into_iter().fold(0.0, join)
 }

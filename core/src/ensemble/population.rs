@@ -3,7 +3,8 @@
 mod mark;
 mod state;
 
-use crate::parallel::*;
+use std::ops::Range;
+
 use mark::ReturnMark;
 
 use super::Ensemble;
@@ -13,6 +14,7 @@ use super::sums::Sums;
 use crate::energy::ContactEnergies;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
+use crate::parallel;
 use crate::population::{Direction, Population, Response, SmoothInterval};
 use crate::rate_dependent::ContactsState;
 use crate::{Error, Result};
@@ -131,12 +133,16 @@ fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<
             drawn: lives.drawn(),
         }
     };
+    let chunk = |lives: &mut Lives, _, chunk: Range<usize>| {
+        chunk.map(|index| contact(lives, index)).collect::<Vec<_>>()
+    };
     let mut contacts = Vec::with_capacity(size);
     while contacts.len() < size {
         report(monitor, contacts.len() as f64 / size as f64)?;
-        let slice = contacts.len()..size.min(contacts.len() + SLICE);
-        let drawn = slice.into_par_iter().with_min_len(CHUNK).map_init(|| lives.clone(), contact);
-        contacts.par_extend(drawn);
+        let end = size.min(contacts.len() + SLICE);
+        let chunks = (contacts.len()..end).step_by(CHUNK).map(|start| start..end.min(start + CHUNK));
+        let drawn = parallel::map_with(chunks.collect(), 1, &|| lives.clone(), &chunk);
+        contacts.extend(drawn.into_iter().flatten());
     }
     Ok(contacts)
 }
@@ -220,9 +226,10 @@ impl EnsemblePopulation {
             }
             let own = || lives.clone();
             // Contacts draw from streams of their own, so that the order of drawing does not matter.
-            slice.par_chunks_mut(CHUNK).for_each_init(own, |lives, chunk| {
-                chunk.iter_mut().for_each(|contact| reform(contact, lives, position))
-            });
+            let each = |lives: &mut Lives, _, chunk: &mut [QueuedContact]| {
+                chunk.iter_mut().for_each(|contact| reform(contact, lives, position));
+            };
+            parallel::map_with(slice.chunks_mut(CHUNK).collect(), 1, &own, &each);
         }
         for (done, contact) in self.free.drain(..).enumerate() {
             if done % SLICE == SLICE - 1 {

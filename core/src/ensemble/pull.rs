@@ -3,13 +3,12 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::parallel::*;
-
 use super::Ensemble;
 use super::snapshots::Snapshots;
 use super::sweep::{Chunk, ContactPull};
 use super::tally::{Different, Equal, PositionGrid, TallyCell, UniformGrid, forces};
 use crate::monitor::{Aside, Monitor, fits, report};
+use crate::parallel;
 use crate::{Error, Result};
 
 /// Most chunks of contacts between two reports to the monitor.
@@ -114,8 +113,8 @@ impl Ensemble {
             let begun = monitor.clock();
             let end = self.size.min(done.saturating_add(plan.chunk * round));
             let starts: Vec<usize> = (done..end).step_by(plan.chunk).collect();
-            let chunk = |&start: &usize| (start..end.min(start + plan.chunk), sweep.nothing());
-            let mut chunks: Vec<(Range<usize>, Chunk<C>)> = starts.par_iter().map(chunk).collect();
+            let chunk = |_, start: usize| (start..end.min(start + plan.chunk), sweep.nothing());
+            let mut chunks: Vec<(Range<usize>, Chunk<C>)> = parallel::map(starts, &chunk);
             let mut aside = Aside { fraction: done as f64 / self.size as f64, monitor };
             report(&mut aside, 0.0)?;
             sweep.fill(&mut chunks, &plan, &mut aside)?;
@@ -186,7 +185,7 @@ impl ContactPull<'_> {
     ) -> Result<()> {
         while chunks.iter().any(|(left, _)| !left.is_empty()) {
             report(monitor, 0.0)?;
-            chunks.par_iter_mut().for_each(|(left, chunk)| {
+            parallel::map(chunks.iter_mut().collect(), &|_, (left, chunk): &mut (Range<usize>, Chunk<C>)| {
                 let next = left.end.min(left.start + plan.part);
                 self.add(left.start..next, plan.expected, chunk);
                 left.start = next;
@@ -226,6 +225,6 @@ impl Plan {
 
     /// At least one chunk for each thread.
     fn possible(&self, round: usize) -> usize {
-        round.max(current_num_threads()).min(self.round)
+        round.max(parallel::current_num_threads()).min(self.round)
     }
 }

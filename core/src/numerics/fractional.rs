@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use crate::parallel::*;
+use crate::parallel;
 
 /// Step of the trapezoidal rule in s.
 const STEP: f64 = 0.16;
@@ -43,14 +43,14 @@ pub fn row_share_of_sqrt_laplacian(sides: [usize; 2]) -> Vec<f64> {
 /// (1/2√π) ∫₀^∞ t^{−3/2} g_m(t) h_n(t) dt, with h(t) = `along`(2t, g(t)).
 fn products([rows, columns]: [usize; 2], along: impl Fn(f64, &[f64]) -> Vec<f64> + Sync) -> Vec<f64> {
     let longest = rows.max(columns);
-    let node = |(t, weight): (f64, f64)| {
+    let node = |_, (t, weight): (f64, f64)| {
         let down = scaled_bessel(2.0 * t, longest);
         let along = along(2.0 * t, &down);
         (weight, down, along)
     };
-    let nodes: Vec<_> = nodes_in_time(longest).into_par_iter().map(node).collect();
+    let nodes = parallel::map(nodes_in_time(longest), &node);
     let mut weights = vec![0.0; rows * columns];
-    weights.par_chunks_mut(GROUP * columns).enumerate().for_each(|(group, weights)| {
+    parallel::map(weights.chunks_mut(GROUP * columns).collect(), &|group, weights: &mut [f64]| {
         for (weight, down, along) in &nodes {
             for (m, row) in (GROUP * group..).zip(weights.chunks_mut(columns)) {
                 // The integrand is a product of functions of m and of n: each node adds an outer product.

@@ -1,10 +1,9 @@
 //! Functions of the lattice Laplacian, applied by transforms of the rows and columns of a field.
 
-use crate::parallel::*;
-
 use super::line::{Line, Scratch};
 use crate::Result;
 use crate::monitor::{Monitor, report};
+use crate::parallel;
 
 /// Number of lines transposed together: whole cache lines are read and written.
 const GROUP: usize = 32;
@@ -94,14 +93,14 @@ impl Modes {
         let (line, width) = (&self.lines[1], self.sides[1]);
         let (share, batch) = (SHARE.div_ceil(line.length()), ASKED.div_ceil(line.length()));
         if self.rows.is_empty() {
-            let step = |scratch: &mut Scratch, row: &mut [f64]| line.to_modes(row, scratch);
+            let step = |scratch: &mut Scratch, _, row: &mut [f64]| line.to_modes(row, scratch);
             for (number, field) in field.chunks_mut(batch * width).enumerate() {
                 ask_before(number, monitor)?;
-                field.par_chunks_mut(width).with_min_len(share).for_each_init(|| line.scratch(), step);
+                parallel::map_with(field.chunks_mut(width).collect(), share, &|| line.scratch(), &step);
             }
             return Ok(());
         }
-        let step = |scratch: &mut Scratch, (row, from): (&mut [f64], &[f64])| {
+        let step = |scratch: &mut Scratch, _, (row, from): (&mut [f64], &[f64])| {
             row[..width].copy_from_slice(from);
             row[width..].fill(0.0);
             line.to_modes(row, scratch);
@@ -109,8 +108,8 @@ impl Modes {
         let batches = self.rows.chunks_mut(batch * line.length()).zip(field.chunks(batch * width));
         for (number, (rows, field)) in batches.enumerate() {
             ask_before(number, monitor)?;
-            let rows = rows.par_chunks_mut(line.length()).zip(field.par_chunks(width));
-            rows.with_min_len(share).for_each_init(|| line.scratch(), step);
+            let rows = rows.chunks_mut(line.length()).zip(field.chunks(width));
+            parallel::map_with(rows.collect(), share, &|| line.scratch(), &step);
         }
         Ok(())
     }
@@ -125,7 +124,7 @@ impl Modes {
         let rows = if self.rows.is_empty() { field } else { &self.rows };
         // Transpose, transform, filter and inverse transform of a group of columns follow one
         // another while it is in the cache: the field passes through memory three times, not seven.
-        let step = |(scratch, padded): &mut (Scratch, Vec<f64>), (group, columns): (usize, &mut [f64])| {
+        let step = |(scratch, padded): &mut (Scratch, Vec<f64>), group: usize, columns: &mut [f64]| {
             let first = GROUP * group;
             transpose(rows, width, first, columns, height);
             for (mode, column) in (first..).zip(columns.chunks_mut(height)) {
@@ -148,9 +147,10 @@ impl Modes {
         let (share, batch) = (SHARE.div_ceil(GROUP * line.length()), ASKED.div_ceil(GROUP * line.length()));
         for (number, columns) in self.columns.chunks_mut(batch * GROUP * height).enumerate() {
             ask_before(number, monitor)?;
-            let groups = columns.par_chunks_mut(GROUP * height).enumerate();
-            let numbered = groups.map(|(group, columns)| (number * batch + group, columns));
-            numbered.with_min_len(share).for_each_init(room, step);
+            let groups = columns.chunks_mut(GROUP * height).collect();
+            parallel::map_with(groups, share, &room, &|room, group, columns| {
+                step(room, number * batch + group, columns)
+            });
         }
         Ok(())
     }
@@ -160,7 +160,7 @@ impl Modes {
         let (modes, columns) = (line.length(), &self.columns);
         // The transforms are unnormalised: one factor at the end replaces one for each direction.
         let scale = 1.0 / (modes as f64 * self.lines[0].length() as f64);
-        let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {
+        let step = |(scratch, lines): &mut (Scratch, Vec<f64>), group: usize, field: &mut [f64]| {
             transpose(columns, height, GROUP * group, &mut lines[..field.len() / width * modes], modes);
             for (row, line_of) in field.chunks_mut(width).zip(lines.chunks_mut(modes)) {
                 line.to_cells(line_of, scratch);
@@ -171,9 +171,10 @@ impl Modes {
         let (share, batch) = (SHARE.div_ceil(GROUP * modes), ASKED.div_ceil(GROUP * modes));
         for (number, field) in field.chunks_mut(batch * GROUP * width).enumerate() {
             ask_before(number, monitor)?;
-            let groups = field.par_chunks_mut(GROUP * width).enumerate();
-            let numbered = groups.map(|(group, field)| (number * batch + group, field));
-            numbered.with_min_len(share).for_each_init(room, step);
+            let groups = field.chunks_mut(GROUP * width).collect();
+            parallel::map_with(groups, share, &room, &|room, group, field| {
+                step(room, number * batch + group, field)
+            });
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Scalar products of long vectors, with the same bits on any number of threads.
 
-use crate::parallel::*;
+use crate::parallel;
 
 /// Terms summed by one thread.
 const CHUNK: usize = 1 << 14;
@@ -13,9 +13,8 @@ pub fn product(a: &[f64], b: &[f64]) -> f64 {
     if a.len() <= CHUNK {
         return in_lanes(a, b);
     }
-    let chunks = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
-    let sums: Vec<f64> = chunks.map(|(a, b)| in_lanes(a, b)).collect();
-    sums.iter().sum()
+    let chunks = a.chunks(CHUNK).zip(b.chunks(CHUNK)).collect();
+    parallel::map(chunks, &|_, (a, b)| in_lanes(a, b)).iter().sum()
 }
 
 fn in_lanes(a: &[f64], b: &[f64]) -> f64 {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::parallel::*;
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
@@ -12,6 +11,7 @@ use super::{
 };
 use crate::elastic::batch::{all, change_chunks, fill_with, gather, largest};
 use crate::monitor::{Monitor, report};
+use crate::parallel;
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
 
@@ -182,7 +182,10 @@ fn each<T: Sync>(
     const SOME: usize = 64;
     for (cells, values) in cells.chunks_mut(SOME).zip(values.chunks(SOME)) {
         report(monitor, 0.0)?;
-        cells.par_iter_mut().zip(values).try_for_each(|(cell, value)| change(cell, value))?;
+        let cells = cells.iter_mut().zip(values).collect();
+        let changed =
+            parallel::map(cells, &|_, (cell, value): (&mut PopulationCell, &T)| change(cell, value));
+        changed.into_iter().collect::<Result<()>>()?;
     }
     Ok(())
 }

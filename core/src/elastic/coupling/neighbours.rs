@@ -1,7 +1,5 @@
 //! Springs between nearest neighbours.
 
-use crate::parallel::*;
-
 use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;
 use crate::elastic::batch;
@@ -9,6 +7,7 @@ use crate::monitor::Monitor;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::numerics::springs::Chain;
+use crate::parallel;
 use crate::shape::{Edges, Shape};
 
 /// Number of cells up to which one thread does all of the work.
@@ -93,16 +92,19 @@ impl Coupling for Neighbours {
         let [rows, columns] = self.shape.sides();
         let (edges, stiffness) = (self.edges, self.stiffness);
         let row_of = |row: usize| &displacements[row * columns..(row + 1) * columns];
-        let sweep = |(row, forces): (usize, &mut [f64])| {
+        let sweep = |row: usize, forces: &mut [f64]| {
             let own = row_of(row);
             along(own, edges, forces);
             beside(row, rows, edges).for_each(|other| pull(row_of(other), own, forces));
             forces.iter_mut().for_each(|force| *force *= stiffness);
         };
         if forces.len() <= SHARE {
-            forces.chunks_mut(columns).enumerate().for_each(sweep);
+            forces.chunks_mut(columns).enumerate().for_each(|(row, forces)| sweep(row, forces));
         } else {
-            forces.par_chunks_mut(columns).enumerate().with_min_len(SHARE.div_ceil(columns)).for_each(sweep);
+            let least = SHARE.div_ceil(columns);
+            parallel::map_with(forces.chunks_mut(columns).collect(), least, &|| (), &|(), row, forces| {
+                sweep(row, forces)
+            });
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! The covariance of the force at a list of positions, as a matrix.
 
-use crate::parallel::*;
+use crate::parallel;
 
 /// Rows of a matrix that are filled together: entries above the diagonal come from different rows of the triangle,
 /// eight of which fill a cache line.
@@ -10,8 +10,8 @@ const BAND: usize = 8;
 pub(super) fn symmetric(triangle: &[Vec<f64>], scale: f64) -> Vec<f64> {
     let count = triangle.len();
     let mut values = vec![0.0; count * count];
-    let bands = values.par_chunks_mut((BAND * count).max(1)).zip(triangle.par_chunks(BAND)).enumerate();
-    bands.for_each(|(band, (rows, lower))| {
+    let bands = values.chunks_mut((BAND * count).max(1)).zip(triangle.chunks(BAND));
+    parallel::map(bands.collect(), &|band, (rows, lower): (&mut [f64], &[Vec<f64>])| {
         for (row, lower) in rows.chunks_mut(count).zip(lower) {
             row.iter_mut().zip(lower).for_each(|(entry, value)| *entry = scale * value);
         }

@@ -2,14 +2,13 @@
 
 use std::f64::consts::PI;
 
-use crate::parallel::*;
-
 use super::{WaveStiffness, from_first, sides};
 use crate::Result;
 use crate::monitor::{Monitor, report};
 use crate::numerics::fractional::{row_share_of_sqrt_laplacian, sqrt_laplacian};
-use crate::numerics::line::Line;
+use crate::numerics::line::{Line, Scratch};
 use crate::numerics::modes::Modes;
+use crate::parallel;
 use crate::shape::Shape;
 
 /// A_ji = −w_ji with weights w, A_jj = Σ_i w_ji: cells act on each other as in an infinite plane.
@@ -146,7 +145,7 @@ fn spectrum(weights: &[f64], [rows, columns]: [usize; 2], lines: &[Line; 2]) -> 
     let along = cosines(weights, rows, columns, &lines[1]);
     let width = along.len() / rows;
     let mut turned = vec![0.0; along.len()];
-    turned.par_chunks_mut(rows).enumerate().for_each(|(mode, column)| {
+    parallel::map(turned.chunks_mut(rows).collect(), &|mode, column: &mut [f64]| {
         column.iter_mut().zip(along[mode..].iter().step_by(width)).for_each(|(to, from)| *to = *from);
     });
     cosines(&turned, width, rows, &lines[0])
@@ -157,21 +156,16 @@ fn cosines(weights: &[f64], count: usize, reach: usize, line: &Line) -> Vec<f64>
     let modes = line.length() / 2 + 1;
     let mut out = vec![0.0; count * modes];
     let room = || (line.scratch(), vec![0.0; line.length()]);
-    out.par_chunks_mut(modes).zip(weights.par_chunks(reach)).for_each_init(
-        room,
-        |(scratch, ring), (out, weights)| {
-            ring.fill(0.0);
-            ring[..reach].copy_from_slice(weights);
-            let length = ring.len();
-            (1..reach).for_each(|m| ring[length - m] = weights[m]);
-            line.to_modes(ring, scratch);
-            out[0] = ring[0];
-            out[1..]
-                .iter_mut()
-                .zip(ring[1..].iter().step_by(2))
-                .for_each(|(out, amplitude)| *out = *amplitude);
-        },
-    );
+    let transform = |(scratch, ring): &mut (Scratch, Vec<f64>), _, (out, weights): (&mut [f64], &[f64])| {
+        ring.fill(0.0);
+        ring[..reach].copy_from_slice(weights);
+        let length = ring.len();
+        (1..reach).for_each(|m| ring[length - m] = weights[m]);
+        line.to_modes(ring, scratch);
+        out[0] = ring[0];
+        out[1..].iter_mut().zip(ring[1..].iter().step_by(2)).for_each(|(out, amplitude)| *out = *amplitude);
+    };
+    parallel::map_with(out.chunks_mut(modes).zip(weights.chunks(reach)).collect(), 1, &room, &transform);
     out
 }
 
