@@ -22,8 +22,8 @@ const LAGS: usize = 20;
 pub struct StepReading {
     /// The force F₀ before the step, if it is known. Otherwise it is fitted to the points before the step.
     pub before: Option<f64>,
-    /// X_p, from which on the force relaxes, relative to the step. Otherwise it is the extremum of the force,
-    /// averaged over five points.
+    /// X_p, from which on the force relaxes, relative to the step. Otherwise it is where the force, averaged over five points, first
+    /// comes as near to its extremum as twice its scatter in the last quarter; to its level there, if no extremum stands out.
     pub peak: Option<f64>,
     /// Whether the force also has a constant slope, before the step and after it.
     pub trend: bool,
@@ -136,7 +136,7 @@ impl Selected {
         rising("position", &[before.0.as_slice(), after.0.as_slice()].concat())?;
         let peak = match reading.peak {
             Some(peak) => peak,
-            None => extremum(&after.0, &after.1, ratio.ln().signum())?,
+            None => start_of_relaxation(&after.0, &after.1, ratio.ln().signum())?,
         };
         let first = after.0.partition_point(|x| *x < peak);
         let rest = after.0.len() - first;
@@ -295,9 +295,14 @@ fn averaged(values: &[f64], many: usize) -> Vec<f64> {
     values.chunks_exact(many).map(|part| part.iter().sum::<f64>() / many as f64).collect()
 }
 
-/// The position of the extremum of the force, averaged over some points, in the direction of the change of
-/// velocity; 0 if it is not in the first half.
-fn extremum(position: &[f64], force: &[f64], side: f64) -> Result<f64> {
+/// The position from which on the force relaxes: where its average over some points first comes as near to its extremum in the
+/// direction of the change of velocity as twice its scatter in the last quarter; 0 if the extremum is not in the first half. An
+/// extremum that does not stand out from the scatter is one of the noise: the force then relaxes from where it first comes as near
+/// to its level in the last quarter.
+fn start_of_relaxation(position: &[f64], force: &[f64], side: f64) -> Result<f64> {
+    /// In standard deviations: of 100 independent normal numbers one is farther away in 0.6 % of the cases.
+    const STANDS_OUT: f64 = 4.0;
+    const REACHED: f64 = 2.0;
     let near = |i: usize| {
         let half = (SMOOTHED / 2).min(i).min(force.len() - 1 - i);
         force[i - half..=i + half].iter().sum::<f64>() / (2 * half + 1) as f64
@@ -305,7 +310,13 @@ fn extremum(position: &[f64], force: &[f64], side: f64) -> Result<f64> {
     let smooth: Vec<f64> = (0..force.len()).map(near).collect();
     let none = || Error::invalid("position", "points after the step, at positions of 0 and above", "none");
     let peak = peak(&smooth, side).ok_or_else(none)?;
-    Ok(if peak == 0 { 0.0 } else { position[peak] })
+    let last = &smooth[smooth.len() - smooth.len().div_ceil(4)..];
+    let level = last.iter().sum::<f64>() / last.len() as f64;
+    let scatter = (last.iter().map(|force| (force - level).powi(2)).sum::<f64>() / last.len() as f64).sqrt();
+    let above = |i: usize| side * (smooth[i] - level);
+    let highest = if above(peak) > STANDS_OUT * scatter { above(peak) } else { 0.0 };
+    let start = (0..peak).find(|&i| above(i) >= highest - REACHED * scatter).unwrap_or(peak);
+    Ok(if start == 0 { 0.0 } else { position[start] })
 }
 
 /// The test of Ljung and Box on whitened residuals.
