@@ -1,5 +1,6 @@
 //! Reading of scenario files: overrides, inlined tables, checks, and errors with their position in the text.
 
+mod columns;
 mod deserialise;
 mod diagnostic;
 mod document;

@@ -6,11 +6,9 @@ use std::path::{Path, PathBuf};
 use asperity::scenario::{FitCurve, FitSource, Protocol, Scenario, Step, Tabulated};
 use sha2::{Digest, Sha256};
 
+use super::columns::{HAS_FILES, read, read_one_of};
 use super::fault::Fault;
-use super::{short, text};
-
-/// Whether there is a file system. The code that reads files is left out of WebAssembly, which has none.
-const HAS_FILES: bool = cfg!(not(target_family = "wasm"));
+use super::short;
 
 /// Replaces every `file` key by the content of the file, whose path is relative to `folder`; without a folder, no file is read.
 pub fn inline(scenario: &mut Scenario, folder: Option<&Path>) -> Result<(), Fault> {
@@ -166,51 +164,4 @@ fn law(table: &mut Tabulated, path: &Path) -> Result<(), Fault> {
 
 fn exactly<const N: usize>(columns: Vec<Vec<f64>>) -> [Vec<f64>; N] {
     columns.try_into().expect("the number of columns was checked")
-}
-
-/// The columns of a CSV file with one of the given `layouts`.
-fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
-    read_one_of(path, layouts).map(|(_, columns)| columns)
-}
-
-/// The number of the layout of a CSV file, among the given ones, and its columns. The heading of a single column is optional.
-fn read_one_of(path: &Path, layouts: &[&[&str]]) -> Result<(usize, Vec<Vec<f64>>), Fault> {
-    if !HAS_FILES {
-        unreachable!("no file has a place without a file system");
-    }
-    let name = path.display();
-    let expected = layouts.iter().map(|columns| columns.join(",")).collect::<Vec<_>>().join(" or ");
-    let expected = format!("a CSV file with columns {expected}");
-    let fault = |found: String| Fault::new(&expected, &found);
-    let text = text::read(path).map_err(|why| fault(format!("{name}: {why}")))?;
-    let mut reader =
-        csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let (mut columns, mut chosen): (Vec<Vec<f64>>, usize) = (Vec::new(), 0);
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| fault(format!("{name}: {error}")))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let numbers: Option<Vec<f64>> = record.iter().map(|cell| cell.parse().ok()).collect();
-        let fits = |layout: &&[&str]| {
-            layout.len() == record.len() && (layout.len() == 1 || record.iter().eq(layout.iter().copied()))
-        };
-        match (row, layouts.iter().position(fits), numbers) {
-            (0, Some(layout), Some(numbers)) => {
-                (columns, chosen) = (numbers.into_iter().map(|number| vec![number]).collect(), layout);
-            }
-            (0, Some(layout), None) => (columns, chosen) = (vec![Vec::new(); record.len()], layout),
-            (1.., _, Some(numbers))
-                if record.len() == columns.len() && numbers.iter().all(|number| number.is_finite()) =>
-            {
-                columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
-            }
-            _ => {
-                let cells = record.iter().collect::<Vec<_>>().join(",");
-                return Err(fault(format!("\"{}\" in line {line} of {name}", short(&cells))));
-            }
-        }
-    }
-    if columns.first().is_none_or(Vec::is_empty) {
-        return Err(fault(format!("no rows in {name}")));
-    }
-    Ok((chosen, columns))
 }
