@@ -103,7 +103,7 @@ def remarks(fit: "Estimates | SteadyEstimates | VelocityCurveEstimates", what: s
 def estimate(one: "Estimate") -> str:
     """Value ± error and interval, or the limit."""
     if one.limit is not None:
-        return f"below {one.limit:.3g} (95 %)"
+        return f"below {one.limit:.3g} (95 %)" if math.isfinite(one.limit) else "not determined"
     if one.error == 0:
         return f"{one.value:.6g}, at the end of its range"
     if not math.isfinite(one.error):

@@ -138,10 +138,12 @@ def simple(value: object) -> bool:
 def velocity_step(step: "VelocityStep") -> str:
     noise = step.noise
     drift = (f", drift {one.std:.3g} over {one.length:.3g}" for one in noise.drift)
+    reach = float(step.position[-1] - step.position[0])
+    slow = "; longer than the record: try trend=True" if any(one.length > reach for one in noise.drift) else ""
     rows = {name: getattr(step, name) for name in ("a", "b", "a_minus_b", "distance", "before", "trend")}
     shown = {name: estimate(value) for name, value in rows.items() if value is not None}
     rest = {"peak": f"{step.peak:.6g}", "residual": f"{step.residual:.3g}"}
-    noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}"}
+    noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}{slow}"}
     if step.whiteness is not None:
         doubt = (
             "" if step.whiteness >= UNLIKELY else "; errors are not reliable: the noise is not of this kind"
@@ -166,12 +168,17 @@ def estimate(found: "Estimate") -> str:
 DIGITS = 15
 """The decimal digits that every double has."""
 
+LARGE = 1e7
+"""Numbers from here on are written with an exponent."""
+
 
 def rounded(value: float, error: float) -> str:
     """A number to the second digit of its error, or to six digits where the error is 0 or unknown."""
     if not (math.isfinite(value) and 0 < error < math.inf):
         return f"{value:.6g}"
     places = 1 - math.floor(math.log10(error))
+    if abs(value) >= LARGE:
+        return f"{value:.{min(max(1, places + math.floor(math.log10(abs(value)))), DIGITS - 1)}e}"
     if 0 <= places <= 6:
         return f"{value:.{places}f}"
     digits = max(2, places + 1 + math.floor(math.log10(abs(value)))) if value else 2

@@ -7,12 +7,16 @@ use numpy::{PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::PyClass;
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 
 use crate::error::invalid;
 use crate::typed::argument_type;
 
 /// What an argument is expected to be.
 pub trait Expected {
+    /// Whether True and False are such arguments. To Python they are numbers, too.
+    const TAKES_BOOL: bool = false;
+
     fn expected() -> String;
 }
 
@@ -103,13 +107,16 @@ impl Found {
     }
 }
 
-impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Argument<T> {
+impl<'a, 'py, T: FromPyObject<'a, 'py> + Expected> FromPyObject<'a, 'py> for Argument<T> {
     type Error = PyErr;
 
     #[cfg(feature = "stubs")]
     const INPUT_TYPE: pyo3::inspect::PyStaticExpr = T::INPUT_TYPE;
 
     fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if !T::TAKES_BOOL && value.is_instance_of::<PyBool>() {
+            return Ok(Self(Err(Found::Type("bool".into()))));
+        }
         match value.extract() {
             Ok(found) => Ok(Self(Ok(found))),
             Err(error) => Found::of(&value, error.into()).map(|found| Self(Err(found))),
@@ -124,6 +131,8 @@ impl Expected for f64 {
 }
 
 impl Expected for bool {
+    const TAKES_BOOL: bool = true;
+
     fn expected() -> String {
         "True or False".into()
     }

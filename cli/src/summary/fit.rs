@@ -132,7 +132,11 @@ pub fn probability(p: f64) -> String {
 /// A value with its error and its interval, or the limit below which it is.
 fn estimate(number: &FitNumber) -> String {
     if let Some(limit) = number.limit {
-        return format!("below {} (95 %)", digits(limit.0));
+        return if limit.0.is_finite() {
+            format!("below {} (95 %)", digits(limit.0))
+        } else {
+            "not determined".into()
+        };
     }
     let [low, high] = number.interval;
     let (value, error) = rounded(number.value, number.error);

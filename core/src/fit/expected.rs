@@ -8,6 +8,7 @@ use super::free::{FreeParameter, Role};
 use super::measurement::{Machine, Measurement};
 use crate::master::{AgainstDrive, Covariance, Gradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// The contacts at some values of the free numbers, and their pull up to the last reading of the curves that they describe.
@@ -144,9 +145,13 @@ impl ExpectedReadings {
         let members = if measured.members.is_empty() {
             None
         } else {
-            let drive: Vec<f64> = measured.members.iter().flatten().map(|y| y - start).collect();
+            let mut members: Vec<(f64, usize)> =
+                measured.members.iter().flatten().enumerate().map(|(i, y)| (y - start, i)).collect();
+            // Those of neighbouring means may overlap.
+            sort_by_number(&mut members, |member| member.0);
+            let (drive, order): (Vec<f64>, Vec<usize>) = members.into_iter().unzip();
             let sizes = measured.members.iter().map(Vec::len).collect();
-            Some((contacts.pull.against_drive(machine.compliance, &drive)?, sizes))
+            Some((contacts.pull.against_drive(machine.compliance, &drive)?.at_places(&order), sizes))
         };
         let mut readings = Self { contacts, machine, driven, members, forces: Vec::new() };
         let level = machine.background + machine.offset;
@@ -272,16 +277,16 @@ impl ExpectedReadings {
     /// # Errors
     /// Those of [`Pull::covariance`].
     pub fn noise(&self, measured: &Measurement, monitor: &mut dyn Monitor) -> Result<Mat<f64>> {
-        let inside: Vec<f64> = self.driven.positions.iter().map(|x| x.max(0.0)).collect();
+        let inside = &self.driven.positions;
         let FittedContacts { equation, pull, .. } = &*self.contacts;
-        let covariance: Covariance = pull.covariance_with(&inside, equation.contacts().count, monitor)?;
+        let covariance: Covariance = pull.covariance_with(inside, equation.contacts().count, monitor)?;
         let n = inside.len();
         let followed = &self.driven.followed;
         // Columns of the matrix are rows of the covariance, which is symmetric and kept row by row.
         let mut noise = Mat::from_fn(n, n, |i, j| covariance.at(j, i) * followed[i] * followed[j]);
         for i in (0..n).filter(|&i| measured.distance(i, i) > 0.0) {
             let spread = followed[i] * measured.distance(i, i);
-            let lost = 0.5 * rate_of_squares(&covariance, &inside, i) * spread;
+            let lost = 0.5 * rate_of_squares(&covariance, inside, i) * spread;
             noise[(i, i)] -= lost.min(MOST_LOST * covariance.at(i, i)) * followed[i].powi(2);
         }
         Ok(noise)

@@ -1,5 +1,5 @@
-//! First values far from the data: factors of all lengths of the thresholds, and compliances where one is free, with which the
-//! first curve is like the measured ones.
+//! First values far from the data: factors of all lengths of the thresholds, and compliances and origins where these are free, with
+//! which the first curve is like the measured ones.
 //!
 //! Thresholds about as large as the distance of the readings may give the same forces at few readings as larger ones (aliasing).
 //! So the search begins at each of several first values, the given ones among them, and the most probable result is kept. Where
@@ -8,7 +8,7 @@
 
 use super::free::{FreeParameter, Role};
 use super::likelihood::Likelihood;
-use super::{Fit, Measurement};
+use super::{Fit, Machine, Measurement};
 use crate::master::Pull;
 use crate::monitor::{Monitor, Part};
 use crate::numerics::order::sort_by_number;
@@ -20,8 +20,8 @@ const FACTORS: i32 = 40;
 /// Free compliances that are tried, in multiples of the largest one: that behind which contacts that do not give at all would show
 /// the steepest slope of the curves.
 const COMPLIANCES: [f64; 3] = [0.5, 0.25, 0.125];
-/// One of these is preferred to the given compliance unless it leaves this many times as much: from a compliance that is too small
-/// the search goes a long way in small steps, as contacts of larger thresholds behind a stiffer machine make nearly the same curve.
+/// Another machine is preferred to the given one unless it leaves this many times as much: from a compliance that is too small the
+/// search goes a long way in small steps, as contacts of larger thresholds behind a stiffer machine make nearly the same curve.
 const PREFERRED: f64 = 4.0;
 /// Factors nearer to 1 are left to the search.
 const NEAR: f64 = 1.5;
@@ -36,11 +36,25 @@ const TOLERANCE: f64 = 1e-4;
 /// Numbers of distributions that are lengths.
 const LENGTHS: [&str; 5] = ["mean", "std", "min", "max", "scale"];
 
-/// A factor of lengths, and a free compliance if it is not the given one, with the factor of the force of each curve, which changes
-/// with them, and what is left of the curves.
+/// What is tried of machines.
+#[derive(Clone, Copy, PartialEq)]
+struct TriedMachine {
+    /// A free compliance, if it is not the given one.
+    compliance: Option<f64>,
+    /// Whether a curve with a free origin begins where its steepest tangent meets the zero of the force, not at the given origin.
+    by_tangent: bool,
+}
+
+/// The machine that is given.
+const GIVEN: TriedMachine = TriedMachine { compliance: None, by_tangent: false };
+
+/// A factor of lengths, and what is tried of machines, with the factor of the force of each curve, which changes with them, and what
+/// is left of the curves.
 struct ScaledLengths {
     length: f64,
-    compliance: Option<f64>,
+    tried: TriedMachine,
+    /// The origin of each curve.
+    origins: Vec<f64>,
     forces: Vec<f64>,
     /// Whether the number of contacts is free to change the force, or only their stiffness.
     counts: bool,
@@ -49,8 +63,8 @@ struct ScaledLengths {
 
 impl Fit {
     /// The coordinates from which to search, and the number of solutions that they took: those given, and those that make the
-    /// curves more probable with all lengths of the thresholds multiplied by one factor, and another compliance if it is free; each
-    /// also with wider thresholds, if these are narrower than the readings are apart.
+    /// curves more probable with all lengths of the thresholds multiplied by one factor, and another compliance and origin if they
+    /// are free; each also with wider thresholds, if these are narrower than the readings are apart.
     ///
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
@@ -85,11 +99,12 @@ impl Fit {
         if !free.iter().any(is_length) {
             return Ok((vec![given], 0));
         }
-        let compliances = self.compliances(free);
-        let least = compliances.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        let positions =
-            self.curves.iter().flat_map(|curve| slider(curve, curve.machine.compliance.min(least)));
-        let farthest = positions.fold(0.0, f64::max);
+        let machines = self.machines(free);
+        let farthest = machines.iter().flat_map(|&tried| {
+            let numbered = self.curves.iter().enumerate();
+            numbered.flat_map(move |(c, curve)| slider(curve, tried.of_curve((c, curve), free)))
+        });
+        let farthest = farthest.fold(0.0, f64::max);
         let part = &mut Part::new(monitor, 0.0, 0.5);
         let pull = match self.equation.pull_with(LARGEST * farthest.max(f64::MIN_POSITIVE), TOLERANCE, part) {
             Err(Error::Stopped) => return Err(Error::Stopped),
@@ -102,7 +117,7 @@ impl Fit {
             let trial = white.trial(coordinates, &mut Part::new(monitor, 0.5, 0.5))?;
             Ok(trial.map_or(f64::INFINITY, |trial| trial.deviance))
         };
-        let alike = fewer.most_alike(free, &pull, &compliances);
+        let alike = fewer.most_alike(free, &pull, &machines);
         if alike.is_empty() {
             return Ok((vec![given], 1));
         }
@@ -118,35 +133,40 @@ impl Fit {
         Ok((starts, tried + 2))
     }
 
-    /// The free compliances that are tried, the given one, `None`, first; nothing else where none is free or without a rising
-    /// curve.
-    fn compliances(&self, free: &[FreeParameter]) -> Vec<Option<f64>> {
-        let is_free = free.iter().any(|parameter| parameter.role == Role::Compliance);
-        let largest = self.curves.iter().map(Measurement::steepest).fold(0.0, f64::max).recip();
-        let others = COMPLIANCES.iter().map(|part| Some(part * largest));
-        std::iter::once(None).chain(others.filter(|_| is_free && largest.is_finite())).collect()
+    /// The machines that are tried, the given one first; none of another compliance or origin where it is not free or without a
+    /// rising curve.
+    fn machines(&self, free: &[FreeParameter]) -> Vec<TriedMachine> {
+        let is_free = |role: Role| free.iter().any(|parameter| parameter.role == role);
+        let steepest = self.curves.iter().map(Measurement::steepest).fold(0.0, f64::max);
+        if steepest == 0.0 {
+            return vec![GIVEN];
+        }
+        let others = COMPLIANCES.iter().map(|part| Some(part / steepest));
+        let compliances = std::iter::once(None).chain(others.filter(|_| is_free(Role::Compliance)));
+        let origins: &[bool] = if is_free(Role::Origin) { &[false, true] } else { &[false] };
+        let with_origins =
+            |compliance| origins.iter().map(move |&by_tangent| TriedMachine { compliance, by_tangent });
+        compliances.flat_map(with_origins).collect()
     }
 
-    /// The factors that leave less of the curves than their neighbours, with each of these compliances, in the order in which they
+    /// The factors that leave less of the curves than their neighbours, with each of these machines, in the order in which they
     /// are to be tried; none that are near what is given, or leave hardly less.
     fn most_alike(
         &self,
         free: &[FreeParameter],
         pull: &Pull,
-        compliances: &[Option<f64>],
+        machines: &[TriedMachine],
     ) -> Vec<ScaledLengths> {
         let length = |i: i32| LARGEST.powf(f64::from(i) / f64::from(FACTORS));
-        let given = self.scaled(free, pull, (1.0, None)).map_or(f64::INFINITY, |given| given.squares);
-        let is_far = |scaled: &ScaledLengths| {
-            scaled.length.max(1.0 / scaled.length) > NEAR || scaled.compliance.is_some()
-        };
-        let weighted = |scaled: &ScaledLengths| {
-            scaled.squares * if scaled.compliance.is_none() { PREFERRED } else { 1.0 }
-        };
+        let given = self.scaled(free, pull, (1.0, GIVEN)).map_or(f64::INFINITY, |given| given.squares);
+        let is_far =
+            |scaled: &ScaledLengths| scaled.length.max(1.0 / scaled.length) > NEAR || scaled.tried != GIVEN;
+        let weighted =
+            |scaled: &ScaledLengths| scaled.squares * if scaled.tried == GIVEN { PREFERRED } else { 1.0 };
         let mut all = Vec::new();
-        for compliance in compliances {
+        for machine in machines {
             let tried: Vec<Option<ScaledLengths>> =
-                (-FACTORS..=FACTORS).map(|i| self.scaled(free, pull, (length(i), *compliance))).collect();
+                (-FACTORS..=FACTORS).map(|i| self.scaled(free, pull, (length(i), *machine))).collect();
             let squares = |i: usize| tried.get(i)?.as_ref().map(|scaled| scaled.squares);
             let is_least = |i: usize| {
                 let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(squares);
@@ -161,26 +181,28 @@ impl Fit {
         all
     }
 
-    /// What the first curve with lengths times `length`, behind a free `compliance` in place of the given one, leaves of the measured
-    /// ones, F(X) = f s F₁(X/s) with the factor f of each curve that leaves least, if count or stiffness is free; the same for
-    /// offset and trend.
+    /// What the first curve with lengths times `length`, measured by a machine that is tried in place of the given one, leaves of the
+    /// measured ones, F(X) = f s F₁(X/s) with the factor f of each curve that leaves least, if count or stiffness is free; the same
+    /// for offset and trend.
     fn scaled(
         &self,
         free: &[FreeParameter],
         pull: &Pull,
-        (length, compliance): (f64, Option<f64>),
+        (length, tried): (f64, TriedMachine),
     ) -> Option<ScaledLengths> {
         let counts = free.iter().any(|parameter| parameter.quantity == "count");
-        let mut all = ScaledLengths { length, compliance, forces: Vec::new(), counts, squares: 0.0 };
+        let mut all =
+            ScaledLengths { length, tried, origins: Vec::new(), forces: Vec::new(), counts, squares: 0.0 };
         for (c, curve) in self.curves.iter().enumerate() {
             let is_free =
                 |names: &[&str]| free.iter().any(|p| p.applies_to(c) && names.contains(&p.quantity.as_str()));
-            let other = compliance.filter(|_| is_free(&["compliance"]));
-            let slider: Vec<f64> = slider(curve, other.unwrap_or(curve.machine.compliance)).collect();
+            let machine = tried.of_curve((c, curve), free);
+            let slider: Vec<f64> = slider(curve, machine).collect();
             let force = |x| length * pull.force(x / length);
             let (factor, squares) = scaled_curve((curve, &slider), is_free, force)?;
             all.squares += squares;
             all.forces.push(factor);
+            all.origins.push(machine.origin);
         }
         Some(all)
     }
@@ -210,18 +232,32 @@ fn scaled_curve(
     (factor.is_finite() && factor > 0.0).then_some((factor, squares))
 }
 
+impl TriedMachine {
+    /// The machine of a curve.
+    fn of_curve(self, (c, curve): (usize, &Measurement), free: &[FreeParameter]) -> Machine {
+        let is_free =
+            |role: Role| free.iter().any(|parameter| parameter.role == role && parameter.applies_to(c));
+        let given = curve.machine;
+        let compliance = self.compliance.filter(|_| is_free(Role::Compliance)).unwrap_or(given.compliance);
+        let tangent = (self.by_tangent && is_free(Role::Origin)).then(|| curve.tangent_origin()).flatten();
+        Machine { compliance, origin: tangent.unwrap_or(given.origin), ..given }
+    }
+}
+
 impl ScaledLengths {
     /// The first value of a number with these factors.
     fn of(&self, parameter: &FreeParameter) -> f64 {
-        let of_force = || {
-            let curves = (0..self.forces.len()).filter(|&c| parameter.applies_to(c));
-            let logarithms: Vec<f64> = curves.map(|c| self.forces[c].ln()).collect();
-            (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            let values: Vec<f64> =
+                (0..self.forces.len()).filter(|&c| parameter.applies_to(c)).map(of).collect();
+            values.iter().sum::<f64>() / values.len() as f64
         };
+        let of_force = || mean(&|c| self.forces[c].ln()).exp();
         match parameter.quantity.as_str() {
             "count" => parameter.start * of_force(),
             "stiffness" if !self.counts => parameter.start * of_force(),
-            "compliance" => self.compliance.unwrap_or(parameter.start),
+            "compliance" => self.tried.compliance.unwrap_or(parameter.start),
+            "origin" if self.tried.by_tangent => mean(&|c| self.origins[c]),
             _ if is_length(parameter) => parameter.start * self.length,
             _ => parameter.start,
         }
@@ -234,12 +270,12 @@ fn is_length(parameter: &FreeParameter) -> bool {
     parameter.role == Role::Contacts && name.is_some_and(|name| LENGTHS.contains(&name))
 }
 
-/// Positions X of the slider at the readings of a curve behind a machine of this compliance, from the measured forces.
-fn slider(curve: &Measurement, compliance: f64) -> impl Iterator<Item = f64> {
-    let machine = curve.machine;
+/// Positions X of the slider at the readings of a curve from this machine, from the measured forces.
+fn slider(curve: &Measurement, machine: Machine) -> impl Iterator<Item = f64> {
     let readings = curve.positions.iter().zip(&curve.forces);
-    readings
-        .map(move |(y, force)| y - machine.origin - compliance * (force - machine.offset - machine.trend * y))
+    readings.map(move |(y, force)| {
+        y - machine.origin - machine.compliance * (force - machine.offset - machine.trend * y)
+    })
 }
 
 /// Columns that span the same and are orthogonal to each other.

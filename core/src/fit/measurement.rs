@@ -1,6 +1,7 @@
 //! What was measured: a curve of force, the machine that measured it, and the errors of its readings.
 
 use crate::error::{not_negative, positive};
+use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
 /// A measured curve of force.
@@ -12,8 +13,9 @@ pub struct Measurement {
     pub forces: Vec<f64>,
     /// The machine.
     pub machine: Machine,
-    /// Of readings that are means of neighbouring ones, the positions of these; empty for single readings. The expected mean is that
-    /// of the curve at these positions, and it has less of the noise of contacts, which changes with every break.
+    /// Of readings that are means of neighbouring ones, the positions of these in rising order; empty for single readings. The
+    /// expected mean is that of the curve at these positions, and it has less of the noise of contacts, which changes with every
+    /// break.
     pub members: Vec<Vec<f64>>,
 }
 
@@ -81,25 +83,29 @@ impl Measurement {
     }
 
     /// The same with every `count` neighbouring readings replaced by their mean, of positions and of forces; the last readings,
-    /// where they are fewer, too.
+    /// where they are fewer, too. Positions need not rise, as those of a noisy sensor do not, if their means do.
     ///
     /// Independent errors become smaller by √count. Means over more than a feature of the curve hide it.
     ///
     /// # Errors
-    /// A count of 0; positions that do not rise; numbers that are not finite; a force for each position, or none.
+    /// A count of 0; means of positions that do not rise; numbers that are not finite; a force for each position, or none.
     pub fn average(&self, count: usize) -> Result<Self> {
         if count == 0 {
             return Err(Error::invalid("average", "a number of readings above 0", count));
         }
-        self.check()?;
+        self.check_readings()?;
         if count == 1 {
+            self.check_order()?;
             return Ok(self.clone());
         }
         let n = self.positions.len();
-        let groups: Vec<Vec<f64>> = (0..n)
-            .step_by(count)
-            .map(|first| (first..n.min(first + count)).flat_map(|i| self.members_of(i).to_vec()).collect())
-            .collect();
+        let group = |first: usize| {
+            let mut members: Vec<f64> =
+                (first..n.min(first + count)).flat_map(|i| self.members_of(i).to_vec()).collect();
+            sort_by_number(&mut members, |position| *position);
+            members
+        };
+        let groups: Vec<Vec<f64>> = (0..n).step_by(count).map(group).collect();
         // Readings that are means themselves count as often as they have members.
         let weights: Vec<f64> = (0..n).map(|i| self.members_of(i).len() as f64).collect();
         let weighted: Vec<f64> =
@@ -109,12 +115,14 @@ impl Measurement {
             .zip(&groups)
             .map(|(some, group)| some.iter().sum::<f64>() / group.len() as f64);
         let mean = |group: &Vec<f64>| group.iter().sum::<f64>() / group.len() as f64;
-        Ok(Self {
+        let averaged = Self {
             positions: groups.iter().map(mean).collect(),
             forces: forces.collect(),
             machine: self.machine,
             members: groups,
-        })
+        };
+        averaged.check_order()?;
+        Ok(averaged)
     }
 
     /// The positions that a reading is the mean of; its own if it is a single one.
@@ -122,10 +130,9 @@ impl Measurement {
         self.members.get(i).map_or(&self.positions[i..=i], Vec::as_slice)
     }
 
-    /// The last position.
+    /// The farthest position.
     pub(super) fn last(&self) -> f64 {
-        let members = self.members_of(self.positions.len() - 1);
-        members[members.len() - 1]
+        self.positions.iter().chain(self.members.iter().flatten()).copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The distance of two readings, or the mean distance of two of those that a reading is the mean of, each from itself among
@@ -158,12 +165,36 @@ impl Measurement {
 
     /// The steepest mean slope over a tenth of the readings; 0 where no force rises.
     pub(super) fn steepest(&self) -> f64 {
+        self.steepest_chord().map_or(0.0, |(_, slope)| slope)
+    }
+
+    /// The first reading and the slope of the steepest chord over a tenth of the readings, if a force rises.
+    fn steepest_chord(&self) -> Option<(usize, f64)> {
         let apart = (self.positions.len() / 10).max(1);
         let slope = |i: usize| {
             (self.forces[i + apart] - self.forces[i]) / (self.positions[i + apart] - self.positions[i])
         };
         let readings = self.forces.len().min(self.positions.len());
-        (0..readings.saturating_sub(apart)).map(slope).fold(0.0, f64::max)
+        let chords = (0..readings.saturating_sub(apart)).map(|i| (i, slope(i)));
+        chords.filter(|(_, slope)| *slope > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// How far the slider has moved where the force of the contacts reaches half of its largest value, if a force does.
+    pub(super) fn rise(&self) -> Option<f64> {
+        let Machine { compliance, background, offset, trend, origin } = self.machine;
+        let level = |y: f64| background + offset + trend * y;
+        let readings = self.positions.iter().zip(&self.forces).map(|(&y, &reading)| (y, reading - level(y)));
+        let largest = readings.clone().map(|(_, force)| force).fold(0.0, f64::max);
+        let (y, force) = readings.into_iter().find(|(_, force)| largest > 0.0 && *force >= 0.5 * largest)?;
+        Some(y - origin - compliance * (force + background))
+    }
+
+    /// Where the steepest chord over a tenth of the readings meets the zero of the force of the contacts, if a force rises.
+    pub(super) fn tangent_origin(&self) -> Option<f64> {
+        let Machine { offset, background, trend, .. } = self.machine;
+        let (i, slope) = self.steepest_chord()?;
+        let (position, force) = (self.positions[i], self.forces[i]);
+        Some(position - (force - offset - background - trend * position) / slope)
     }
 
     /// The mean distance of two readings.
@@ -185,6 +216,26 @@ impl Measurement {
     /// # Errors
     /// Positions that do not rise; numbers that are not finite; a force and a spread for each position, or none.
     pub(crate) fn check(&self) -> Result<()> {
+        self.check_readings()?;
+        self.check_order()
+    }
+
+    /// # Errors
+    /// Positions that do not rise.
+    fn check_order(&self) -> Result<()> {
+        let Some(i) = self.positions.windows(2).position(|pair| pair[0] >= pair[1]) else { return Ok(()) };
+        let expected = format!(
+            "positions that rise, or the means of more readings where their sensor is noisy: one above {}",
+            self.positions[i]
+        );
+        Err(Error::invalid(format!("position.{}", i + 1), expected, self.positions[i + 1]))
+    }
+
+    /// The checks of all but the order of the readings.
+    ///
+    /// # Errors
+    /// Numbers that are not finite; a force and a spread for each position, or none.
+    pub(crate) fn check_readings(&self) -> Result<()> {
         if self.positions.len() < 2 {
             return Err(Error::invalid("position", "two positions or more", self.positions.len()));
         }
@@ -192,10 +243,6 @@ impl Measurement {
             if let Some(i) = values.iter().position(|value| !value.is_finite()) {
                 return Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i]));
             }
-        }
-        if let Some(i) = self.positions.windows(2).position(|pair| pair[0] >= pair[1]) {
-            let expected = format!("positions that rise: one above {}", self.positions[i]);
-            return Err(Error::invalid(format!("position.{}", i + 1), expected, self.positions[i + 1]));
         }
         if !self.forces.is_empty() && self.forces.len() != self.positions.len() {
             let expected = format!("{} forces, one for each position", self.positions.len());
@@ -206,7 +253,7 @@ impl Measurement {
             return Err(Error::invalid("members", expected, self.members.len()));
         }
         for (i, members) in self.members.iter().enumerate() {
-            let rising = members.windows(2).all(|pair| pair[0] < pair[1]);
+            let rising = members.is_sorted();
             let around = |&at: &f64| {
                 members.first().is_some_and(|low| *low <= at)
                     && members.last().is_some_and(|high| at <= *high)
@@ -275,12 +322,26 @@ mod tests {
         assert!(planned.average(5).unwrap().forces.is_empty());
     }
 
+    /// Positions of a noisy sensor do not rise; their means do.
+    #[test]
+    fn readings_at_positions_that_do_not_rise_are_averaged_where_the_means_do() {
+        let averaged =
+            Measurement::new(vec![1.0, 3.0, 2.0, 5.0], vec![4.0, 2.0, 1.0, 3.0]).average(2).unwrap();
+        assert_eq!((&averaged.positions, &averaged.forces), (&vec![2.0, 3.5], &vec![3.0, 2.0]));
+        assert_eq!(averaged.members, [vec![1.0, 3.0], vec![2.0, 5.0]]);
+        assert_eq!(averaged.last(), 5.0);
+        let backwards = Measurement::new(vec![2.0, 1.0, 4.0, 3.0], vec![0.0; 4]).average(2).unwrap();
+        assert_eq!(backwards.members, [vec![1.0, 2.0], vec![3.0, 4.0]]);
+    }
+
     #[test]
     fn what_cannot_be_averaged_is_refused() {
         let measured = Measurement::new(vec![1.0, 2.0, 1.5, 5.0], vec![0.0; 4]);
         assert!(measured.average(0).unwrap_err().to_string().starts_with("average: expected"));
-        // The means of these positions rise.
-        assert!(measured.average(2).unwrap_err().to_string().starts_with("position.2: expected"));
+        assert!(measured.average(1).unwrap_err().to_string().starts_with("position.2: expected"));
+        // The means 2 and 1.5 do not rise.
+        let falling = Measurement::new(vec![1.0, 3.0, 1.5], vec![0.0; 3]);
+        assert!(falling.average(2).unwrap_err().to_string().starts_with("position.1: expected"));
         let fewer = Measurement::new(vec![1.0, 2.0, 3.0], vec![0.0; 2]);
         assert!(fewer.average(2).unwrap_err().to_string().starts_with("force: expected 3 forces"));
     }

@@ -216,7 +216,8 @@ impl Fit {
     /// A name that is no parameter, is given twice, or none; a planned measurement without the size of errors, or with a drift,
     /// whose size is not known; fewer readings than parameters + 2; more than 4000 with the noise of contacts or a drift;
     /// positions that do not rise; forces that are all equal, or below 0 on average with a known zero; positions up to less than a
-    /// thousandth of the first mean threshold; count and stiffness both free without the noise of contacts; numbers that the data do not
+    /// fiftieth of the first mean threshold, or forces that rise over more than twenty of them; the noise of contacts for contacts
+    /// of different stiffness; count and stiffness both free without the noise of contacts; numbers that the data do not
     /// determine, with the direction; those of [`crate::master::Pull::covariance`] and [`crate::master::Pull::gradients`].
     pub fn run(&self) -> Result<Estimates> {
         self.run_with(&mut ())
@@ -308,6 +309,10 @@ impl Fit {
         }
         let free = self.free_parameters()?;
         let is_free = |name: &str| free.iter().any(|parameter| parameter.name == name);
+        if self.errors.contacts && self.equation.contacts().have_equal_stiffness().is_err() {
+            let expected = "\"white\" where the stiffness of a contact depends on its threshold: the noise of contacts is known where all are equally stiff";
+            return Err(Error::invalid("noise", expected, "contacts"));
+        }
         if !self.errors.contacts && is_free("count") && is_free("stiffness") {
             let expected =
                 "one of count and stiffness: without the noise of contacts only their product is known";
@@ -345,20 +350,36 @@ impl Fit {
         let reach = |curve: &Measurement| curve.last() - curve.machine.origin;
         let farthest = self.curves.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
         let mean = self.equation.contacts().thresholds.mean();
-        let moves = free.iter().any(|one| is_of_thresholds(&one.quantity)) && !is_free(&["origin"]);
-        if moves && farthest < SHORTEST * mean {
+        if is_free(&["origin"]) || !free.iter().any(|one| is_of_thresholds(&one.quantity)) {
+            return Ok(());
+        }
+        if farthest < SHORTEST * mean {
             let expected = format!(
-                "positions beyond {}, a thousandth of the mean threshold {mean} of the first values: their units may differ",
+                "positions beyond {}, a fiftieth of the mean threshold {mean} of the first values: their units may differ",
                 SHORTEST * mean
             );
             return Err(Error::invalid("position", expected, format!("positions up to {farthest}")));
+        }
+        let shortest = self.curves.iter().filter_map(Measurement::rise).fold(f64::INFINITY, f64::min);
+        let machine_is_known = !is_free(&["compliance", "offset", "background", "trend"]);
+        if machine_is_known && shortest.is_finite() && shortest > LONGEST * mean {
+            let expected = format!(
+                "a force that rises to half of its largest value by {}, twenty times the mean threshold {mean} of the first values: their units may differ",
+                LONGEST * mean
+            );
+            return Err(Error::invalid("position", expected, format!("a rise over {shortest}")));
         }
         Ok(())
     }
 }
 
-/// Shortest pull, in mean thresholds of the first values, that shows anything of thresholds.
-const SHORTEST: f64 = 1e-3;
+/// Shortest pull, in mean thresholds of the first values, that shows anything of thresholds: with first values that are right, one
+/// in a unit that is a thousand times as long goes beyond it only where the contacts are pulled over twenty thresholds.
+const SHORTEST: f64 = 0.02;
+
+/// Longest rise of the force to half of its largest value, in mean thresholds of the first values. Thresholds are at least as long
+/// as the rise, and first values may differ from them by factors of eight, which are tried.
+const LONGEST: f64 = 20.0;
 
 /// Whether a number belongs to the thresholds, of all curves.
 fn is_of_thresholds(name: &str) -> bool {

@@ -23,34 +23,31 @@ pub struct AgainstDrive {
 }
 
 impl Pull {
-    /// The force at rising positions of the drive, in the stable sliding from X = 0. Before X = 0 contacts are moved back
-    /// without breaking: F continues with its first slope. `None` where the slider slips on the way, at X_T' = 1 + cF' = 0,
-    /// or where it would be beyond the distance of the pull.
+    /// The force at rising positions of the drive, in the stable sliding from X = 0. Before the drive at which the slider starts,
+    /// X_T = cF(0), the slider rests: the machine has not taken up its play, X = 0 and F = F(0). `None` where the slider slips on
+    /// the way, at X_T' = 1 + cF' = 0, or where it would be beyond the distance of the pull.
     pub fn against_drive(&self, compliance: f64, drive: &[f64]) -> Option<AgainstDrive> {
         let positions = self.slider(compliance, drive)?;
-        let slopes: Vec<f64> = positions.iter().map(|&x| self.slope(x.max(0.0))).collect();
+        let start = compliance * self.force(0.0);
+        let slope = |(&x, &top): (&f64, &f64)| if top < start { 0.0 } else { self.slope(x) };
+        let slopes: Vec<f64> = positions.iter().zip(drive).map(slope).collect();
         Some(AgainstDrive {
-            forces: positions.iter().map(|&x| self.continued(x)).collect(),
+            forces: positions.iter().map(|&x| self.force(x)).collect(),
             followed: slopes.iter().map(|slope| 1.0 / (1.0 + compliance * slope)).collect(),
             positions,
             slopes,
         })
     }
 
-    /// F(X), before X = 0 as the first slope continues.
-    fn continued(&self, position: f64) -> f64 {
-        if position >= 0.0 { self.force(position) } else { self.force(0.0) + position * self.slope(0.0) }
-    }
-
-    /// The positions X of the slider for rising positions X + cF(X) of the drive.
+    /// The positions X of the slider for rising positions X + cF(X) of the drive; 0 before it moves.
     fn slider(&self, compliance: f64, drive: &[f64]) -> Option<Vec<f64>> {
         let last = self.distance();
         if compliance == 0.0 {
             let reached = drive.iter().all(|&x| x <= last * (1.0 + 1e-12));
-            return reached.then(|| drive.to_vec());
+            return reached.then(|| drive.iter().map(|x| x.max(0.0)).collect());
         }
         let at = |cell: usize| last * (cell as f64 / CELLS as f64);
-        let lead = |x: f64| x + compliance * self.continued(x);
+        let lead = |x: f64| x + compliance * self.force(x);
         let (mut low, mut high) = (0, 1);
         let mut found = Vec::with_capacity(drive.len());
         for &top in drive {
@@ -60,10 +57,12 @@ impl Pull {
                 }
                 (low, high) = (high, high + 1);
             }
-            // Before the start, the drive unloads contacts that do not break.
-            let before = -(top.abs() + last + compliance * self.force(0.0).abs());
-            let start = if low == 0 { before } else { at(low) };
-            found.push(brent_root(|x| lead(x) - top, start, at(high), 1e-14 * last)?);
+            let moves = top > lead(0.0);
+            found.push(if moves {
+                brent_root(|x| lead(x) - top, at(low), at(high), 1e-14 * last)?
+            } else {
+                0.0
+            });
         }
         Some(found)
     }
@@ -73,12 +72,27 @@ impl AgainstDrive {
     /// ∂F/∂θ at fixed positions of the drive, F_θ/(1 + cF') with F_θ that at fixed X.
     pub fn by_parameter(&self, gradient: &Gradient) -> Vec<f64> {
         let places = self.positions.iter().zip(&self.followed);
-        places.map(|(&x, followed)| gradient.continued(x) * followed).collect()
+        places.map(|(&x, followed)| gradient.at(x) * followed).collect()
     }
 
     /// ∂F/∂c at fixed positions of the drive, −F F'/(1 + cF').
     pub fn by_compliance(&self) -> Vec<f64> {
         self.by_drive().into_iter().zip(&self.forces).map(|(slope, force)| -force * slope).collect()
+    }
+
+    /// The same with entry i moved to the place `order[i]`.
+    pub fn at_places(&self, order: &[usize]) -> Self {
+        let moved = |sorted: &[f64]| {
+            let mut values = vec![0.0; sorted.len()];
+            order.iter().zip(sorted).for_each(|(&place, &value)| values[place] = value);
+            values
+        };
+        Self {
+            positions: moved(&self.positions),
+            forces: moved(&self.forces),
+            followed: moved(&self.followed),
+            slopes: moved(&self.slopes),
+        }
     }
 
     /// dF/dX_T = F'/(1 + cF').

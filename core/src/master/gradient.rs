@@ -23,15 +23,6 @@ impl Gradient {
     pub fn at(&self, position: f64) -> f64 {
         self.stiffness * at(&self.curve, position)
     }
-
-    /// The same, before X = 0 as the first slope continues.
-    pub(super) fn continued(&self, position: f64) -> f64 {
-        if position >= 0.0 {
-            return self.at(position);
-        }
-        let [value, slope] = self.curve.jet_in::<2>(0, 0.0);
-        self.stiffness * (value + position * slope)
-    }
 }
 
 impl Pull {

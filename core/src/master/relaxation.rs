@@ -4,7 +4,7 @@ mod transform;
 
 use num_complex::Complex64;
 
-use self::transform::Transform;
+use self::transform::{Transform, is_undamped};
 use super::renewal::unit_force;
 use crate::Result;
 use crate::contacts::{Ageing, Contacts};
@@ -53,11 +53,6 @@ struct Term {
 
 /// Truncation error of the expansion of F/(N_c⟨k⟩ × mean life) where it is called valid.
 const LEFT_OUT: f64 = 1e-12;
-
-/// Whether an oscillation lasts, to rounding.
-fn is_undamped(s: &Complex64) -> bool {
-    -s.re < 1e-12 * s.norm()
-}
 
 /// x̄²/σ.
 fn paper_estimate(contacts: &Contacts, reformed: &Life) -> f64 {

@@ -190,7 +190,7 @@ impl FitCurve {
         }
         let forces = self.force.clone().unwrap_or_default();
         let all = Measurement { positions, forces, machine, ..Measurement::default() };
-        all.check()?;
+        all.check_readings()?;
         let inside = self.range.map_or_else(|| all.clone(), |range| all.within(range));
         if inside.positions.is_empty() {
             let [from, to] = self.range.unwrap_or_default();

@@ -315,7 +315,13 @@ fn forces_of_the_wrong_sign_constant_ones_and_other_units_are_refused() {
     for (positions, forces, words) in [
         (positions.clone(), scaled(&forces, -1.0), "force: expected forces above 0 on average"),
         (positions.clone(), vec![7.0; 60], "force: expected forces that change, got 7 alone"),
-        (scaled(&positions, 1e-6), forces.clone(), "position: expected positions beyond 0.0009"),
+        // Metres and micrometres in place of millimetres.
+        (scaled(&positions, 1e-3), forces.clone(), "position: expected positions beyond 0.018"),
+        (
+            scaled(&positions, 1e3),
+            forces.clone(),
+            "position: expected a force that rises to half of its largest value by 18",
+        ),
     ] {
         let error = fit(&positions, forces).free(names).run().unwrap_err().to_string();
         assert!(error.starts_with(words), "{error}");
@@ -325,6 +331,64 @@ fn forces_of_the_wrong_sign_constant_ones_and_other_units_are_refused() {
     let found = fit(&positions, shifted).free(names.into_iter().chain(["offset"])).run().unwrap();
     let offset = found.estimate("offset").unwrap();
     assert!((offset.value + 3000.0).abs() < 5.0 * offset.error, "{offset:?}");
+}
+
+/// Readings before the slider moves have the force of the contacts at rest: 0 here.
+#[test]
+fn a_machine_with_play_pulls_from_where_the_force_rises() {
+    let pulled = positions(200, 4.0);
+    let mut stream = Stream::new(3, Purpose::Sample, 0);
+    // The reading error: 5 of forces up to 1600.
+    let mut noisy = |force: f64| force + 5.0 * ((0..12).map(|_| stream.uniform()).sum::<f64>() - 6.0);
+    let at_rest: Vec<f64> = (0..50).map(|_| noisy(0.0)).collect();
+    let moving: Vec<f64> = simulated(&pulled, 3).into_iter().map(&mut noisy).collect();
+    for play in [0.3, 1.2] {
+        let before = (0..50).map(|i| play * f64::from(i) / 50.0);
+        let all: Vec<f64> = before.chain(pulled.iter().map(|x| play + x)).collect();
+        let forces = [at_rest.clone(), moving.clone()].concat();
+        let names = TRUE.map(|number| number.0);
+        for errors in [ErrorModel::default(), ErrorModel { contacts: false, ..ErrorModel::default() }] {
+            let contacts = errors.contacts;
+            let free: Vec<&str> = names.into_iter().filter(|name| contacts || *name != "count").collect();
+            let found = fit(&all, forces.clone())
+                .free(free.into_iter().chain(["origin"]))
+                .errors(errors)
+                .run()
+                .unwrap();
+            assert!(found.converged, "{play}");
+            for (name, value) in TRUE.into_iter().chain([("origin", play)]) {
+                let Some(number) = found.estimate(name).filter(|_| contacts || name != "stiffness") else {
+                    continue;
+                };
+                // White noise leaves the noise of contacts out: errors are too small by up to some two.
+                let allowed = if contacts { 4.0 } else { 12.0 };
+                assert!(
+                    (number.value - value).abs() < allowed * number.error,
+                    "{play}, {contacts}: {name} {number:?}"
+                );
+            }
+            let rest = found.predict(0, &[0.0, 0.5 * play], &mut ()).unwrap();
+            assert_eq!(rest.forces, [0.0, 0.0]);
+        }
+    }
+}
+
+/// The noise of contacts is that of equal ones.
+#[test]
+fn the_noise_of_contacts_of_different_stiffness_is_refused_and_white_noise_is_not() {
+    let unequal =
+        Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts(2000.0, [1.0, 0.12], spread()) };
+    let equation = MasterEquation::new(unequal, &Initial::default()).unwrap();
+    let positions = positions(60, 4.0);
+    let pull = equation.pull(4.0).unwrap();
+    let forces: Vec<f64> = positions.iter().map(|&x| pull.force(x)).collect();
+    let fit = Fit::new(equation, Measurement::new(positions, forces)).free(["thresholds.mean"]);
+    let error = fit.clone().check().unwrap_err().to_string();
+    assert!(
+        error.starts_with("noise: expected \"white\" where the stiffness of a contact depends"),
+        "{error}"
+    );
+    assert!(fit.errors(ErrorModel { contacts: false, ..ErrorModel::default() }).check().is_ok());
 }
 
 #[test]

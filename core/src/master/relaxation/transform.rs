@@ -18,6 +18,11 @@ const HARMONICS: f64 = 40.0;
 const STEP: f64 = 0.8;
 const REAL: f64 = 1e-9;
 
+/// Whether an oscillation lasts, to rounding.
+pub(super) fn is_undamped(s: &Complex64) -> bool {
+    -s.re < 1e-12 * s.norm()
+}
+
 /// φ̂ and its zeros.
 pub(super) struct Transform<'a, 'm> {
     reformed: &'a Life,
