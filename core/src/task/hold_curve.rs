@@ -210,8 +210,9 @@ fn every_other(values: &[f64]) -> Vec<f64> {
     values.iter().copied().step_by(2).collect()
 }
 
+/// The place of the highest force, the first of equal ones.
 fn highest(force: &[f64]) -> usize {
-    (0..force.len()).max_by(|&i, &j| force[i].total_cmp(&force[j])).unwrap_or(0)
+    (0..force.len()).rev().max_by(|&i, &j| force[i].total_cmp(&force[j])).unwrap_or(0)
 }
 
 /// The highest force of a trace: the vertex of the parabola through its highest point and both neighbours.

@@ -9,6 +9,7 @@ use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
 use asperity::master::{MasterEquation, Transport};
 use asperity::monitor::{Cost, Monitor};
+use asperity::rate_dependent::RateDependentContacts as _;
 
 const TOLERANCE: f64 = 1e-6;
 
@@ -167,4 +168,64 @@ fn contacts_that_stay_in_phase_are_followed() {
     let (transport, _, steps) = moved(&contacts, &[Piece { velocity: 1.0, duration }], &[]);
     assert!(steps > 100, "{steps}");
     assert!((transport.force() - 0.25).abs() < TOLERANCE);
+}
+
+/// Contacts that do not depend on time and start in steady sliding remain in it at every velocity and at rest, without a step of
+/// the solver: narrow thresholds would take some 1e5 of them, each with as many cohorts, per life.
+#[test]
+fn a_steady_start_without_time_dependence_takes_no_step() {
+    let contacts = contacts(&gaussian(1.0, 1e-4), &point(0.0));
+    let equation = MasterEquation::new(contacts.clone(), &Initial::default()).unwrap();
+    let steady = equation.steady_state();
+    let pieces = [(0.5, 2.0), (0.0, 10.0), (2.0, 5e3)];
+    let history =
+        History::new(pieces.map(|(velocity, duration)| Piece { velocity, duration }).to_vec()).unwrap();
+    let mut steps = Count::of(Cost::TransportSteps);
+    let mut transport = Transport::steady_with(&contacts, 0.5, TOLERANCE, &mut ()).unwrap();
+    let trace =
+        transport.follow_with(&history, &[0.0, 1.0, 2.0, 7.0, 12.0, 1e3, 5012.0], &mut steps).unwrap();
+    assert_eq!(steps.pieces, 0);
+    for force in &trace.force {
+        // The tolerance.
+        assert!((force - steady.kinetic_friction()).abs() < TOLERANCE, "{force}");
+    }
+    // Breaks and the energy that they lose, by renewal theory, to the tolerance; the slider has moved by 10001.
+    let (energies, way) = (transport.energies(), 10_001.0);
+    assert_eq!(transport.position(), way);
+    assert!((energies.broken / way - steady.breaking_rate()).abs() < TOLERANCE, "{}", energies.broken);
+    assert!((energies.lost / way - steady.kinetic_friction()).abs() < TOLERANCE, "{}", energies.lost);
+    // A state that is written and read remains steady; it has no second solution.
+    let state = transport.state();
+    let mut resumed = Transport::steady_with(&contacts, 0.5, TOLERANCE, &mut ()).unwrap();
+    resumed.restore(&state).unwrap();
+    resumed.step(0.5, 0.1, &mut steps).unwrap();
+    assert_eq!((steps.pieces, resumed.force()), (0, transport.force()));
+    // Back by less than the stretch of most contacts none breaks: the force falls by the stiffness of all, 1, per length.
+    transport.step(-1e-3, 0.1, &mut steps).unwrap();
+    assert!(steps.pieces > 0);
+    let fallen = trace.force[0] - transport.force();
+    // The fraction that is attached, to the tolerance, times 1e-3.
+    assert!((fallen - 1e-3).abs() < 1e-3 * TOLERANCE, "{fallen}");
+}
+
+/// Contacts that are free for a thousand times as long as they hold, and break and re-form in phase: between two bursts all are
+/// free, and nothing but the time changes.
+#[test]
+fn sliding_while_all_contacts_are_free_takes_no_steps() {
+    let contacts = with(gaussian(1.0, 0.1), None, 0.0, 1e3.into());
+    let velocity = 1.0;
+    let times: Vec<f64> = [0.5, 1.0, 500.0, 1001.5, 1002.1, 1600.0, 2002.3, 2002.9, 2003.4, 2500.0].to_vec();
+    let (transport, force, steps) = moved(&contacts, &[Piece { velocity, duration: 2600.0 }], &times);
+    // Some 100 in each of three bursts of each of two solutions; steps as long as in bursts would be 10⁴ between two of them.
+    assert!(steps < 1500, "{steps}");
+    let pull = MasterEquation::at(contacts, &Initial::default(), velocity).unwrap().pull(2600.0).unwrap();
+    for (time, force) in times.iter().zip(&force) {
+        let off = (force - pull.force(velocity * time)).abs();
+        // The tolerance.
+        assert!(off < TOLERANCE, "{off:e} at {time}");
+    }
+    let energies = transport.energies();
+    assert!((energies.broken - 3.0).abs() < TOLERANCE, "{}", energies.broken);
+    // They are free but for the mean life of 1 in each of three bursts, and carry 0.1 while they slide.
+    assert!((energies.sliding - 0.1 * (2600.0 - 3.0)).abs() < TOLERANCE, "{}", energies.sliding);
 }

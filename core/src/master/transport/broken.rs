@@ -249,6 +249,16 @@ impl Broken {
         self.delay
     }
 
+    /// The time up to which no more than this fraction of contacts re-forms one by one; `None` where free times differ.
+    pub(super) fn free_until(&self, fraction: f64) -> Option<f64> {
+        if self.is_spread() {
+            return None;
+        }
+        let most = self.born.value() + fraction;
+        let first = self.past.partition_point(|past| past.before + past.fraction.end <= most);
+        Some(self.past.get(first).map_or(f64::INFINITY, |past| past.start + self.delay))
+    }
+
     /// Whether contacts that broke simultaneously have not re-formed.
     pub(super) fn is_pending(&self) -> bool {
         !self.waiting.is_empty() || !self.parted.is_empty()

@@ -101,6 +101,12 @@ impl RequestedReadings {
         Ok(())
     }
 
+    /// Adds those before a time, during which nothing changes.
+    pub(super) fn read_same(&mut self, until: f64, reading: Reading) {
+        let before = self.times.partition_point(|time| *time < until);
+        self.found.resize(before.max(self.found.len()), reading);
+    }
+
     /// The end of the motion answers what rounding has left.
     pub(super) fn read_rest(&mut self, end: Reading) {
         self.found.resize(self.times.len(), end);

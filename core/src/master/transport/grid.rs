@@ -254,6 +254,18 @@ impl LabelGrid {
         Self { pieces, folds, law, evolution, near, far: RwLock::default() }
     }
 
+    /// The largest change of ln w on a panel, up to a factor of 2.
+    pub(super) fn folds(&self) -> f64 {
+        self.folds.most
+    }
+
+    /// Number of panels with what cohorts need of them.
+    #[cfg(test)]
+    pub(super) fn known(&self) -> usize {
+        let near = self.near.iter().filter(|place| place.get().is_some()).count();
+        near + self.far.read().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
     /// Number of panels.
     pub(super) fn count(&self) -> u64 {
         self.pieces.last().map_or(0, |piece| piece.first + piece.count)
@@ -270,9 +282,12 @@ impl LabelGrid {
         let panel = Arc::new(self.made(number));
         // Two threads may compute the same panel; both results are equal, so that it does not matter which is kept.
         let mut known = self.far.write().unwrap_or_else(PoisonError::into_inner);
-        if known.len() < MOST_KEPT {
-            known.insert(number, panel.clone());
+        // Cohorts leave panels behind: once they are many, most have been passed, and the present ones are asked for several times
+        // in each step of each cohort.
+        if known.len() >= MOST_KEPT {
+            known.clear();
         }
+        known.insert(number, panel.clone());
         KeptPanel::Far(panel)
     }
 
@@ -374,6 +389,21 @@ mod tests {
                 }
                 assert_eq!(grid.above(1e9), grid.count());
             }
+        }
+    }
+
+    #[test]
+    fn panels_in_use_are_kept_however_many_have_been_made() {
+        let law: SharedLaw = Arc::new(Rectangular::new(0.0, 1.5).unwrap());
+        let contacts = Contacts::new(law, Arc::new(Point::new(0.0).unwrap()));
+        let evolution = ThresholdEvolution::of(&contacts).unwrap();
+        let grid = LabelGrid::new(&contacts, &Temperature::new(1e-6, 1.0), evolution, 1e-6);
+        let last = MOST_KEPT as u64 + 5;
+        assert!(grid.count() > last);
+        for number in 0..=last {
+            let [first, again] = [(); 2].map(|()| grid.kept(number));
+            assert!(std::ptr::eq::<GridPanel>(&*first, &*again), "{number}");
+            assert!(grid.known() <= MOST_KEPT);
         }
     }
 }

@@ -136,6 +136,8 @@ pub struct Transport {
     before: Option<StepReadings>,
     /// The velocity of steady sliding, as long as the slider has moved at this velocity only.
     steady: Option<f64>,
+    /// The fraction of time-independent contacts that breaks per length, as long as they slide steadily.
+    steady_breaks: Option<f64>,
     /// The time since which the breaking rate has been constant, at one velocity.
     constant: ConstantRate,
     /// Times at which the rate of formation has a kink, because the breaking rate had one.
@@ -255,6 +257,7 @@ impl Transport {
             rate: 0.0,
             before: None,
             steady: None,
+            steady_breaks: None,
             constant: ConstantRate::default(),
             kinks: Vec::new(),
             ages: None,
@@ -477,6 +480,10 @@ impl Transport {
     ) -> Result<()> {
         // Velocities are quotients of positions and times, with their rounding.
         self.steady = self.steady.filter(|steady| (steady - velocity).abs() <= ROUNDING * steady);
+        if self.remains_steady(velocity, during) {
+            asked.read_rest(self.reading());
+            return Ok(());
+        }
         // Kept separately: after a long hold the time no longer resolves short durations.
         let (mut left, mut few) = (during, self.cohorts.len());
         loop {
@@ -486,9 +493,14 @@ impl Transport {
                 asked.read_rest(self.reading());
                 return Ok(());
             }
-            let duration = self.pace.propose(velocity, self.until_event(velocity, left));
-            let times = (during - left, &mut *asked);
-            if self.advance(&Path::steady(velocity, duration), times, coarse)? {
+            let until_event = self.until_event(velocity, left);
+            let duration = self.pace.propose(velocity, until_event);
+            let free = self.free_for().map(|free| free.min(until_event)).filter(|free| *free > duration);
+            if let Some(free) = free {
+                self.slide_free(velocity, free);
+                left -= free;
+                asked.read_same(during - left, self.reading());
+            } else if self.advance(&Path::steady(velocity, duration), (during - left, asked), coarse)? {
                 left -= duration;
             }
             few = self.merge_many(merging, few);

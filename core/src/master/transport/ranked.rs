@@ -358,6 +358,10 @@ impl RankedThresholds {
         const MANY: usize = 1 << 10;
         self.accumulate_on_atoms(thermal, passage, left);
         let SurvivingRanks { met, band: Some(band), .. } = left else { return };
+        // Panels, which are expensive, are not even looked at where too few attempts are made.
+        if band.is_empty() && thermal.is_idle(passage, grid.folds()) {
+            return;
+        }
         // Panels are stored between the highest threshold met and the first panel that nothing has
         // broken on: A falls with the threshold, so that these two ends bound the band.
         let count = grid.count();
@@ -647,6 +651,36 @@ mod tests {
             bands.push(left.band.as_ref().unwrap().exponents.len());
         }
         bands
+    }
+
+    #[test]
+    fn contacts_that_hardly_attempt_to_break_take_no_panels() {
+        let law: SharedLaw = Arc::new(Exponential::new(1.0).unwrap());
+        let stretch = 2.0;
+        // Half of the attempts in a step per contact that are neglected, and a hundred times as many.
+        for (attempts, makes) in [(0.5, false), (100.0, true)] {
+            let contacts = |rate: f64| {
+                let temperature = Some(Temperature::new(1e-3, rate));
+                let rules = Rules { temperature, ..Rules::default() };
+                Contacts { rules, ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap())) }
+            };
+            let ranks = |contacts: &Contacts| {
+                RankedThresholds::new(contacts, ThresholdEvolution::of(contacts).unwrap(), 1e-6)
+            };
+            let (thermal, grid) = ranks(&contacts(1.0)).thermal.unwrap();
+            let ranks = ranks(&contacts(attempts * thermal.nothing * (-grid.folds()).exp()));
+            let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
+            let place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
+            let mut left = ranks.newborn(&seed);
+            let (path, monitor) = (Path { duration: 1.0, by: stretch }, &mut ());
+            let watch = Watch::new(monitor);
+            ranks.advance(place, &mut left, &path, (0.0, 1.0), &watch);
+            assert_eq!(ranks.thermal.as_ref().unwrap().1.known() > 0, makes);
+            // Those with a threshold above the stretch are left.
+            let off = ranks.measure(&left, 1.0, &watch).0 - (-stretch).exp();
+            // Rounding, where no attempt is counted.
+            assert!(makes || off.abs() < 1e-15, "{off:e}");
+        }
     }
 
     #[test]

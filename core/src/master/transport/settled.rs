@@ -1,11 +1,12 @@
-//! Sliding at constant velocity that has become steady.
+//! Sliding that needs no steps: at constant velocity once it has become steady, and as long as all contacts are free.
 //!
 //! With p(a) the density of the time from one break of a contact to its next, free time included, the breaking rate is
 //! Γ(t) = ∫Γ(t − a) p(a) da. As an average of its past values it stays within their bounds: a rate that was constant for as long
 //! as contacts live and are free remains so, and so do the contacts.
 
 use super::Transport;
-use super::cohort::EnergyChange;
+use super::broken::BrokenFraction;
+use super::cohort::{Cohort, EnergyChange};
 
 /// The time since which the breaking rate has been constant.
 #[derive(Debug, Clone, Copy, Default)]
@@ -60,18 +61,55 @@ impl Transport {
         }
     }
 
+    /// How long no contact will be attached, if none is. What has not been counted as broken must be rounding, since it would be
+    /// spread over that time.
+    pub(super) fn free_for(&self) -> Option<f64> {
+        let all_free = self.cohorts.is_empty() && self.ages.is_none() && self.dropped <= f64::EPSILON;
+        let until = all_free.then(|| self.broken.free_until(super::LEAST * self.tolerance)).flatten()?;
+        Some(until - self.time)
+    }
+
+    /// Moves for a time in which all contacts are free.
+    pub(super) fn slide_free(&mut self, velocity: f64, during: f64) {
+        self.slid += velocity.abs() * during * self.free();
+        self.broken.keep(self.time, during, BrokenFraction::default(), 0.0);
+        self.time += during;
+        self.position += velocity * during;
+        (self.rate, self.before) = (0.0, None);
+        self.pace.restart();
+        self.constant.restart();
+    }
+
     /// Whether the contacts slide steadily: they have broken at a constant rate for as long as the oldest of them are attached,
     /// and the longest free.
     pub(super) fn is_settled(&self) -> bool {
         let Some(begun) = &self.constant.begun else { return false };
         let longest = self.time - begun.time - self.broken.longest_free();
+        // A rate is not constant yet after its first step, even where the last contacts have just broken.
         !self.constant.unused
+            && longest > 0.0
             && begun.rates.0 > 0.0
             && self.ages.is_none()
             && self.kinks.is_empty()
             && !self.broken.is_pending()
             // The oldest come first, so that hardly more than one is looked at before.
             && self.cohorts.iter().all(|cohort| cohort.place.age < longest)
+    }
+
+    /// Whether the contacts slide steadily on at a velocity for a time, which they then do. The stretches of time-independent
+    /// contacts do not change in steady sliding at any velocity, nor at rest, until the slider moves back.
+    pub(super) fn remains_steady(&mut self, velocity: f64, during: f64) -> bool {
+        self.steady_breaks = self.steady_breaks.filter(|_| velocity >= 0.0);
+        let Some(breaks) = self.steady_breaks else { return false };
+        let by = velocity * during;
+        self.broken.continue_steadily(during, breaks * by);
+        // The energy of the contacts remains, so that they lose the work of the slider.
+        self.spent.lost += by * self.cohorts.iter().map(Cohort::force).sum::<f64>();
+        self.time += during;
+        self.position += by;
+        self.rate = breaks * velocity;
+        self.before = None;
+        true
     }
 
     /// Continues steady sliding at a velocity for a time, in which breaks and energies increase as they did since the rate has

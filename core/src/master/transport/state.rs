@@ -24,6 +24,7 @@ struct TransportSnapshot {
     spent: EnergyChange,
     pace: StepControl,
     rate: f64,
+    steady_breaks: Option<f64>,
     kinks: Vec<f64>,
     ages: Option<ContactAges>,
 }
@@ -31,7 +32,7 @@ struct TransportSnapshot {
 impl Transport {
     /// The present state.
     pub(super) fn snapshot(&self) -> ContactsState {
-        let &Self { time, position, dropped, slid, spent, rate, .. } = self;
+        let &Self { time, position, dropped, slid, spent, rate, steady_breaks, .. } = self;
         let Self { broken, pace, kinks, ages, .. } = self.clone();
         let cohorts = self.cohorts.to_vec();
         ContactsState::of(&TransportSnapshot {
@@ -44,6 +45,7 @@ impl Transport {
             spent,
             pace,
             rate,
+            steady_breaks,
             kinks,
             ages,
         })
@@ -52,7 +54,7 @@ impl Transport {
     /// Restores a state of contacts with the same description.
     pub(super) fn resume(&mut self, state: &ContactsState) -> Result<()> {
         let read: TransportSnapshot = state.read()?;
-        let TransportSnapshot { time, position, dropped, slid, spent, rate, .. } = read;
+        let TransportSnapshot { time, position, dropped, slid, spent, rate, steady_breaks, .. } = read;
         let TransportSnapshot { cohorts, broken, pace, kinks, ages, .. } = read;
         if !cohorts.iter().all(|cohort| cohort.fits(&self.model)) || ages.is_some() != self.ages.is_some() {
             return Err(ContactsState::another("that of contacts whose thresholds follow other rules"));
@@ -60,6 +62,7 @@ impl Transport {
         (self.time, self.position, self.dropped, self.slid, self.spent, self.rate) =
             (time, position, dropped, slid, spent, rate);
         (self.cohorts, self.kinks, self.ages) = (Arc::new(cohorts), kinks, ages);
+        self.steady_breaks = steady_breaks;
         (self.broken, self.pace) = (broken.of(&self.broken), pace.of(&self.pace));
         (self.rough, self.steady, self.before) = (None, None, None);
         self.constant.restart();

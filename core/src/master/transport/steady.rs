@@ -144,6 +144,7 @@ impl Transport {
         transport.cohorts = Arc::new(cohorts);
         transport.broken = Broken::steadily(&contacts.rules.delay, rate);
         (transport.rate, transport.steady) = (rate, Some(velocity));
+        transport.steady_breaks = (!contacts.rules.are_time_dependent()).then_some(rate / velocity);
         Ok(transport)
     }
 }

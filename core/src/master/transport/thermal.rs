@@ -150,6 +150,13 @@ impl ThermalBreaking {
         }
     }
 
+    /// Whether [`Self::rule`] would be to add nothing, whatever the labels: the rate of contacts that the stretch has not reached
+    /// is at most that of attempts, and larger by `folds` factors of e at most for those that share a panel with them.
+    pub(super) fn is_idle(&self, passage: &StepPassage<'_>, folds: f64) -> bool {
+        let &StepPassage { path, ends: (from, to), .. } = passage;
+        self.temperature.attempt_rate * path.duration * (to - from) * folds.exp() < self.nothing
+    }
+
     /// How to integrate A of contacts with labels between these two, of which the first breaks earlier, among them `middle`.
     pub(super) fn rule<'a>(
         &self,
