@@ -566,8 +566,8 @@ def compare(
     Raises
     ------
     ValueError
-        For no points, lists of different lengths or with numbers that are not finite, a distance that is not
-        above 0, and fewer than 2 points.
+        For no points, none within the distance of the pull, lists of different lengths or with numbers that are
+        not finite, a distance that is not above 0, and fewer than 2 points.
 
     Examples
     --------
@@ -579,6 +579,11 @@ def compare(
     if not isinstance(model, MasterEquation | Ensemble):
         raise TypeError(f"model: expected a MasterEquation or an Ensemble, got {type(model).__name__}")
     place, measured = numbers("position", position).ravel(), numbers("force", force).ravel()
+    if place.size and not ((place >= 0.0) & (place <= distance)).any():
+        raise ValueError(
+            f"position: expected one from 0 to {distance:.6g}, the distance of the pull, got those from "
+            f"{place.min():.6g} to {place.max():.6g}"
+        )
     pull: dict[str, Any] = {"distance": distance, "points": points, "start": model.start}
     scenario: dict[str, Any] = {"contacts": model.contacts, "initial": model.initial, "pull": pull}
     if isinstance(model, Ensemble):

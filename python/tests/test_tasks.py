@@ -201,6 +201,11 @@ def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
         ),
         (lambda: asp.compare(asp.MasterEquation(COLD), [1.0], []), ValueError, "compare.force: expected 1"),
         (lambda: asp.compare(COLD, [1.0], [1.0]), TypeError, "model: expected a MasterEquation"),
+        (
+            lambda: asp.compare(asp.MasterEquation(COLD), [-1.0, 2500.0], [1.0, 1.0]),
+            ValueError,
+            r"position: expected one from 0 to 20, the distance of the pull, got those from -1 to 2500",
+        ),
     ],
 )
 def test_wrong_arguments_are_refused(call: Any, error: type[Exception], text: str) -> None:
