@@ -312,6 +312,9 @@ class LaboratoryRecord:
             raise wrong("motions", "a list of Motion", motions)
         parts = self.motions() if motions is None else list(motions)
         steps = [pair for pair in pairwise(parts) if all(part.kind == "forward" for part in pair)]
+        if not steps:
+            found = ", ".join(part.kind for part in parts) or "none"
+            raise ValueError(f"motions: expected two forward motions, one after the other, got {found}")
         if not 0 <= _whole("number", number) < len(steps):
             raise ValueError(
                 f"number: expected one of the {len(steps)} velocity steps, from 0 on, got {number}"

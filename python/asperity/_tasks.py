@@ -566,8 +566,8 @@ def compare(
     Raises
     ------
     ValueError
-        For no points, none within the distance of the pull, lists of different lengths or with numbers that are
-        not finite, a distance that is not above 0, and fewer than 2 points.
+        For no points, none within the distance of the pull, lists of different lengths or with numbers that
+        are not finite, a distance that is not above 0, and fewer than 2 points.
 
     Examples
     --------

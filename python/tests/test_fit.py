@@ -376,8 +376,8 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "falling": (
         lambda: asp.fit(GUESS, [0.1, 0.2, 0.15, *POSITIONS[8:]], np.ones(len(POSITION) - 5), free=["count"]),
-        r"position\.2: expected positions that rise, or the means of more readings where their sensor is noisy: "
-        r"one above 0\.2, got 0\.15",
+        r"position\.2: expected positions that rise, or the means of more readings where their sensor is "
+        r"noisy: one above 0\.2, got 0\.15",
     ),
     "nan": (
         lambda: asp.fit(GUESS, POSITION, [*SIMULATED[:-1], np.nan], free=["count"]),

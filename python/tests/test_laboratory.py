@@ -265,6 +265,10 @@ def test_a_velocity_step_is_read_from_a_record() -> None:
         assert one.value == pytest.approx(truth, abs=5.0 * one.error + 0.02 * truth)
     with pytest.raises(ValueError, match="one of the 1 velocity steps, from 0 on, got 1"):
         made.velocity_step(1)
+    with pytest.raises(
+        ValueError, match="motions: expected two forward motions, one after the other, got forward"
+    ):
+        made.velocity_step(motions=made.motions()[:1])
 
 
 @pytest.mark.skipif(not os.environ.get("ASPERITY_LAB_DATA"), reason="ASPERITY_LAB_DATA is not set")
