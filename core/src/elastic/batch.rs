@@ -45,7 +45,7 @@ pub(super) fn change<T: Send + Copy>(values: &mut [T], of: impl Fn(usize, T) -> 
 
 /// Calls a function with the first cell of each chunk and the values of the chunk.
 fn on_chunks<T: Send>(values: &mut [T], work: &(dyn Fn(usize, &mut [T]) + Sync)) {
-    if values.len() <= CHUNK {
+    if values.len() <= CHUNK || parallel::current_num_threads() == 1 {
         work(0, values);
     } else {
         parallel::map(values.chunks_mut(CHUNK).collect(), &|chunk, values| work(chunk * CHUNK, values));
@@ -59,7 +59,7 @@ pub(super) fn change_chunks(
     others: &mut [f64],
     of: impl Fn(usize, &mut [f64], &mut [f64]) -> f64 + Sync,
 ) -> f64 {
-    if values.len() <= CHUNK {
+    if values.len() <= CHUNK || parallel::current_num_threads() == 1 {
         return of(0, values, others);
     }
     let chunks =

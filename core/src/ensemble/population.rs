@@ -220,7 +220,7 @@ impl EnsemblePopulation {
             if done > 0 {
                 report(monitor, 0.0)?;
             }
-            if slice.len() < CHUNK {
+            if slice.len() < CHUNK || parallel::current_num_threads() == 1 {
                 slice.iter_mut().for_each(|contact| reform(contact, lives, position));
                 continue;
             }

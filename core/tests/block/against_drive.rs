@@ -8,7 +8,7 @@ use asperity::master::{MasterEquation, Pull};
 const PARAMETERS: [&str; 4] = ["thresholds.mean", "thresholds.std", "reforming.std", "stiffness"];
 
 /// Positions of the drive; at the first two, contacts are unloaded.
-const DRIVE: [f64; 10] = [-0.3, -0.1, 0.0, 0.2, 0.9, 1.0, 1.13, 1.7, 2.6, 3.9];
+const DRIVE: [f64; 10] = [-0.3, -0.1, 0.05, 0.2, 0.9, 1.0, 1.13, 1.7, 2.6, 3.9];
 
 fn equation(initial: &SharedLaw) -> MasterEquation {
     let mut contacts = Contacts::new(gaussian(1.0, 0.25), gaussian(0.1, 0.03));
@@ -23,13 +23,13 @@ fn pull(equation: &MasterEquation) -> Pull {
 /// The force at a position of the drive, by bisection for the position of the slider, which shares no code with the
 /// library.
 fn force(pull: &Pull, compliance: f64, drive: f64) -> f64 {
-    let at = |x: f64| if x < 0.0 { pull.force(0.0) + x * pull.slope(0.0) } else { pull.force(x) };
-    let (mut low, mut high) = (-1.0, 5.0);
+    let (mut low, mut high) = (0.0, 5.0);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if middle + compliance * at(middle) < drive { low = middle } else { high = middle }
+        if middle + compliance * pull.force(middle) < drive { low = middle } else { high = middle }
     }
-    at(0.5 * (low + high))
+    // The slider rests until the drive has taken up the play.
+    if low == 0.0 { pull.force(0.0) } else { pull.force(0.5 * (low + high)) }
 }
 
 /// Values against bisection; ∂F/∂θ, ∂F/∂c and dF/dX_T against central differences of fourth order of the whole inversion, over

@@ -98,7 +98,7 @@ impl Coupling for Neighbours {
             beside(row, rows, edges).for_each(|other| pull(row_of(other), own, forces));
             forces.iter_mut().for_each(|force| *force *= stiffness);
         };
-        if forces.len() <= SHARE {
+        if forces.len() <= SHARE || parallel::current_num_threads() == 1 {
             forces.chunks_mut(columns).enumerate().for_each(|(row, forces)| sweep(row, forces));
         } else {
             let least = SHARE.div_ceil(columns);
