@@ -88,12 +88,18 @@ def compared(fit: "Estimates") -> dict[str, str]:
 
 def remarks(fit: "Estimates | SteadyEstimates | VelocityCurveEstimates", what: str = "curve") -> list[str]:
     """Sentences about a fit that is not to be trusted."""
+    unlikely = fit.misfit is not None and fit.misfit.unlikely
+    return doubts(fit.converged, unlikely, sparse=getattr(fit, "sparse", False), what=what)
+
+
+def doubts(converged: bool, unlikely: bool, *, sparse: bool = False, what: str = "curve") -> list[str]:
+    """Sentences about a search that has not converged, residuals that are unlikely, and sparse readings."""
     found = []
-    if not fit.converged:
+    if not converged:
         found.append("The search did not converge: these are its last values.")
-    if fit.misfit is not None and fit.misfit.unlikely:
+    if unlikely:
         found.append(f"The {what} is not of this kind: do not trust the errors.")
-    if getattr(fit, "sparse", False):
+    if sparse:
         found.append(
             "The readings are sparse: contacts of longer or shorter lives may have the same forces there."
         )

@@ -104,6 +104,11 @@ class MachineStep(NamedTuple):
     fitted: "NDArray[np.float64]"
     """The fitted force at the displacements, shape (n,)."""
 
+    def __repr__(self) -> str:
+        from asperity import _show
+
+        return _show.machine(self)
+
 
 class MachineHealing(NamedTuple):
     """Rate-and-state friction behind the spring of a machine, fitted to slide-hold-slide tests.
@@ -134,6 +139,11 @@ class MachineHealing(NamedTuple):
     """The fitted highest force after each hold, shape (n,)."""
     fitted_held: "NDArray[np.float64]"
     """The fitted force at the end of each hold, shape (n,)."""
+
+    def __repr__(self) -> str:
+        from asperity import _show
+
+        return _show.machine(self)
 
 
 class Correlation(NamedTuple):

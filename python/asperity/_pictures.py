@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, TypeAlias
 
 import numpy as np
 
-from asperity import _plot
+from asperity import _fit, _plot, _show
 from asperity._plot import axes_or_new, axis, colorbar, errors, fit_ends, ink, muted
 from asperity._smooth import along_logarithm
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from asperity._core import Record
+    from asperity._core import Record, SteadyEstimates, VelocityCurveEstimates
 
 # Variances of a force below this, relative to the largest: a scatter of less than a thousandth of it.
 CERTAIN = 1e-6
@@ -53,9 +53,33 @@ def draw(record: "Record", ax: "Axes | None" = None, kind: str | None = None, **
     if kind is None or kind not in known:
         expected = f"one of {', '.join(known)}" if known else "a record of a task"
         raise ValueError(f"plot.kind: expected {expected}, got {kind}")
+    along = next((name for name in RESIDUALS.get(kind, ()) if name in record), None)
+    if ax is None and along is not None and "compared_residual" in record:
+        ax, below = _plot.new_panels(2)
+        KINDS[kind].draw(record, ax, **style)
+        residual(record, below, along)
+        below.set_xlabel(ax.get_xlabel())
+        ax.xaxis.label.set_visible(False)
+        return ax
     ax = axes_or_new(ax)
     KINDS[kind].draw(record, ax, **style)
     return ax
+
+
+def residual(record: "Record", ax: "Axes", along: str) -> None:
+    """Measured less computed force against the variable of the measured points."""
+    ax.axhline(0.0, color=muted(), linewidth=0.6)
+    ax.plot(record[along], record["compared_residual"], ".", color=ink(), markersize=3)
+    ax.set_ylabel(axis("", record.labels["compared_residual"].units, "residual"))
+
+
+RESIDUALS: Mapping[str, tuple[str, ...]] = {
+    "force": ("compared_position",),
+    "compared": ("compared_position",),
+    "velocity_curve": ("compared_velocity",),
+    "hold_curve": ("compared_hold",),
+}
+"""Pictures with measured points and their variable; on new axes they have a panel of residuals."""
 
 
 def named(record: "Record", ax: "Axes", x: tuple[str, str], y: tuple[str, str]) -> None:
@@ -76,10 +100,12 @@ def force(record: "Record", ax: "Axes", **style: Any) -> None:
         with_others = True
     elif "force_error" in record:
         low, high = (record["force"] + sign * record["force_error"] for sign in (-1, 1))
-        ax.fill_between(record["position"], low, high, color=color, alpha=0.2, linewidth=0)
+        band: dict[str, Any] = {"color": color, "alpha": 0.2, "linewidth": 0}
+        ax.fill_between(record["position"], low, high, **band, label=_plot.once(ax, "± error", style))
     with_others = measured(record, ax, "compared_position") or with_others
-    if with_others and "label" not in style:
-        ax.lines[first].set_label("master equation")
+    if "label" not in style:
+        if with_others:
+            ax.lines[first].set_label("master equation")
         _plot.legend_above(ax)
 
 
@@ -127,6 +153,7 @@ def sliding(record: "Record", ax: "Axes", **style: Any) -> None:
         ax.plot(few(record[x], 401), few(record[y], 401), **dots, label="ensemble")
         if "label" not in style:
             ax.lines[first].set_label("master equation")
+    if "ensemble_drive" in record or "label" not in style:
         _plot.legend_above(ax)
 
 
@@ -387,12 +414,24 @@ def measured_fit(record: "Record", ax: "Axes", **style: Any) -> None:
         of = numbers == one
         (line,) = ax.plot(x[of], y[of], **{"label": "fit" if one == numbers[0] else None, **style})
         low, high = y[of] - 2 * std[of], y[of] + 2 * std[of]
-        ax.fill_between(x[of], low, high, color=line.get_color(), alpha=0.2, linewidth=0)
+        band: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
+        ax.fill_between(x[of], low, high, **band, label=_plot.SCATTER if one == numbers[0] else None)
     if measured in record:
         dots: dict[str, Any] = {"marker": ".", "linestyle": "none", "markersize": 3, "zorder": 1.5}
         ax.plot(x, record[measured], **dots, color=ink(), label="measured")
     named(record, ax, (place, "X"), (expected, "F"))
-    ax.legend()
+    _plot.legend_above(ax, doubts(record))
+
+
+def doubts(record: "Record") -> list[str]:
+    """What the summary of a result says of a fit that is not to be trusted."""
+    fit = getattr(record, "summary", {}).get("fit")
+    if fit is None:
+        return []
+    misfit = fit.get("misfit", {})
+    known = (misfit.get(name) for name in ("probability", "whiteness"))
+    unlikely = any(one is not None and one < _show.UNLIKELY for one in known)
+    return _fit.doubts(fit["converged"], unlikely, what="record" if "fit_periodogram" in record else "curve")
 
 
 def residuals(record: "Record", ax: "Axes", **style: Any) -> None:
@@ -434,6 +473,7 @@ def fit_spectrum(record: "Record", ax: "Axes", **style: Any) -> None:
     ax.set(xscale="log", yscale="log", ylim=(0.2 * np.min(expected), 20 * np.max(measured)))
     named(record, ax, (f"{prefix}wave_number", "q"), (f"{prefix}periodogram", "S"))
     ax.legend()
+    _plot.remark(ax, doubts(record))
 
 
 def fit_velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
@@ -441,12 +481,28 @@ def fit_velocity_curve(record: "Record", ax: "Axes", **style: Any) -> None:
     velocity, friction, error = (record[f"fit_{name}"] for name in ("velocity", "friction", "friction_error"))
     (line,) = ax.plot(velocity, friction, **{"label": "fit", **style})
     band = (friction - 2 * error, friction + 2 * error)
-    ax.fill_between(velocity, *band, color=line.get_color(), alpha=0.2, linewidth=0)
+    look: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
+    ax.fill_between(velocity, *band, **look, label="± 2 standard errors")
     at, measured, std = (record[f"reading_{name}"] for name in ("velocity", "friction", "friction_std"))
     errors(ax, at, measured, std, label="measured")
     ax.set_xscale("log")
     named(record, ax, ("reading_velocity", "v"), ("reading_friction", "F_k"))
     ax.legend()
+    _plot.remark(ax, doubts(record))
+
+
+def steady_fit(fit: "SteadyEstimates", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The periodogram of a fit to steady sliding, and what is said of a fit that is not to be trusted."""
+    ax = draw(fit.spectrum, ax, "periodogram", **style)
+    _plot.remark(ax, _fit.remarks(fit, "record"))
+    return ax
+
+
+def velocity_curve_fit(fit: "VelocityCurveEstimates", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """The fitted velocity curve, and what is said of a fit that is not to be trusted."""
+    ax = draw(fit.curve, ax, "fit_velocity_curve", **style)
+    _plot.remark(ax, _fit.remarks(fit))
+    return ax
 
 
 def free_form(record: "Record", ax: "Axes", **style: Any) -> None:

@@ -3,11 +3,14 @@
 import math
 import re
 from collections.abc import Iterable
+from textwrap import wrap
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from asperity import _fit, _show
+
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
     from matplotlib.axes import Axes
@@ -46,8 +49,9 @@ def friction(record: "Record", ax: "Axes", **style: Any) -> None:
     line = curve(record, ax, {"position": "X", "force": "F"}, **style)
     peak = getattr(record, "static_friction", None)
     if peak is not None:
-        ax.plot(peak.position, peak.force, "o", color=line.get_color(), markersize=4)
-    level(record, ax, line)
+        dot: dict[str, Any] = {"color": line.get_color(), "markersize": 4, "label": once(ax, "$F_s$", style)}
+        ax.plot(peak.position, peak.force, "o", **dot)
+    level(record, ax, line, **style)
 
 
 def sliding(record: "Record", ax: "Axes", **style: Any) -> None:
@@ -56,14 +60,20 @@ def sliding(record: "Record", ax: "Axes", **style: Any) -> None:
     names = {"drive": "X_T", force: "F"}
     if record.labels["drive"].quantity == "force":
         names = {"position": "X", "drive": "F"}
-    level(record, ax, curve(record, ax, names, **style))
+    level(record, ax, curve(record, ax, names, **style), **style)
 
 
-def level(record: "Record", ax: "Axes", line: "Line2D") -> None:
+def level(record: "Record", ax: "Axes", line: "Line2D", **style: Any) -> None:
     """The kinetic friction as a dashed line, if it is one number."""
     steady = getattr(record, "kinetic_friction", None)
     if isinstance(steady, float) and math.isfinite(steady):
-        ax.axhline(steady, linestyle="--", linewidth=0.8, color=line.get_color())
+        dashes: dict[str, Any] = {"linestyle": "--", "linewidth": 0.8, "label": once(ax, "$F_k$", style)}
+        ax.axhline(steady, color=line.get_color(), **dashes)
+
+
+def once(ax: "Axes", label: str, style: "Mapping[str, Any]") -> str | None:
+    """A label; none where something on the axes has it already, or where the curve has one that was given."""
+    return None if "label" in style or label in ax.get_legend_handles_labels()[1] else label
 
 
 def pull(
@@ -80,10 +90,16 @@ def pull(
     color = ax.lines[first].get_color()
     if scatter is not None:
         low, high = pull.force - scatter, pull.force + scatter
-        ax.fill_between(pull.position, low, high, color=color, alpha=0.2, linewidth=0)
+        label = once(ax, "± std", style)
+        ax.fill_between(pull.position, low, high, color=color, alpha=0.2, linewidth=0, label=label)
     if paths is not None:
         positions, forces = paths
-        ax.plot(positions, forces.T, color=color, alpha=0.6, linewidth=0.6)
+        label = once(ax, "sample paths", style)
+        lines = ax.plot(positions, forces.T, color=color, alpha=0.6, linewidth=0.6)
+        for line in lines[:1]:
+            line.set_label(label)
+    if "label" not in style:
+        legend_above(ax)
     return ax
 
 
@@ -98,25 +114,56 @@ def fit(fit: "Estimates", axes: "Sequence[Axes] | None" = None, **style: Any) ->
     position, reach = readings["position"], 2 * readings["std"]
     above = axes[0]
     numbers = readings["curve"] if "curve" in readings else 0 * position
+    named = {"label": "fit" if measured else "expected", **style}
+    label: str | None = SCATTER
     for number in sorted(set(numbers.tolist())):
         of = numbers == number
         finely, force = between(fit, int(number), position[of])
-        (line,) = above.plot(finely, force, **style)
-        style = {**style, "color": line.get_color()}
+        (line,) = above.plot(finely, force, **named)
+        color = line.get_color()
+        named = {**named, "label": None, "color": color}
         band = np.interp(finely, position[of], reach[of])
-        above.fill_between(finely, force - band, force + band, color=line.get_color(), alpha=0.2, linewidth=0)
+        ends = (force - band, force + band)
+        above.fill_between(finely, *ends, color=color, alpha=0.2, linewidth=0, label=label)
+        label = None
     above.set_xlabel(axis("X", readings.labels["position"].units))
     above.set_ylabel(axis("F", readings.labels["expected"].units))
     if not measured:
+        legend_above(above)
         return axes[:1]
-    above.plot(position, readings["force"], ".", color=ink(), markersize=2, zorder=1.5)
+    above.plot(position, readings["force"], ".", color=ink(), markersize=2, zorder=1.5, label="measured")
+    legend_above(above, _fit.remarks(fit))
     below = axes[1]
-    below.axhspan(-2, 2, color=line.get_color(), alpha=0.2, linewidth=0)
+    below.axhspan(-2, 2, color=color, alpha=0.2, linewidth=0)
     below.plot(position, readings["whitened"], ".", color=ink(), markersize=2)
     above.set_xlabel("")
     below.set_xlabel(axis("X", readings.labels["position"].units))
-    below.set_ylabel("whitened residual")
+    # The panel is hardly higher than both words beside each other are long.
+    below.set_ylabel("whitened\nresidual")
     return axes
+
+
+SCATTER = "± 2 std of a reading"
+"""The name of a band of two standard deviations of a reading."""
+
+
+def remark(ax: "Axes", sentences: "Sequence[str]") -> None:
+    """Sentences above axes."""
+    if sentences:
+        ax.set_title("\n".join(broken(ax, sentences)), loc="left", fontsize=small())
+
+
+def broken(ax: "Axes", sentences: "Sequence[str]") -> list[str]:
+    """Sentences in lines of small letters that are not longer than the axes are wide."""
+    width = 72 * ax.get_window_extent().width / ax.figure.dpi
+    # A letter is about half as wide as it is high.
+    letters = max(20, int(width / (0.5 * small())))
+    return [line for sentence in sentences for line in wrap(sentence, letters)]
+
+
+def small() -> float:
+    """The size of small letters in the present style."""
+    return 0.83 * float(pyplot().rcParams["font.size"])
 
 
 def between(
@@ -230,13 +277,18 @@ def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) 
     """The measured force around a velocity step, with the fit before the step and from the peak on."""
     ax = axes_or_new(ax)
     position, fitted = step.position, step.fitted
-    ax.plot(position, step.force, ".", markersize=3, color=muted(), label="measured")
+    ax.plot(position, step.force, ".", markersize=3, color=muted(), label="measured, as fitted")
     after = position >= 0.0
     (line,) = ax.plot(position[~after], fitted[~after], **{"label": "fit", **style})
-    ax.plot(position[after], fitted[after], **{**style, "color": line.get_color()})
+    ax.plot(position[after], fitted[after], **{**style, "label": None, "color": line.get_color()})
+    if step.peak > 0.0:
+        ax.axvspan(0.0, step.peak, color=muted(), alpha=0.3, linewidth=0, label="readings left out")
+    edge: dict[str, Any] = {"linestyle": ":", "linewidth": 1.0, "color": ink()}
+    ax.axvline(step.peak, **edge, label="$X_p$, where the fit starts")
     ax.set_xlabel("displacement since the step")
     ax.set_ylabel("$F$")
     ax.legend()
+    remark(ax, [f"{doubt[:1].upper()}{doubt[1:]}." for doubt in _show.step_doubts(step)])
     return ax
 
 
@@ -422,9 +474,12 @@ def threshold_response(
 
 def prediction(found: "Prediction", ax: "Axes | None" = None, **style: Any) -> "Axes":
     """The expected force with a band of two standard deviations of a reading."""
-    ax = lines([(found.position, found.force, None)], ("X", "F"), ax, **style)
+    ax = lines([(found.position, found.force, None)], ("X", "F"), ax, **{"label": "expected", **style})
     low, high = (found.force + sign * 2 * found.std for sign in (-1, 1))
-    ax.fill_between(found.position, low, high, color=ax.lines[-1].get_color(), alpha=0.2, linewidth=0)
+    look: dict[str, Any] = {"color": ax.lines[-1].get_color(), "alpha": 0.2, "linewidth": 0}
+    ax.fill_between(found.position, low, high, **look, label=once(ax, SCATTER, style))
+    if "label" not in style:
+        legend_above(ax)
     return ax
 
 
@@ -506,10 +561,27 @@ def events(events: "Events", ax: "Axes | None", x: str, y: str, **style: Any) ->
     return ax
 
 
-def legend_above(ax: "Axes") -> None:
-    """A legend above the axes, where it hides nothing."""
-    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
-    ax.legend(**place, ncols=3, frameon=False, borderaxespad=0.2)
+def legend_above(ax: "Axes", sentences: "Sequence[str]" = ()) -> None:
+    """A legend above the axes, where it hides nothing, below sentences; none where nothing has a name."""
+    labels = ax.get_legend_handles_labels()[1]
+    if not labels:
+        return
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "alignment": "right"}
+    place |= {"title": "\n".join(broken(ax, sentences)) or None, "title_fontsize": small()}
+    ax.legend(**place, ncols=columns(ax, labels), frameon=False, borderaxespad=0.2)
+
+
+def columns(ax: "Axes", labels: "Sequence[str]") -> int:
+    """The number of columns, up to three, in which these labels of a legend are about as wide as the axes."""
+    size = float(pyplot().rcParams["font.size"])
+    # In units of the size of letters: 0.55 for a letter, 4.8 for a line and the space between columns.
+    widths = [0.55 * len(re.sub(r"[${}_^\\]|mathrm", "", label)) + 4.8 for label in labels]
+    most = 1.15 * 72 * ax.get_window_extent().width / ax.figure.dpi / size
+    for count in (3, 2):
+        rows = math.ceil(len(widths) / count)
+        if sum(max(widths[first : first + rows]) for first in range(0, len(widths), rows)) <= most:
+            return count
+    return 1
 
 
 def errors(ax: "Axes", x: Any, y: Any, error: Any, **style: Any) -> None:
@@ -580,7 +652,8 @@ def new_panels(count: int) -> "tuple[Axes, ...]":
     """Axes below each other, the first three times as high as the others."""
     heights = [3, *(1 for _ in range(count - 1))]
     shared: dict[str, Any] = {"sharex": True, "squeeze": False, "layout": "constrained"}
-    panels = pyplot().subplots(count, height_ratios=heights, **shared)[1]
+    figure, panels = pyplot().subplots(count, height_ratios=heights, **shared)
+    figure.align_ylabels(panels)
     return tuple(panels[:, 0])
 
 

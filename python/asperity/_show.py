@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from asperity._core import Healing, Record, VelocityStep
-    from asperity._fit_values import Estimate
+    from asperity._fit_values import Estimate, MachineHealing, MachineStep
 
 MOST = 1000
 """Items of a list that are printed, as many as NumPy prints."""
@@ -147,17 +147,32 @@ def velocity_step(step: "VelocityStep") -> str:
     rest = {"peak": f"{step.peak:.6g}", "residual": f"{step.residual:.3g}"}
     noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}{slow}"}
     if step.whiteness is not None:
-        doubt = (
-            "" if step.whiteness >= UNLIKELY else "; errors are not reliable: the noise is not of this kind"
-        )
-        noises["whiteness"] = f"p = {step.whiteness:.2g}{doubt}"
+        noises["whiteness"] = "; ".join([f"p = {step.whiteness:.2g}", *step_doubts(step)])
     return listed("<asperity.VelocityStep>", {**shown, **rest, **noises})
+
+
+def step_doubts(step: "VelocityStep") -> list[str]:
+    """What is said of a step whose residuals are not those of the assumed noise."""
+    unlikely = step.whiteness is not None and step.whiteness < UNLIKELY
+    return ["errors are not reliable: the noise is not of this kind"] if unlikely else []
 
 
 def healing(healing: "Healing") -> str:
     rows = {name: getattr(healing, name) for name in ("per_decade", "cutoff", "at_one")}
     shown = {name: estimate(value) for name, value in rows.items() if value is not None}
     return listed("<asperity.Healing>", {**shown, "residual": f"{healing.residual:.3g}"})
+
+
+def machine(found: "MachineStep | MachineHealing") -> str:
+    """The numbers of a fit behind the spring of a machine, without its curve."""
+    several = {
+        name: (value,) if isinstance(value, float) else value
+        for name, value in (("a", found.a), ("b", found.b), ("distance", found.distance))
+    }
+    shown = {name: ", ".join(f"{value:.5g}" for value in values) for name, values in several.items()}
+    residual = f"{found.residual:.3g}, {found.residual_relative:.2g} of the range of the forces"
+    rest = {"before": f"{found.before:.6g}", "residual": residual, "fitted": f"{len(found.fitted)} forces"}
+    return listed(f"<asperity.{type(found).__name__}>", {**shown, **rest})
 
 
 def estimate(found: "Estimate") -> str:

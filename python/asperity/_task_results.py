@@ -123,7 +123,7 @@ class TaskResult:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Axes to plot on; new ones by default.
+            Axes to plot on; new ones by default, with the residuals of measured points on axes below.
         kind : str, optional
             One of `pictures`.
         **style

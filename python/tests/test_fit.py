@@ -545,6 +545,8 @@ def test_a_plot_shows_readings_band_and_whitened_residuals() -> None:
     np.testing.assert_array_equal(whitened[:, 1], FOUND.readings["whitened"])
     plan = asp.fit(TRUE, POSITION, None, free=["count"], reading=1.0)
     assert len(plan.plot()) == 1
+    assert names_of(above) == ["fit", "± 2 std of a reading", "measured"]
+    assert not remark_of(above)
     for wrong, kind in [
         (3, "int"),
         ("xy", "str of str, str"),
@@ -554,6 +556,50 @@ def test_a_plot_shows_readings_band_and_whitened_residuals() -> None:
         with pytest.raises(TypeError, match=f"^axes: expected 2 axes of matplotlib, got {kind}$"):
             FOUND.plot(axes=cast("Any", wrong))
     assert FOUND.plot(axes=(above, below)) == (above, below)
+
+
+def names_of(axes: Any) -> list[str]:
+    """What the legend of axes names."""
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def remark_of(axes: Any) -> str:
+    """The sentences above the legend of axes, without the ends of lines."""
+    return " ".join(axes.get_legend().get_title().get_text().split())
+
+
+def test_a_plot_says_what_the_summary_says_of_a_fit_that_is_not_to_be_trusted() -> None:
+    pytest.importorskip("matplotlib").use("agg")
+    import matplotlib.pyplot as plt
+
+    shifted = asp.fit(GUESS, POSITION, SIMULATED + 300.0, free=NAMES[:2], noise="white")
+    assert shifted.misfit is not None
+    assert shifted.misfit.unlikely
+    sentence = "The curve is not of this kind: do not trust the errors."
+    assert sentence in shifted.summary()
+    for wide in (6.4, 3.0):
+        figure, axes = plt.subplots(2, figsize=(wide, 4.8), layout="constrained", height_ratios=[3, 1])
+        above, below = shifted.plot(axes)
+        assert sentence in remark_of(above)
+        figure.canvas.draw()
+        # Nothing is beyond the figure, nor does the name of the lower panel meet the upper one.
+        named = cast("Any", above.get_legend()).get_window_extent()
+        assert figure.bbox.x0 <= named.x0 < named.x1 <= figure.bbox.x1
+        assert above.get_window_extent().y1 <= named.y0 < named.y1 <= figure.bbox.y1
+        assert below.yaxis.label.get_window_extent().y1 <= above.get_window_extent().y0
+        plt.close(figure)
+    result = asp.run(
+        {
+            "contacts": {"thresholds": {"gaussian": {"mean": 1.0, "std": 0.12}}, "count": 2000.0},
+            "fit": {
+                "position": POSITION,
+                "force": SIMULATED + 300.0,
+                "free": ["contacts.stiffness"],
+                "noise": "white",
+            },
+        }
+    )
+    assert sentence in remark_of(result.plot())
 
 
 def test_progress_rises_to_one() -> None:

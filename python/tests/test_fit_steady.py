@@ -5,6 +5,7 @@ import re
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import _pictures
 from numpy.typing import NDArray
 
 REFORMING = asp.Gaussian(0.1, 0.03)
@@ -89,6 +90,12 @@ def test_a_fit_is_reported_as_a_table_and_plotted() -> None:
     pytest.importorskip("matplotlib").use("agg")
     axes = FOUND.plot()
     assert (axes.get_xscale(), axes.get_yscale(), len(axes.lines)) == ("log", "log", 3)
+    wrong = asp.fit_steady(GUESS, SPACING, RECORD - 500.0, free=["thresholds.std"], reading=0.0)
+    assert wrong.misfit.unlikely
+    titles = [_pictures.steady_fit(fit).get_title(loc="left") for fit in (FOUND, wrong)]
+    assert not titles[0]
+    assert titles[1].split("\n") == wrong.summary().split("\n")[-2:]
+    assert titles[1].endswith("The record is not of this kind: do not trust the errors.")
 
 
 def test_what_a_record_does_not_determine_is_refused() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import _pictures
 from scipy.optimize import curve_fit
 
 VELOCITY = np.geomspace(0.05, 50.0, 12)
@@ -126,6 +127,10 @@ def test_a_fit_is_drawn() -> None:
     (line,) = (line for line in axes.get_lines() if line.get_label() == "fit")
     np.testing.assert_array_equal(line.get_ydata(), FOUND.curve["fit_friction"])
     assert line.get_color() == "k"
+    legend = axes.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["fit", "± 2 standard errors", "measured"]
+    assert not _pictures.velocity_curve_fit(FOUND).get_title(loc="left")
 
 
 def test_what_cannot_be_fitted_is_refused() -> None:

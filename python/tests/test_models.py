@@ -255,9 +255,16 @@ def test_pictures(pull: asp.Pull) -> None:
     assert tuple(peak[0]) == (pull.static_friction.position, pull.static_friction.force)
     assert steady[0, 1] == pull.kinetic_friction
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$X$", "$F$")
+    legend = axes.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["$F_s$", "$F_k$"]
     sample = asp.Ensemble(FIGURE_2.contacts, size=10).pull(5.0, 11)
     assert sample.plot(axes) is axes
     assert len(axes.lines) == 4
+    # With a label of its own, a curve is named alone.
+    named = pull.plot(label="mine")
+    assert named.get_legend_handles_labels()[1] == ["mine"]
+    assert named.get_legend() is None
 
 
 def test_stretches_beyond_the_thresholds_are_left_out_with_a_warning() -> None:

@@ -53,9 +53,13 @@ def test_a_plot_shows_the_scatter_of_few_contacts() -> None:
     edges = np.asarray(band.get_paths()[0].vertices)
     width = np.max(edges[edges[:, 0] == 5.0, 1]) - np.min(edges[edges[:, 0] == 5.0, 1])
     assert width == pytest.approx(2 * pull.force_std(50, 5.0))
+    # Each is named once.
+    names = ["$F_k$", "± std", "sample paths"]
+    assert axes.get_legend_handles_labels()[1] == names
     # Without a size the N_c contacts; without either neither band nor paths.
     several = pull.plot(axes, paths=2, seed=1)
     assert (len(several.lines), len(several.collections)) == (9, 2)
+    assert several.get_legend_handles_labels()[1] == names
     plain = pull.plot()
     assert (len(plain.lines), len(plain.collections)) == (2, 0)
     refused: list[tuple[dict[str, Any], str]] = [

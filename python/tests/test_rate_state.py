@@ -138,9 +138,22 @@ def test_plots() -> None:
     pytest.importorskip("matplotlib").use("agg")
     step = asp.read_velocity_step(POSITION, measured(8), RATIO)
     axes = step.plot(color="k")
-    # dots, and the fit before and after the step
-    assert len(axes.lines) == 3
+    # dots, the fit before and after the step, and the position of the peak
+    assert len(axes.lines) == 4
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), step.force)
+    drawn = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    assert np.all(np.asarray(drawn["$X_p$, where the fit starts"].get_xdata()) == step.peak)
+    # Nothing is left out where the force relaxes from the step on.
+    assert ("readings left out" in drawn) == (step.peak > 0.0)
+    later = asp.read_velocity_step(POSITION, measured(8), RATIO, peak=5.0).plot()
+    assert "readings left out" in later.get_legend_handles_labels()[1]
+    assert not axes.get_title(loc="left")
+    # Noise that is not that of the fit.
+    force = measured(8) + 1e-3 * np.sign(np.sin(3.0 * POSITION))
+    doubtful = asp.read_velocity_step(POSITION, force, RATIO, noise="white")
+    assert "errors are not reliable: the noise is not of this kind" in repr(doubtful)
+    title = doubtful.plot().get_title(loc="left")
+    assert " ".join(title.split()) == "Errors are not reliable: the noise is not of this kind."
     hold = [1.0, 10.0, 100.0, 1e3, 1e4]
     axes = asp.read_healing(hold, [0.6, 0.61, 0.622, 0.641, 0.66]).plot()
     assert len(axes.lines) == 2
@@ -159,6 +172,11 @@ def test_a_step_behind_the_spring_of_a_machine() -> None:
     assert (*found.b, *found.distance) == pytest.approx((b, distance), rel=2e-3)
     assert found.residual_relative < 0.02
     np.testing.assert_allclose(found.fitted[:20], 0.6, atol=1e-3)
+    text = str(found)
+    assert text.splitlines()[0] == "<asperity.MachineStep>"
+    assert len(text.splitlines()) == 7
+    assert re.search(rf"^  distance +{found.distance[0]:.5g}$", text, re.MULTILINE)
+    assert f"{len(force)} forces" in text
     with pytest.raises(ValueError, match="states"):
         asp.fit_velocity_step(displacement, force, ratio, 50.0, states=3)
     with pytest.raises(ValueError, match="law"):
@@ -215,6 +233,8 @@ def test_healing_behind_the_spring_of_a_machine() -> None:
     assert (found.a, found.b, found.distance) == pytest.approx((a, b, distance), rel=1e-4)
     slip = asp.fit_healing(hold, peaks, 0.0, velocity, stiffness, held=ends, law="slip")
     assert slip.residual > 100.0 * found.residual
+    assert str(found).startswith("<asperity.MachineHealing>\n  a ")
+    assert len(str(found).splitlines()) == 7
     with pytest.raises(ValueError, match="a: expected a of a velocity step, or held"):
         asp.fit_healing(hold, peaks, 0.0, velocity, stiffness)
     with pytest.raises(ValueError, match="held: expected 7 forces, one for each hold"):

@@ -87,8 +87,12 @@ def test_measured_points_are_compared_where_they_were_measured() -> None:
     assert other.hold.tolist() == [2.0, 200.0]
     pytest.importorskip("matplotlib")
     for result, points in [(curve, velocities), (other, held.hold)]:
-        drawn = {line.get_label(): line for line in result.plot().lines}["measured"]
+        axes: Any = result.plot()
+        drawn = {line.get_label(): line for line in axes.lines}["measured"]
         assert np.array_equal(drawn.get_xdata(), points)
+        _, below = axes.figure.axes
+        assert np.array_equal(below.lines[-1].get_xydata(), np.c_[points, result.residual])
+        assert below.get_xscale() == axes.get_xscale() == "log"
 
 
 def test_healing_is_read_from_the_hold_curve() -> None:
@@ -165,6 +169,23 @@ def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
     assert np.isnan(beyond.residual).tolist() == [False, True]
     sampled = asp.compare(asp.Ensemble(COLD, size=50), [1.0], [0.5], distance=2.0, points=11)
     assert "ensemble_force" in sampled.result
+    plt = pytest.importorskip("matplotlib.pyplot")
+    plt.switch_backend("agg")
+    above = found.plot()
+    _, below = above.figure.axes
+    assert np.array_equal(below.lines[-1].get_xydata(), np.c_[pull.position, found.residual])
+    assert (below.get_xlabel(), below.get_ylabel()) == ("$X$", "residual")
+    legend = {text.get_text() for text in above.get_legend().get_texts()}
+    assert legend == {"master equation", "measured", "$F_s$", "$F_k$"}
+    # The legend is above the curve, and nothing is beyond the figure.
+    above.figure.canvas.draw()
+    assert above.get_legend().get_window_extent().y0 >= above.get_window_extent().y1
+    assert above.get_legend().get_window_extent().y1 <= above.figure.bbox.y1
+    # On given axes the force alone.
+    figure, axes = plt.subplots()
+    assert found.plot(axes) is axes
+    assert figure.axes == [axes]
+    plt.close("all")
 
 
 @pytest.mark.parametrize(
