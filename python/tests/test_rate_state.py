@@ -150,7 +150,7 @@ def test_plots() -> None:
     assert not axes.get_title(loc="left")
     # Noise that is not that of the fit.
     force = measured(8) + 1e-3 * np.sign(np.sin(3.0 * POSITION))
-    doubtful = asp.read_velocity_step(POSITION, force, RATIO, noise="white")
+    doubtful = asp.read_velocity_step(POSITION, force, RATIO, peak=0.0, noise="white")
     assert "errors are not reliable: the noise is not of this kind" in repr(doubtful)
     title = doubtful.plot().get_title(loc="left")
     assert " ".join(title.split()) == "Errors are not reliable: the noise is not of this kind."
