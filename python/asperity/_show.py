@@ -139,9 +139,8 @@ def velocity_step(step: "VelocityStep") -> str:
     noise = step.noise
     drift = (f", drift {one.std:.3g} over {one.length:.3g}" for one in noise.drift)
     reach = float(step.position[-1] - step.position[0])
-    slow = (
-        "; longer than the record: try trend=True" if any(one.length > reach for one in noise.drift) else ""
-    )
+    lasts = any(one.length > reach and one.std > noise.white for one in noise.drift)
+    slow = "; longer than the record: try trend=True" if lasts else ""
     rows = {name: getattr(step, name) for name in ("a", "b", "a_minus_b", "distance", "before", "trend")}
     shown = {name: estimate(value) for name, value in rows.items() if value is not None}
     rest = {"peak": f"{step.peak:.6g}", "residual": f"{step.residual:.3g}"}

@@ -391,8 +391,7 @@ impl SteadyEstimates {
         ax: Option<&Bound<'py, PyAny>>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let spectrum = slf.get().spectrum.bind(slf.py());
-        Record::plot(spectrum, ax, Some(Argument::text("periodogram")), style)
+        slf.py().import("asperity._pictures")?.call_method("steady_fit", (slf, ax), style)
     }
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]

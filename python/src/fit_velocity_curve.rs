@@ -379,8 +379,7 @@ impl VelocityCurveEstimates {
         ax: Option<&Bound<'py, PyAny>>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let curve = slf.get().curve.bind(slf.py());
-        Record::plot(curve, ax, Some(Argument::text("fit_velocity_curve")), style)
+        slf.py().import("asperity._pictures")?.call_method("velocity_curve_fit", (slf, ax), style)
     }
 
     #[pyo3(signature = () -> "tuple[Any, tuple[Any, ...]]")]

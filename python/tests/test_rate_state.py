@@ -295,3 +295,13 @@ def test_a_compared_step_is_read_with_the_spring_of_its_machine() -> None:
     np.testing.assert_array_equal(axes.lines[0].get_xdata(), result["drive"])
     np.testing.assert_array_equal(axes.lines[-1].get_ydata(), result["compared_force"])
     assert "X_\\mathrm{T}" in axes.get_xlabel() or "X_T" in axes.get_xlabel()
+
+
+def test_a_drift_longer_than_the_record_suggests_a_trend() -> None:
+    position = np.linspace(-50.0, 150.0, 400)
+    after = 0.01 - 0.015 * (1.0 - np.exp(-np.maximum(position, 0.0) / 6.0))
+    noise = 5e-4 * np.random.default_rng(3).normal(size=400)
+    force = 0.6 + np.log(10.0) * np.where(position < 0.0, 0.0, after) + noise
+    for slope, trend, says in [(1e-4, False, True), (1e-4, True, False), (0.0, False, False)]:
+        read = asp.read_velocity_step(position, force + slope * position, 10.0, trend=trend)
+        assert ("longer than the record: try trend=True" in str(read)) == says
