@@ -91,7 +91,7 @@ fn range(force: &[f64], before: f64) -> f64 {
 
 /// Index of the point from which on the force relaxes: its extremum in the direction of the change of
 /// velocity, or the step itself if too few points follow the extremum.
-pub(super) fn peak(force: &[f64], side: f64) -> Option<usize> {
+fn peak(force: &[f64], side: f64) -> Option<usize> {
     let highest = (0..force.len()).max_by(|&i, &j| (side * force[i]).total_cmp(&(side * force[j])))?;
     // A curve that only rises has its maximum at the end, and no direct effect to be seen: the fit
     // starts at the step.
