@@ -579,11 +579,6 @@ def compare(
     if not isinstance(model, MasterEquation | Ensemble):
         raise TypeError(f"model: expected a MasterEquation or an Ensemble, got {type(model).__name__}")
     place, measured = numbers("position", position).ravel(), numbers("force", force).ravel()
-    if place.size and not ((place >= 0.0) & (place <= distance)).any():
-        raise ValueError(
-            f"position: expected one from 0 to {distance:.6g}, the distance of the pull, got those from "
-            f"{place.min():.6g} to {place.max():.6g}"
-        )
     pull: dict[str, Any] = {"distance": distance, "points": points, "start": model.start}
     scenario: dict[str, Any] = {"contacts": model.contacts, "initial": model.initial, "pull": pull}
     if isinstance(model, Ensemble):
@@ -594,5 +589,10 @@ def compare(
     scenario["compare"] = {"position": place, "force": measured}
     result = run(scenario, progress=progress)
     found = result.summary["compare"]
+    if not found["points"]:
+        raise ValueError(
+            f"position: expected one from 0 to {distance:.6g}, the distance of the pull, got those from "
+            f"{place.min():.6g} to {place.max():.6g}"
+        )
     residual = result["compared_residual"]
     return Comparison(result, place, measured, found["points"], residual, found.get("residual_rms"))

@@ -22,9 +22,9 @@ const LAGS: usize = 20;
 pub struct StepReading {
     /// The force F₀ before the step, if it is known. Otherwise it is fitted to the points before the step.
     pub before: Option<f64>,
-    /// X_p, from which on the force relaxes, relative to the step. Otherwise it is where the force, averaged over five points, first
-    /// comes as near to its extremum as twice its scatter in the last quarter; to its level there, if no extremum stands out. It is 0
-    /// if that is not in the first half.
+    /// X_p, from which on the force relaxes, relative to the step. Otherwise it is the extremum of the force, averaged over five
+    /// points, if it stands out from its scatter in the last quarter, or where the force first reaches its level there; 0 if that
+    /// is not in the first half.
     pub peak: Option<f64>,
     /// Whether the force also has a constant slope, before the step and after it.
     pub trend: bool,
@@ -296,17 +296,14 @@ fn averaged(values: &[f64], many: usize) -> Vec<f64> {
     values.chunks_exact(many).map(|part| part.iter().sum::<f64>() / many as f64).collect()
 }
 
-/// The position from which on the force relaxes: where its average over some points first comes as near to its extremum in the
-/// direction of the change of velocity as twice its scatter in the last quarter. An extremum that does not stand out from the
-/// scatter is one of the noise: the force then relaxes from where it first comes as near to its level in the last quarter. 0 if that
-/// is not in the first half: a force that only rises shows no direct effect.
+/// The position from which on the force relaxes: that of the extremum of its averages over some points in the direction of the
+/// change of velocity. An extremum that does not stand out from the scatter of the last quarter is one of the noise: the force then
+/// relaxes from where it first reaches its level in the last quarter, but for twice the scatter. 0 if that is not in the first half:
+/// a force that only rises shows no direct effect.
 fn start_of_relaxation(position: &[f64], force: &[f64], side: f64) -> Result<f64> {
     /// In standard deviations, which are estimated from some ten independent averages and may be too small by a half.
     const STANDS_OUT: f64 = 6.0;
     const REACHED: f64 = 2.0;
-    if force.is_empty() {
-        return Err(Error::invalid("position", "points after the step, at positions of 0 and above", "none"));
-    }
     let near = |i: usize| {
         let half = (SMOOTHED / 2).min(i).min(force.len() - 1 - i);
         force[i - half..=i + half].iter().sum::<f64>() / (2 * half + 1) as f64
@@ -316,11 +313,12 @@ fn start_of_relaxation(position: &[f64], force: &[f64], side: f64) -> Result<f64
     let level = last.iter().sum::<f64>() / last.len() as f64;
     let scatter = (last.iter().map(|force| (force - level).powi(2)).sum::<f64>() / last.len() as f64).sqrt();
     let above: Vec<f64> = smooth.iter().map(|force| side * (force - level)).collect();
-    let extremum = above.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let highest = if extremum > STANDS_OUT * scatter { extremum } else { 0.0 };
-    let start = above.iter().position(|above| *above >= highest - REACHED * scatter);
-    let early = |start: &usize| *start > 0 && 2 * start < force.len() && force.len() - start >= FEWEST;
-    Ok(start.filter(early).map_or(0.0, |start| position[start]))
+    let none = || Error::invalid("position", "points after the step, at positions of 0 and above", "none");
+    let extremum = (0..above.len()).max_by(|&i, &j| above[i].total_cmp(&above[j])).ok_or_else(none)?;
+    let reached = above.iter().position(|above| *above >= -REACHED * scatter);
+    let start = if above[extremum] > STANDS_OUT * scatter { extremum } else { reached.unwrap_or(extremum) };
+    let is_early = start > 0 && 2 * start < force.len() && force.len() - start >= FEWEST;
+    Ok(if is_early { position[start] } else { 0.0 })
 }
 
 /// The test of Ljung and Box on whitened residuals.

@@ -114,8 +114,8 @@ fn intervals_hold_the_truth_in_drift_and_white_noise() {
     assert!(white.iter().all(|held| *held < 0.85), "{white:?}");
 }
 
-/// X_p is found where no extremum stands out from the noise, and where the force falls so slowly that noise decides on the place of
-/// its largest value.
+/// X_p is found where no extremum stands out from the noise. Where the force falls slowly, noise decides on the place of its largest
+/// value, and the intervals hold what is true there.
 #[test]
 fn intervals_hold_the_truth_where_the_peak_is_hidden_in_the_noise() {
     let noisy = Noisy { white: 5e-4, drift: &[] };
