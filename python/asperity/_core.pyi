@@ -5882,8 +5882,8 @@ def read_velocity_step(
     before
         F_0, if it is known; the points before the step are then not used.
     peak
-        X_p; by default where the force after the step, averaged over five points, first comes as near to its
-        extremum as twice its scatter in the last quarter, or to its level there if no extremum stands out by six
+        X_p; by default the extremum of the force after the step, averaged over five points, or where the force first
+        comes as near to its level in the last quarter as twice its scatter there, if no extremum stands out by six
         times the scatter; the step itself if the force only rises. Points between the step and X_p are left out.
     trend
         Whether the force also has a constant slope.
