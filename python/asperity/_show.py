@@ -194,7 +194,8 @@ def rounded(value: float, error: float) -> str:
         return f"{value:.6g}"
     places = 1 - math.floor(math.log10(error))
     if abs(value) >= LARGE:
-        return f"{value:.{min(max(1, places + math.floor(math.log10(abs(value)))), DIGITS - 1)}e}"
+        decimals = max(1, places + math.floor(math.log10(abs(value))))
+        return f"{value:.{decimals if decimals < DIGITS else 5}e}"
     if 0 <= places <= 6:
         return f"{value:.{places}f}"
     digits = max(2, places + 1 + math.floor(math.log10(abs(value)))) if value else 2

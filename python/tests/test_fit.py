@@ -7,6 +7,7 @@ from typing import Any, cast
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import _show
 from numpy.typing import NDArray
 from scipy.optimize import curve_fit
 
@@ -456,6 +457,27 @@ def test_a_prior_that_is_no_pair_is_named(prior: Any, message: str) -> None:
         asp.fit(GUESS, POSITION, SIMULATED, free=["count"], prior=prior)
     with pytest.raises(TypeError, match=f"^{message}$"):
         asp.fit_steady(GUESS, 0.01, SIMULATED, free=["count"], prior=prior)
+
+
+@pytest.mark.parametrize("name", ["drift", "reading", "compliance", "origin"])
+def test_true_is_no_number(name: str) -> None:
+    options: dict[str, Any] = {name: True}
+    with pytest.raises(TypeError, match=f"^{name}: expected a number, got bool"):
+        asp.fit(GUESS, POSITION, SIMULATED, free=["thresholds.mean"], **options)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (1234.5678, 0.5, "1234.57"),
+        (12345678.9, 0.5, "1.234567890e+07"),
+        (4.3e20, 9.9e20, "4.3e+20"),
+        # More digits than a double has are none.
+        (4.32623988014486e118, 1.4e-5, "4.32624e+118"),
+    ],
+)
+def test_large_numbers_have_an_exponent(value: float, error: float, text: str) -> None:
+    assert _show.rounded(value, error) == text
 
 
 def test_what_is_no_list_of_numbers_is_refused() -> None:

@@ -179,14 +179,18 @@ impl Measurement {
         chords.filter(|(_, slope)| *slope > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// How far the slider has moved where the force of the contacts reaches half of its largest value, if a force does.
+    /// How far the slider has moved where the force of the contacts first reaches half of its median, which single wrong readings do
+    /// not move; `None` where that is not above 0.
     pub(super) fn rise(&self) -> Option<f64> {
         let Machine { compliance, background, offset, trend, origin } = self.machine;
         let level = |y: f64| background + offset + trend * y;
-        let readings = self.positions.iter().zip(&self.forces).map(|(&y, &reading)| (y, reading - level(y)));
-        let largest = readings.clone().map(|(_, force)| force).fold(0.0, f64::max);
-        let (y, force) = readings.into_iter().find(|(_, force)| largest > 0.0 && *force >= 0.5 * largest)?;
-        Some(y - origin - compliance * (force + background))
+        let readings = self.positions.iter().zip(&self.forces);
+        let forces: Vec<f64> = readings.map(|(&y, &reading)| reading - level(y)).collect();
+        let mut sorted = forces.clone();
+        sort_by_number(&mut sorted, |force| *force);
+        let half = 0.5 * sorted.get(sorted.len() / 2).filter(|median| **median > 0.0)?;
+        let i = forces.iter().position(|force| *force >= half)?;
+        Some(self.positions[i] - origin - compliance * (forces[i] + background))
     }
 
     /// Where the steepest chord over a tenth of the readings meets the zero of the force of the contacts, if a force rises.

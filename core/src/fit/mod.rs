@@ -364,7 +364,7 @@ impl Fit {
         let machine_is_known = !is_free(&["compliance", "offset", "background", "trend"]);
         if machine_is_known && shortest.is_finite() && shortest > LONGEST * mean {
             let expected = format!(
-                "a force that rises to half of its largest value by {}, twenty times the mean threshold {mean} of the first values: their units may differ",
+                "a force that rises to half of its median by {}, twenty times the mean threshold {mean} of the first values: their units may differ",
                 LONGEST * mean
             );
             return Err(Error::invalid("position", expected, format!("a rise over {shortest}")));
@@ -377,7 +377,7 @@ impl Fit {
 /// in a unit that is a thousand times as long goes beyond it only where the contacts are pulled over twenty thresholds.
 const SHORTEST: f64 = 0.02;
 
-/// Longest rise of the force to half of its largest value, in mean thresholds of the first values. Thresholds are at least as long
+/// Longest rise of the force to half of its median, in mean thresholds of the first values. Thresholds are at least as long
 /// as the rise, and first values may differ from them by factors of eight, which are tried.
 const LONGEST: f64 = 20.0;
 

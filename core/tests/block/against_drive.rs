@@ -7,7 +7,7 @@ use asperity::master::{MasterEquation, Pull};
 
 const PARAMETERS: [&str; 4] = ["thresholds.mean", "thresholds.std", "reforming.std", "stiffness"];
 
-/// Positions of the drive; at the first two, contacts are unloaded.
+/// Positions of the drive; at the first two, the slider rests.
 const DRIVE: [f64; 10] = [-0.3, -0.1, 0.05, 0.2, 0.9, 1.0, 1.13, 1.7, 2.6, 3.9];
 
 fn equation(initial: &SharedLaw) -> MasterEquation {

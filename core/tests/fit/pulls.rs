@@ -320,7 +320,7 @@ fn forces_of_the_wrong_sign_constant_ones_and_other_units_are_refused() {
         (
             scaled(&positions, 1e3),
             forces.clone(),
-            "position: expected a force that rises to half of its largest value by 18",
+            "position: expected a force that rises to half of its median by 18",
         ),
     ] {
         let error = fit(&positions, forces).free(names).run().unwrap_err().to_string();

@@ -100,7 +100,12 @@ impl Heading {
             if cells.len() == 1 && layout.len() == 1 {
                 return Some(vec![0]);
             }
-            layout.iter().map(|name| names.iter().position(|found| found == name)).collect()
+            // Of several columns with one name none is meant for certain.
+            let place = |name: &&str| {
+                let mut found = (0..names.len()).filter(|&place| names[place] == **name);
+                found.next().filter(|_| found.next().is_none())
+            };
+            layout.iter().map(place).collect()
         };
         let known =
             layouts.iter().enumerate().filter_map(|(i, layout)| places(layout).map(|places| (i, places)));
@@ -184,6 +189,11 @@ mod tests {
                 "position,drive,force\n1,2,3\n",
                 "a CSV file with columns",
                 "\"position,drive,force\" in line 1",
+            ),
+            (
+                "position,force,stress\n1,2,3\n",
+                "a CSV file with columns",
+                "\"position,force,stress\" in line 1",
             ),
             ("position,force\n", "a CSV file with columns", "no rows"),
             ("", "a CSV file with columns", "no rows"),
