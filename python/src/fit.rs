@@ -49,6 +49,9 @@ use crate::watch::watched;
 ///     cannot both be free.
 /// reading
 ///     The standard deviation of the independent error of a reading, after averaging; estimated if None.
+/// position_error
+///     The standard deviation of the independent error of a position, a length, with noise "white": the error of a force
+///     is then larger by it times the slope of the curve. Exact positions if None.
 /// drift
 ///     The longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
 ///     size and its length are then estimated. No drift if None.
@@ -84,7 +87,7 @@ use crate::watch::watched;
 ///     above 0, an unknown name in laws, a first value that is not above 0 where it has to be, lists of different
 ///     lengths or with numbers that are not finite, positions that do not rise, fewer readings than free numbers and
 ///     two, a constant force, forces of the other sign, positions in another unit than lengths of the contacts, an
-///     average of 0, a reading or a drift that is not above 0, a drift of a quarter of the range of positions or more,
+///     average of 0, a reading, a position_error or a drift that is not above 0, a drift of a quarter of the range of positions or more, a position_error with the noise of contacts,
 ///     another word as noise, and numbers that the curve does not determine. A search that does not converge is no
 ///     error: see Estimates.converged.
 ///
@@ -105,11 +108,12 @@ use crate::watch::watched;
     signature = (
         contacts, position: "ArrayLike", force: "ArrayLike | None", *, free: "Sequence[str]", initial = None,
         start: "Literal['conditional', 'relaxed']" = Argument::text("conditional"), velocity = None,
-        noise: "Literal['contacts', 'white']" = Argument::text("contacts"), reading = None, drift = None,
+        noise: "Literal['contacts', 'white']" = Argument::text("contacts"), reading = None,
+        position_error = None, drift = None,
         compliance = Compliance::Known(0.0), offset = Real::new(0.0), trend = Real::new(0.0), origin = Real::new(0.0), prior: "Mapping[str, tuple[float, float]] | None" = None, average = Whole::new(1),
         laws: "Sequence[str]" = Argument::new(Vec::new()), progress: "_Progress" = None
     ),
-    text_signature = "(contacts, position, force, *, free, initial=None, start='conditional', velocity=None, noise='contacts', reading=None, drift=None, compliance=0.0, offset=0.0, trend=0.0, origin=0.0, prior=None, average=1, laws=(), progress=None)"
+    text_signature = "(contacts, position, force, *, free, initial=None, start='conditional', velocity=None, noise='contacts', reading=None, position_error=None, drift=None, compliance=0.0, offset=0.0, trend=0.0, origin=0.0, prior=None, average=1, laws=(), progress=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
 pub fn fit(
@@ -123,6 +127,7 @@ pub fn fit(
     velocity: Option<Real>,
     noise: Argument<String>,
     reading: Option<Real>,
+    position_error: Option<Real>,
     drift: Option<Real>,
     compliance: Compliance,
     offset: Real,
@@ -139,6 +144,7 @@ pub fn fit(
     let velocity = velocity.get("velocity")?;
     let noise = noise.get("noise")?;
     let reading = reading.get("reading")?;
+    let position_error = position_error.get("position_error")?;
     let drift = drift.get("drift")?;
     let offset = offset.get("offset")?;
     let trend = trend.get("trend")?;
@@ -153,7 +159,12 @@ pub fn fit(
         prior: prior.clone().unwrap_or_default(),
         laws: laws.clone(),
         noise: noise.clone(),
-        numbers: [("velocity", velocity), ("reading", reading), ("drift", drift)],
+        numbers: [
+            ("velocity", velocity),
+            ("reading", reading),
+            ("position_error", position_error),
+            ("drift", drift),
+        ],
         machine: [("offset", offset), ("trend", trend), ("origin", origin)],
     };
     let interface = interface(contacts, initial.get("initial")?, &start)?;
@@ -166,7 +177,8 @@ pub fn fit(
     if matches!(compliance, Compliance::Free) && !names.iter().any(|name| name == "compliance") {
         names.push("compliance".to_owned());
     }
-    let errors = ErrorModel { contacts: noise_of_contacts(&noise)?, reading, drift };
+    let errors =
+        ErrorModel { contacts: noise_of_contacts(&noise)?, reading, drift, position: position_error };
     let prior = prior.unwrap_or_default();
     let families: Vec<_> = laws
         .iter()
@@ -212,7 +224,7 @@ struct Given<'py> {
     prior: Priors,
     laws: Vec<String>,
     noise: String,
-    numbers: [(&'static str, Option<f64>); 3],
+    numbers: [(&'static str, Option<f64>); 4],
     machine: [(&'static str, f64); 3],
 }
 

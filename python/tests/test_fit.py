@@ -149,6 +149,38 @@ def test_the_gradient_of_the_likelihood_is_that_of_differences(noise: Any) -> No
     assert np.all(np.isnan(outside[1]))
 
 
+def test_errors_of_positions_are_weights_of_least_squares() -> None:
+    force = noisy(3.0, 4)
+    guess = asp.Contacts(asp.Gaussian(0.95, 0.15), REFORMING, count=2000.0)
+    found = asp.fit(
+        guess,
+        POSITION,
+        force,
+        free=["thresholds.mean", "thresholds.std"],
+        noise="white",
+        reading=3.0,
+        position_error=0.006,
+    )
+    # The weights are those of the fitted curve, by its differences.
+    pull = asp.MasterEquation(found.contacts).pull(5.0)
+    slope = (pull(POSITION + 1e-4) - pull(POSITION - 1e-4)) / 2e-4
+    sigma = np.hypot(3.0, 0.006 * slope)
+
+    def curve(x: NDArray[np.float64], mean: float, std: float) -> NDArray[np.float64]:
+        contacts = asp.Contacts(asp.Gaussian(mean, std), REFORMING, count=2000.0)
+        return asp.MasterEquation(contacts).pull(4.5)(x)
+
+    values, covariance = curve_fit(
+        curve, POSITION, force, p0=(1.0, 0.12), sigma=sigma, absolute_sigma=True, epsfcn=1e-8
+    )
+    for name, value, variance in zip(found.params, values, np.diag(covariance), strict=True):
+        one = found.params[name]
+        # The weights are renewed until no estimate moves by a tenth of its error, which changes them by less than that.
+        assert abs(one.value - value) < 0.02 * one.error, name
+        assert one.error == pytest.approx(np.sqrt(variance), rel=0.01), name
+    np.testing.assert_allclose(found.readings["std"], sigma, rtol=0.02)
+
+
 def test_white_noise_is_least_squares() -> None:
     force = noisy(5.0, 2)
     fit = asp.fit(GUESS, POSITION, force, free=("thresholds.mean", "thresholds.std", "count"), noise="white")
@@ -459,7 +491,7 @@ def test_a_prior_that_is_no_pair_is_named(prior: Any, message: str) -> None:
         asp.fit_steady(GUESS, 0.01, SIMULATED, free=["count"], prior=prior)
 
 
-@pytest.mark.parametrize("name", ["drift", "reading", "compliance", "origin"])
+@pytest.mark.parametrize("name", ["drift", "reading", "position_error", "compliance", "origin"])
 def test_true_is_no_number(name: str) -> None:
     options: dict[str, Any] = {name: True}
     with pytest.raises(TypeError, match=f"^{name}: expected a number, got bool"):

@@ -166,6 +166,25 @@ fn errors_a_drift_and_priors_are_taken_from_the_scenario() {
     );
 }
 
+/// What the summary and the table tell of errors of the positions.
+#[test]
+fn errors_of_positions_are_taken_from_the_scenario() {
+    let numbers = "'contacts.thresholds.gaussian.mean', 'contacts.thresholds.gaussian.std', 'contacts.count'";
+    let free = format!("fit.free=[{numbers}]");
+    let white = ["fit.noise='white'", free.as_str()];
+    let of = |error: Option<&str>| fitted(&[white.as_slice(), error.as_slice()].concat());
+    let [exact, read] = [None, Some("fit.position_error=0.01")].map(of);
+    let spread = |outcome: &Outcome| {
+        let std = outcome.record.values("reading_std").unwrap();
+        std.iter().fold(0.0, |most: f64, one| most.max(*one))
+            / std.iter().fold(f64::MAX, |least, one| least.min(*one))
+    };
+    // All readings have one error, or those on the slopes a larger one.
+    assert_eq!(spread(&exact), 1.0);
+    assert!(spread(&read) > 1.1, "{}", spread(&read));
+    assert!(read.summary.numbers.fit().unwrap().converged);
+}
+
 #[test]
 fn a_measurement_without_forces_has_about_the_errors_of_the_one_that_was_made() {
     let made = fitted(&[]);

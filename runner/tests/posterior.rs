@@ -38,7 +38,7 @@ const NAMES: [&str; 3] = ["thresholds.mean", "thresholds.std", "count"];
 /// A fit of 150 readings with a known error, which determines all three numbers.
 fn found() -> Estimates {
     let measured = readings([1.0, 0.2, 1000.0], (150, 5.0), 3);
-    let white = ErrorModel { contacts: false, reading: Some(5.0), drift: None };
+    let white = ErrorModel { contacts: false, reading: Some(5.0), ..ErrorModel::default() };
     Fit::new(equation([0.95, 0.25, 1050.0]), measured).free(NAMES).errors(white).run().unwrap()
 }
 
@@ -120,7 +120,7 @@ fn assert_uniform_ranks(replicas: u64, bins: usize, most: f64) {
         // Normal in the logarithm, as priors of numbers above 0 are.
         let truth = prior.map(|prior| prior.value * (prior.error / prior.value * normal(&mut stream)).exp());
         let measured = readings([truth[0], 0.2, truth[1]], (8, 60.0), replica);
-        let white = ErrorModel { contacts: false, reading: Some(60.0), drift: None };
+        let white = ErrorModel { contacts: false, reading: Some(60.0), ..ErrorModel::default() };
         let fit = Fit::new(equation([1.0, 0.2, 1000.0]), measured).free(names).errors(white);
         let fit = fit.prior(names[0], prior[0]).prior(names[1], prior[1]);
         // Every second of 198 draws, so that they are nearly independent.

@@ -33,8 +33,18 @@ pub(super) enum ErrorPart {
     DriftLength,
 }
 
-/// The covariance of the errors of a curve, Σ = a C + σ² + A² exp(−|y − y'|/ℓ), with its Cholesky factor. For the variance of a mean of
-/// readings, |y − y'| is their mean distance, short beside ℓ.
+/// The part of a covariance that is known where some readings are expected.
+#[derive(Debug, Clone)]
+pub(super) enum KnownCovariance {
+    None,
+    /// C: the covariance of the noise of contacts.
+    Contacts(Hierarchical),
+    /// D: the variances of the forces that errors of the positions make.
+    Positions(Vec<f64>),
+}
+
+/// The covariance of the errors of a curve, Σ = (a C or D) + σ² + A² exp(−|y − y'|/ℓ), with its Cholesky factor. For the variance of a
+/// mean of readings, |y − y'| is their mean distance, short beside ℓ.
 #[derive(Debug)]
 pub(super) enum ErrorCovariance {
     /// Independent errors of this standard deviation.
@@ -54,24 +64,31 @@ pub(super) struct DenseCovariance {
 }
 
 impl ErrorCovariance {
-    /// The covariance of errors of these sizes; `None` if it is not positive definite.
-    pub fn new(measured: &Measurement, noise: Option<&Hierarchical>, sizes: ErrorSizes) -> Option<Self> {
+    /// The covariance of errors of these sizes beside what is known; `None` if it is not positive definite.
+    pub fn new(measured: &Measurement, known: &KnownCovariance, sizes: ErrorSizes) -> Option<Self> {
         let [amplitude, length] = sizes.drift;
         let variance = sizes.reading * sizes.reading;
         let tolerance = NEGLIGIBLE * variance;
-        let (covariance, drift) = if amplitude > 0.0 {
-            let n = measured.positions.len();
+        let n = measured.positions.len();
+        let drift = (amplitude > 0.0).then(|| {
             let correlation = |i: usize, j: usize| (-measured.distance(i, j) / length).exp();
-            let drift = Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j));
-            let mut both = drift.clone();
-            if let Some(noise) = noise {
-                noise.add_to(both.as_mut(), sizes.noise);
+            Mat::from_fn(n, n, |i, j| amplitude * amplitude * correlation(i, j))
+        });
+        let mut covariance = match (&drift, known) {
+            (None, KnownCovariance::None) => return Some(Self::White(sizes.reading)),
+            (None, KnownCovariance::Contacts(noise)) => noise.scaled(sizes.noise, variance),
+            (None, KnownCovariance::Positions(_)) => Hierarchical::diagonal_of(&vec![variance; n]),
+            (Some(drift), known) => {
+                let mut both = drift.clone();
+                if let KnownCovariance::Contacts(noise) = known {
+                    noise.add_to(both.as_mut(), sizes.noise);
+                }
+                Hierarchical::new(both.as_ref(), tolerance).scaled(1.0, variance)
             }
-            (Hierarchical::new(both.as_ref(), tolerance).scaled(1.0, variance), Some(drift))
-        } else {
-            let Some(noise) = noise else { return Some(Self::White(sizes.reading)) };
-            (noise.scaled(sizes.noise, variance), None)
         };
+        if let KnownCovariance::Positions(variances) = known {
+            covariance.add_diagonal(variances);
+        }
         let factor = covariance.factor(tolerance)?;
         Some(Self::Dense(Box::new(DenseCovariance { sizes, drift, factor, traces: OnceLock::new() })))
     }
@@ -231,7 +248,7 @@ impl DenseCovariance {
         Traces { single: relative.iter().map(trace).collect(), double }
     }
 
-    /// The same where Σ = a C + σ², from tr Σ⁻¹ and tr Σ⁻² alone: P is 2σ²Σ⁻¹ for the reading, 1 − σ²Σ⁻¹ for the noise.
+    /// The same without drift, from tr Σ⁻¹ and tr Σ⁻² alone: P is 2σ²Σ⁻¹ for the reading, 1 − σ²Σ⁻¹ for the noise.
     fn traces_without_drift(&self, parts: &[ErrorPart], n: usize) -> Traces {
         let variance = self.sizes.reading * self.sizes.reading;
         let [once, twice] = self.factor.traces_of_inverse();

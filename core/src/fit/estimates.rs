@@ -4,6 +4,7 @@ use faer::Mat;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::error_covariance::KnownCovariance;
 use super::expected::ExpectedReadings;
 use super::free::{FreeParameter, Role};
 use super::interval::{self, TWO_SIDED};
@@ -61,7 +62,7 @@ pub struct Readings {
     pub expected: Vec<f64>,
     /// Measured minus expected forces; 0 where none were measured.
     pub residuals: Vec<f64>,
-    /// Standard deviation of each reading: noise of contacts, independent error and drift.
+    /// Standard deviation of each reading: noise of contacts or errors of positions, independent error and drift.
     pub std: Vec<f64>,
     /// Whitened residuals, independent and of variance 1 if the description holds.
     pub whitened: Vec<f64>,
@@ -277,12 +278,19 @@ impl Ended {
     fn readings(&self, curve: usize) -> Readings {
         let trial = &self.optimum.trial.curves[curve];
         let sizes = trial.sizes;
-        let noise = match &self.likelihood.errors {
-            Errors::Modelled(Some(noise)) => Some(noise.covariances[curve].diagonal()),
+        let known = match &self.likelihood.errors {
+            Errors::Modelled(Some(known)) => Some(&known.covariances[curve]),
             _ => None,
         };
+        let of_known: Option<Vec<f64>> = known.and_then(|known| match known {
+            KnownCovariance::None => None,
+            KnownCovariance::Contacts(noise) => {
+                Some(noise.diagonal().into_iter().map(|variance| sizes.noise * variance).collect())
+            }
+            KnownCovariance::Positions(variances) => Some(variances.clone()),
+        });
         let white = sizes.reading * sizes.reading + sizes.drift[0] * sizes.drift[0];
-        let std = |i: usize| (noise.as_ref().map_or(0.0, |noise| sizes.noise * noise[i]) + white).sqrt();
+        let std = |i: usize| (of_known.as_ref().map_or(0.0, |variances| variances[i]) + white).sqrt();
         let n = trial.whitened.nrows();
         Readings {
             positions: trial.readings.driven.positions.clone(),
@@ -296,7 +304,7 @@ impl Ended {
     /// Whether the size of the noise of contacts, N⟨k⟩², is free: the curve determines N⟨k⟩ only.
     fn divides_noise(&self) -> bool {
         let free = |name: &str| self.likelihood.free.iter().any(|parameter| parameter.name == name);
-        matches!(self.likelihood.errors, Errors::Modelled(Some(_))) && free("count") && free("stiffness")
+        self.likelihood.errors.have_contacts() && free("count") && free("stiffness")
     }
 
     fn misfit(&self) -> Misfit {

@@ -270,6 +270,15 @@ impl ExpectedReadings {
         slopes.map(|(slope, contacts)| contacts - self.machine.background * slope).collect()
     }
 
+    /// The variances of the readings that independent errors of the positions make, of the standard deviation `std` each: a reading
+    /// changes with its position by the slope of the curve and the trend.
+    pub fn variances_by_positions(&self, std: f64) -> Vec<f64> {
+        let square = |slope: f64| ((slope + self.machine.trend) * std).powi(2);
+        let means = self.of_members(|driven| driven.by_drive().into_iter().map(square).collect());
+        let count = |i: usize| self.members.as_ref().map_or(1.0, |(_, sizes)| sizes[i] as f64);
+        means.into_iter().enumerate().map(|(i, mean)| mean / count(i)).collect()
+    }
+
     /// The covariance of the forces that follows from the finite number of contacts. That of means of neighbouring readings is the one
     /// of single readings but for the variances, as it has a kink where two positions meet: E\[(F(X + d) − F(X))²\] is κd for short d,
     /// with the rate κ of squared losses at breaks, so that C(X, X') is C(X, X) − κ|X − X'|/2 there.

@@ -239,7 +239,8 @@ impl TriedMachine {
             |role: Role| free.iter().any(|parameter| parameter.role == role && parameter.applies_to(c));
         let given = curve.machine;
         let compliance = self.compliance.filter(|_| is_free(Role::Compliance)).unwrap_or(given.compliance);
-        let tangent = (self.by_tangent && is_free(Role::Origin)).then(|| curve.tangent_origin()).flatten();
+        let tangent =
+            (self.by_tangent && is_free(Role::Origin)).then(|| curve.tangent_origin(compliance)).flatten();
         Machine { compliance, origin: tangent.unwrap_or(given.origin), ..given }
     }
 }

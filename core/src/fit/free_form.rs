@@ -163,8 +163,8 @@ impl Fit {
         let likelihood = Likelihood { errors: Errors::Modelled(None), ..white };
         let readings = likelihood.expected(coordinates, &mut Part::new(monitor, 0.0, 0.3))?;
         let readings = readings.ok_or_else(none)?;
-        let noise = self.contact_noise(&readings, coordinates, &mut Part::new(monitor, 0.3, 0.7))?;
-        Ok(Likelihood { errors: Errors::Modelled(noise), ..likelihood })
+        let known = self.known_errors(&readings, coordinates, &mut Part::new(monitor, 0.3, 0.7))?;
+        Ok(Likelihood { errors: Errors::Modelled(known), ..likelihood })
     }
 }
 

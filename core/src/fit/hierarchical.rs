@@ -60,6 +60,35 @@ impl Hierarchical {
         Self::Divided(Box::new(Divided { first, second, below }))
     }
 
+    /// The matrix with these elements on its diagonal, and zeros beside it.
+    pub fn diagonal_of(elements: &[f64]) -> Self {
+        let n = elements.len();
+        let half = n / 2;
+        if half < SMALLEST {
+            return Self::Whole(Mat::from_fn(n, n, |i, j| if i == j { elements[i] } else { 0.0 }));
+        }
+        let (first, second) = elements.split_at(half);
+        Self::Divided(Box::new(Divided {
+            first: Self::diagonal_of(first),
+            second: Self::diagonal_of(second),
+            below: LowRank { left: Mat::zeros(n - half, 0), right: Mat::zeros(half, 0) },
+        }))
+    }
+
+    /// Adds these elements on the diagonal.
+    pub fn add_diagonal(&mut self, elements: &[f64]) {
+        match self {
+            Self::Whole(lower) => {
+                elements.iter().enumerate().for_each(|(i, element)| lower[(i, i)] += element)
+            }
+            Self::Divided(parts) => {
+                let (first, second) = elements.split_at(parts.first.nrows());
+                parts.first.add_diagonal(first);
+                parts.second.add_diagonal(second);
+            }
+        }
+    }
+
     /// `factor` times this, plus `added` on the diagonal.
     pub fn scaled(&self, factor: f64, added: f64) -> Self {
         match self {

@@ -5,10 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use faer::Mat;
 
 use super::Fit;
-use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes, trace_of_product};
+use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes, KnownCovariance, trace_of_product};
 use super::expected::{self, ExpectedReadings};
 use super::free::{FreeParameter, Role, UNREAD};
-use super::hierarchical::Hierarchical;
 use super::restricted::Restricted;
 use super::smoothness::Smoothness;
 use crate::monitor::Monitor;
@@ -37,14 +36,22 @@ pub(super) enum Errors {
     /// of free form can follow all readings of a short record, so that ln Σr² has no minimum.
     RenewedWhite { reading: f64, fitted: f64 },
     /// Of the sizes of the model, some of which may be free.
-    Modelled(Option<ContactNoise>),
+    Modelled(Option<KnownErrors>),
 }
 
-/// The covariance of the noise of contacts in each curve, as it is at some values of the free numbers. Elsewhere it is scaled by
-/// N⟨k⟩².
+impl Errors {
+    /// Whether the noise of contacts is part of them.
+    pub fn have_contacts(&self) -> bool {
+        let Self::Modelled(Some(known)) = self else { return false };
+        matches!(known.covariances.as_slice(), [KnownCovariance::Contacts(_), ..])
+    }
+}
+
+/// The covariance of the noise of contacts in each curve, or the variances that errors of the positions make, as they are at some
+/// values of the free numbers. Elsewhere the former is scaled by N⟨k⟩², the latter stay.
 #[derive(Debug)]
-pub(super) struct ContactNoise {
-    pub covariances: Vec<Hierarchical>,
+pub(super) struct KnownErrors {
+    pub covariances: Vec<KnownCovariance>,
     pub coordinates: Vec<f64>,
     pub last: LastErrors,
 }
@@ -257,12 +264,12 @@ impl Likelihood {
     ) -> Option<CurvePoint> {
         let measured = &self.fit.curves[curve];
         let covariance = match &self.errors {
-            Errors::Modelled(Some(noise)) => {
-                let made = || ErrorCovariance::new(measured, Some(&noise.covariances[curve]), sizes);
-                noise.last.of((curve, sizes), made)?
+            Errors::Modelled(Some(known)) => {
+                let made = || ErrorCovariance::new(measured, &known.covariances[curve], sizes);
+                known.last.of((curve, sizes), made)?
             }
             Errors::Modelled(None) | Errors::ProfiledWhite { .. } | Errors::RenewedWhite { .. } => {
-                Arc::new(ErrorCovariance::new(measured, None, sizes)?)
+                Arc::new(ErrorCovariance::new(measured, &KnownCovariance::None, sizes)?)
             }
         };
         let mut whitened = residuals.clone();
@@ -308,8 +315,8 @@ impl Likelihood {
 
     /// Factor of the covariance of the noise of contacts in a curve.
     fn noise_factor(&self, curve: usize, coordinates: &[f64]) -> f64 {
-        let Errors::Modelled(Some(noise)) = &self.errors else { return 0.0 };
-        let moved = coordinates.iter().zip(&noise.coordinates).map(|(u, before)| u - before);
+        let Errors::Modelled(Some(known)) = &self.errors else { return 0.0 };
+        let moved = coordinates.iter().zip(&known.coordinates).map(|(u, before)| u - before);
         self.free
             .iter()
             .zip(moved)
@@ -485,7 +492,9 @@ impl Likelihood {
 
     /// Which free numbers change which part of Σ of a curve, and by which power of its size; sorted by part.
     fn shares(&self, curve: usize) -> Vec<(usize, ErrorPart, f64)> {
-        let Errors::Modelled(noise) = &self.errors else { return Vec::new() };
+        if !matches!(self.errors, Errors::Modelled(_)) {
+            return Vec::new();
+        }
         let of = |part: ErrorPart, role: Role| {
             let found = self.free.iter().position(|parameter| parameter.role == role);
             found.map(|k| (k, part, 1.0))
@@ -495,7 +504,7 @@ impl Likelihood {
             .filter(|(_, parameter)| parameter.noise_power() != 0.0 && parameter.applies_to(curve))
             .map(|(k, parameter)| (k, ErrorPart::Noise, parameter.noise_power()));
         noisy
-            .filter(|_| noise.is_some())
+            .filter(|_| self.errors.have_contacts())
             .chain(of(ErrorPart::Reading, Role::Reading))
             .chain(of(ErrorPart::DriftAmplitude, Role::DriftAmplitude))
             .chain(of(ErrorPart::DriftLength, Role::DriftLength))

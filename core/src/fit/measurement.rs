@@ -38,7 +38,7 @@ pub struct Machine {
     pub origin: f64,
 }
 
-/// Errors of readings: independent ones, those of a slow drift, and the noise of a finite number of contacts.
+/// Errors of readings: independent ones of force and position, those of a slow drift, and the noise of a finite number of contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorModel {
     /// Whether the noise of the contacts is part of it; without it errors are white, but for the drift.
@@ -47,11 +47,13 @@ pub struct ErrorModel {
     pub reading: Option<f64>,
     /// The longest correlation length of a drift; without it there is no drift.
     pub drift: Option<f64>,
+    /// Standard deviation of the independent error of a position, without the noise of contacts; without it positions are exact.
+    pub position: Option<f64>,
 }
 
 impl Default for ErrorModel {
     fn default() -> Self {
-        Self { contacts: true, reading: None, drift: None }
+        Self { contacts: true, reading: None, drift: None, position: None }
     }
 }
 
@@ -88,7 +90,7 @@ impl Measurement {
     /// Independent errors become smaller by √count. Means over more than a feature of the curve hide it.
     ///
     /// # Errors
-    /// A count of 0; means of positions that do not rise; numbers that are not finite; a force for each position, or none.
+    /// A count of 0; means of positions that do not rise; fewer than two positions, other numbers of forces, numbers that are not finite.
     pub fn average(&self, count: usize) -> Result<Self> {
         if count == 0 {
             return Err(Error::invalid("average", "a number of readings above 0", count));
@@ -193,12 +195,16 @@ impl Measurement {
         Some(self.positions[i] - origin - compliance * (forces[i] + background))
     }
 
-    /// Where the steepest chord over a tenth of the readings meets the zero of the force of the contacts, if a force rises.
-    pub(super) fn tangent_origin(&self) -> Option<f64> {
+    /// The origin of a machine of this compliance for which the steepest chord over a tenth of the readings meets the zero of the force
+    /// of the contacts at X = 0, if that force rises.
+    pub(super) fn tangent_origin(&self, compliance: f64) -> Option<f64> {
         let Machine { offset, background, trend, .. } = self.machine;
         let (i, slope) = self.steepest_chord()?;
         let (position, force) = (self.positions[i], self.forces[i]);
-        Some(position - (force - offset - background - trend * position) / slope)
+        // The force of the contacts alone does not change with the trend.
+        let rise = Some(slope - trend).filter(|rise| *rise > 0.0)?;
+        let zero = position - (force - offset - background - trend * position) / rise;
+        Some(zero - compliance * background)
     }
 
     /// The mean distance of two readings.
@@ -218,7 +224,7 @@ impl Measurement {
     }
 
     /// # Errors
-    /// Positions that do not rise; numbers that are not finite; a force and a spread for each position, or none.
+    /// Positions that do not rise; those of [`Self::check_readings`].
     pub(crate) fn check(&self) -> Result<()> {
         self.check_readings()?;
         self.check_order()
@@ -238,7 +244,8 @@ impl Measurement {
     /// The checks of all but the order of the readings.
     ///
     /// # Errors
-    /// Numbers that are not finite; a force and a spread for each position, or none.
+    /// Fewer than two positions; numbers that are not finite; forces, but not one for each position; members that are not as many,
+    /// do not rise or are not around their reading; a machine with a compliance or a background force below 0.
     pub(crate) fn check_readings(&self) -> Result<()> {
         if self.positions.len() < 2 {
             return Err(Error::invalid("position", "two positions or more", self.positions.len()));
@@ -292,6 +299,9 @@ impl ErrorModel {
         if let Some(reading) = self.reading {
             positive("reading", reading)?;
         }
+        if let Some(position) = self.position {
+            positive("position_error", position)?;
+        }
         let Some(longest) = self.drift else { return Ok(()) };
         positive("drift.longest", longest)?;
         if longest >= 0.25 * range {
@@ -336,6 +346,21 @@ mod tests {
         assert_eq!(averaged.last(), 5.0);
         let backwards = Measurement::new(vec![2.0, 1.0, 4.0, 3.0], vec![0.0; 4]).average(2).unwrap();
         assert_eq!(backwards.members, [vec![1.0, 2.0], vec![3.0, 4.0]]);
+    }
+
+    /// The force 2X from X = 0 on, read with a background, an offset and a trend behind a spring.
+    #[test]
+    fn the_tangent_of_a_straight_line_meets_the_origin() {
+        let machine = Machine { compliance: 0.25, background: 3.0, offset: -1.0, trend: 0.5, origin: 7.0 };
+        let readings = (0..20).map(|i| {
+            let x = 0.1 * f64::from(i);
+            let y = machine.origin + x + machine.compliance * (2.0 * x + machine.background);
+            (y, 2.0 * x + machine.background + machine.offset + machine.trend * y)
+        });
+        let (positions, forces) = readings.unzip();
+        let measured = Measurement { machine, ..Measurement::new(positions, forces) };
+        // Rounding of numbers of the size of 10.
+        assert!((measured.tangent_origin(0.25).unwrap() - 7.0).abs() < 1e-13);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Fits of the parameters of contacts to measured curves of force, with errors that count the noise of the contacts.
 //!
 //! The readings are y = F(X) + machine + errors ([`Machine`], [`ErrorModel`]). Their errors are normal with the covariance Σ =
-//! (covariance of the force of N_c contacts, [`Pull::covariance`](crate::master::Pull::covariance)) + reading² + drift, so that
-//! −2 ln L = rᵀΣ⁻¹r + ln|Σ| + n ln 2π with the residuals r. The search is Fisher scoring with the damping of Levenberg and
+//! (covariance of the force of N_c contacts, [`Pull::covariance`](crate::master::Pull::covariance), or (slope of the curve · error of
+//! a position)²) + reading² + drift, so that −2 ln L = rᵀΣ⁻¹r + ln|Σ| + n ln 2π with the residuals r. The search is Fisher scoring with the damping of Levenberg and
 //! Marquardt; numbers above 0 are varied by their logarithms, but for a compliance. Where sizes of errors are free, a step leads to
 //! the most probable numbers for a curve along its tangent, which need no further solutions. If the lengths of the thresholds are
 //! several times too large or too small, it begins with those multiplied by one factor that are most like the curve. The
@@ -247,8 +247,8 @@ impl Fit {
 
     /// Whether errors are independent and of one unknown size.
     fn is_profiled(&self) -> bool {
-        let ErrorModel { contacts, reading, drift } = self.errors;
-        !contacts && reading.is_none() && drift.is_none()
+        let ErrorModel { contacts, reading, drift, position } = self.errors;
+        !contacts && reading.is_none() && drift.is_none() && position.is_none()
     }
 
     /// The errors that a planned measurement would have.
@@ -274,8 +274,8 @@ impl Fit {
         let readings = white.expected(&coordinates, &mut Part::new(monitor, 0.0, 0.3))?.ok_or_else(|| {
             Error::invalid("free", "first values from which a curve follows", "none at the first values")
         })?;
-        let noise = self.contact_noise(&readings, &coordinates, &mut Part::new(monitor, 0.3, 0.3))?;
-        let mut likelihood = Likelihood { errors: Errors::Modelled(noise), ..white };
+        let known = self.known_errors(&readings, &coordinates, &mut Part::new(monitor, 0.3, 0.3))?;
+        let mut likelihood = Likelihood { errors: Errors::Modelled(known), ..white };
         let indefinite =
             || Error::invalid("reading", "errors whose covariance is positive definite", "a smaller one");
         let trial = likelihood.at_readings(&coordinates, readings).ok_or_else(indefinite)?;
@@ -312,6 +312,10 @@ impl Fit {
         if self.errors.contacts && self.equation.contacts().have_equal_stiffness().is_err() {
             let expected = "\"white\" where the stiffness of a contact depends on its threshold: the noise of contacts is known where all are equally stiff";
             return Err(Error::invalid("noise", expected, "contacts"));
+        }
+        if let (true, Some(position)) = (self.errors.contacts, self.errors.position) {
+            let expected = "none beside noise = \"contacts\", which changes with the true positions: smooth the positions, or take noise = \"white\"";
+            return Err(Error::invalid("position_error", expected, position));
         }
         if !self.errors.contacts && is_free("count") && is_free("stiffness") {
             let expected =

@@ -1,17 +1,19 @@
-//! The search with modelled errors: the noise of contacts, whose covariance is renewed at the estimates, and drift.
+//! The search with modelled errors: the noise of contacts or the errors of positions, whose covariance is renewed at the estimates, and
+//! drift. What an error of a position makes of the force follows from the slope of the curve (the effective variance of J. Orear,
+//! Am. J. Phys. 50, 912 (1982)).
 
-use super::error_covariance::NEGLIGIBLE;
+use super::error_covariance::{KnownCovariance, NEGLIGIBLE};
 use super::estimates::{Ended, Estimates};
 use super::expected::ExpectedReadings;
 use super::free::FreeParameter;
 use super::hierarchical::Hierarchical;
-use super::likelihood::{ContactNoise, CurvePoint, Errors, LastErrors, Likelihood, LikelihoodPoint};
+use super::likelihood::{CurvePoint, Errors, KnownErrors, LastErrors, Likelihood, LikelihoodPoint};
 use super::search::{COARSE, Optimum, SHORT, search_from};
-use super::{Fit, Measurement};
+use super::{ErrorModel, Fit, Measurement};
 use crate::monitor::{Monitor, Part};
 use crate::{Error, Result};
 
-/// Times that the covariance of the contacts is computed again.
+/// Times that the covariance of the contacts and the variances by errors of positions are computed again.
 const RENEWALS: usize = 3;
 /// It is not, where no estimate on which its shape depends has moved by this many of its errors.
 const SETTLED: f64 = 0.1;
@@ -76,35 +78,41 @@ impl Fit {
         steps.take_while(|&step| step >= 2).map(fewer).collect()
     }
 
-    /// The covariance of the noise of contacts where these readings are expected, if it is part of the errors.
+    /// The covariance of the noise of contacts, or of errors of positions, where these readings are expected, if one of them is part
+    /// of the errors.
     ///
     /// # Errors
     /// Those of [`crate::master::Pull::covariance`].
-    pub(super) fn contact_noise(
+    pub(super) fn known_errors(
         &self,
         readings: &[ExpectedReadings],
         coordinates: &[f64],
         monitor: &mut dyn Monitor,
-    ) -> Result<Option<ContactNoise>> {
-        if !self.errors.contacts {
+    ) -> Result<Option<KnownErrors>> {
+        let ErrorModel { contacts, position, .. } = self.errors;
+        if !contacts && position.is_none() {
             return Ok(None);
         }
         let share = 1.0 / readings.len() as f64;
         let tolerance = NEGLIGIBLE * self.smallest_reading().powi(2);
         let of_curve = |(c, readings): (usize, &ExpectedReadings)| {
-            let covariance =
-                readings.noise(&self.curves[c], &mut Part::new(monitor, c as f64 * share, share))?;
-            Ok(Hierarchical::new(covariance.as_ref(), tolerance))
+            if let Some(std) = position {
+                return Ok(KnownCovariance::Positions(readings.variances_by_positions(std)));
+            }
+            let part = &mut Part::new(monitor, c as f64 * share, share);
+            let covariance = readings.noise(&self.curves[c], part)?;
+            Ok(KnownCovariance::Contacts(Hierarchical::new(covariance.as_ref(), tolerance)))
         };
         let covariances = readings.iter().enumerate().map(of_curve).collect::<Result<_>>()?;
         let coordinates = coordinates.to_vec();
-        Ok(Some(ContactNoise { covariances, coordinates, last: LastErrors::default() }))
+        Ok(Some(KnownErrors { covariances, coordinates, last: LastErrors::default() }))
     }
 
-    /// Whether the covariance of the noise of contacts is in proportion to a power of this number.
+    /// Whether the covariance of the noise of contacts is in proportion to a power of this number, and nothing else depends on it.
     fn scales_noise(&self, parameter: &FreeParameter) -> bool {
         let warm = self.equation.contacts().rules.temperature.is_some();
-        parameter.noise_power() != 0.0 && !(warm && parameter.quantity == "stiffness")
+        let alone = self.errors.position.is_none();
+        alone && parameter.noise_power() != 0.0 && !(warm && parameter.quantity == "stiffness")
     }
 }
 
@@ -142,7 +150,7 @@ impl Likelihood {
             let monitor = &mut Part::new(monitor, 0.1 + 0.2 * renewal as f64, 0.2);
             let part = &mut Part::new(monitor, 0.0, 0.2);
             if !settled {
-                self.errors = Errors::Modelled(self.fit.contact_noise(&readings, &coordinates, part)?);
+                self.errors = Errors::Modelled(self.fit.known_errors(&readings, &coordinates, part)?);
             }
             if renewal == 0 && !divided && self.divide_noise(&mut coordinates, &readings) {
                 let part = &mut Part::new(monitor, 0.2, 0.1);
@@ -169,11 +177,14 @@ impl Likelihood {
 
     /// Divides N⟨k⟩ anew where both are free, so that the noise of contacts is as large as the residuals; whether it has.
     fn divide_noise(&self, coordinates: &mut [f64], readings: &[ExpectedReadings]) -> bool {
-        let Errors::Modelled(Some(noise)) = &self.errors else { return false };
+        let Errors::Modelled(Some(known)) = &self.errors else { return false };
         let place = |name: &str| self.free.iter().position(|parameter| parameter.name == name);
         let (Some(count), Some(stiffness)) = (place("count"), place("stiffness")) else { return false };
-        let trace = |covariance: &Hierarchical| covariance.diagonal().iter().sum::<f64>();
-        let expected: f64 = noise.covariances.iter().map(trace).sum();
+        let trace = |known: &KnownCovariance| match known {
+            KnownCovariance::Contacts(covariance) => covariance.diagonal().iter().sum::<f64>(),
+            KnownCovariance::None | KnownCovariance::Positions(_) => 0.0,
+        };
+        let expected: f64 = known.covariances.iter().map(trace).sum();
         let squares = |(readings, measured): (&ExpectedReadings, &Measurement)| {
             let residuals = measured.forces.iter().zip(&readings.forces);
             residuals.map(|(measured, expected)| (measured - expected).powi(2)).sum::<f64>()
@@ -189,8 +200,8 @@ impl Likelihood {
 
     /// Whether the noise of contacts is that at the end of a search, but for a factor.
     fn has_settled(&self, found: &Optimum) -> bool {
-        let Errors::Modelled(Some(noise)) = &self.errors else { return true };
-        let moved = found.coordinates.iter().zip(&noise.coordinates).enumerate();
+        let Errors::Modelled(Some(known)) = &self.errors else { return true };
+        let moved = found.coordinates.iter().zip(&known.coordinates).enumerate();
         moved
             .filter(|(k, _)| !self.free[*k].is_of_errors() && !self.fit.scales_noise(&self.free[*k]))
             .map(|(k, (u, before))| (u - before).abs() * found.score.information[(k, k)].sqrt())
@@ -210,9 +221,9 @@ fn roughness(trial: &LikelihoodPoint) -> f64 {
         let r = &curve.residuals;
         let second = |i: usize| r[(i, 0)] - 2.0 * r[(i + 1, 0)] + r[(i + 2, 0)];
         let squares: f64 = (0..r.nrows().saturating_sub(2)).map(|i| second(i).powi(2)).sum();
-        (squares, r.nrows())
+        (squares, r.nrows().saturating_sub(2))
     };
     let (squares, n) =
         trial.curves.iter().map(of_curve).fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
-    (squares / (6.0 * n as f64)).sqrt()
+    if n == 0 { 0.0 } else { (squares / (6.0 * n as f64)).sqrt() }
 }

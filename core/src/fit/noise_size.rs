@@ -10,7 +10,6 @@ use faer::Mat;
 
 use super::estimates::Ended;
 use super::free::Role;
-use super::likelihood::Errors;
 use super::matrix;
 use super::restricted::Restricted;
 
@@ -47,7 +46,7 @@ impl Ended {
             self.likelihood.free.iter().any(|number| number.quantity == name && number.applies_to(curve))
         };
         let mut curves = 0..self.likelihood.fit.curves.len();
-        matches!(self.likelihood.errors, Errors::Modelled(Some(_)))
+        self.likelihood.errors.have_contacts()
             && curves.all(|curve| free(curve, "count") && free(curve, "stiffness"))
     }
 }

@@ -2,7 +2,6 @@
 
 use super::Estimates;
 use super::expected::{ExpectedReadings, Values};
-use super::likelihood::Errors;
 use super::measurement::Measurement;
 use crate::monitor::{Monitor, Part};
 use crate::numerics::order::sort_by_number;
@@ -13,7 +12,8 @@ use crate::{Error, Result};
 pub struct Prediction {
     /// The expected forces.
     pub forces: Vec<f64>,
-    /// The standard deviation of a reading about them: noise of contacts, independent error and drift.
+    /// The standard deviation of a reading about them: noise of contacts or errors of positions, independent error and
+    /// drift.
     pub std: Vec<f64>,
     /// The standard error of the expected forces, from the covariance of the estimates.
     pub error: Vec<f64>,
@@ -73,13 +73,20 @@ impl Estimates {
     fn deviations(&self, found: &ExpectedReadings, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let drift = self.ended.optimum.trial.curves[0].sizes.drift[0];
         let slow = self.reading.hypot(drift);
-        if !matches!(self.ended.likelihood.errors, Errors::Modelled(Some(_))) {
-            return Ok(vec![slow; found.forces.len()]);
+        let of_positions =
+            self.ended.likelihood.fit.errors.position.map(|std| found.variances_by_positions(std));
+        let mut deviations: Vec<f64> = match of_positions {
+            Some(variances) => variances.iter().map(|variance| slow.hypot(variance.sqrt())).collect(),
+            None => vec![slow; found.forces.len()],
+        };
+        if self.ended.likelihood.errors.have_contacts() {
+            let contacts = &found.contacts;
+            let noise = contacts.pull.force_std_with(contacts.equation.contacts().count, monitor)?;
+            let at = |(&x, followed): (&f64, &f64)| noise(x.max(0.0)) * followed;
+            let of_contacts = found.driven.positions.iter().zip(&found.driven.followed).map(at);
+            deviations.iter_mut().zip(of_contacts).for_each(|(all, own)| *all = own.hypot(*all));
         }
-        let contacts = &found.contacts;
-        let noise = contacts.pull.force_std_with(contacts.equation.contacts().count, monitor)?;
-        let at = |(&x, followed): (&f64, &f64)| (noise(x.max(0.0)) * followed).hypot(slow);
-        Ok(found.driven.positions.iter().zip(&found.driven.followed).map(at).collect())
+        Ok(deviations)
     }
 
     /// The standard errors of the expected forces.

@@ -61,6 +61,11 @@ pub struct Fit {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "force"))]
     pub reading: Option<f64>,
+    /// Standard deviation of the independent error of a position, above 0, with `noise = "white"`: the error of a force is then larger
+    /// by it times the slope of the curve; without it, positions are exact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-dimension" = "length"))]
+    pub position_error: Option<f64>,
     /// A slow drift of the force, a normal process whose amplitude and correlation length are estimated; without this table
     /// there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -161,6 +166,7 @@ impl Default for Fit {
             free: Vec::new(),
             noise: FitNoise::Contacts,
             reading: None,
+            position_error: None,
             drift: None,
             compliance: None,
             offset: 0.0,
@@ -404,8 +410,18 @@ impl Fit {
 
     /// An error of a fit, with the key that gave its argument.
     pub(crate) fn keyed(error: Error) -> Error {
-        const ARGUMENTS: [&str; 9] =
-            ["free", "prior", "position", "force", "drift", "reading", "compliance", "curve", "kernels"];
+        const ARGUMENTS: [&str; 10] = [
+            "free",
+            "prior",
+            "position",
+            "position_error",
+            "force",
+            "drift",
+            "reading",
+            "compliance",
+            "curve",
+            "kernels",
+        ];
         match &error {
             Error::Invalid { key, .. } if ARGUMENTS.contains(&key.split('.').next().unwrap_or_default()) => {
                 error.under("fit")
@@ -419,6 +435,7 @@ impl Fit {
             contacts: self.noise == FitNoise::Contacts,
             reading: self.reading,
             drift: self.drift.map(|drift| drift.longest),
+            position: self.position_error,
         }
     }
 }

@@ -85,6 +85,7 @@ impl Fit {
         let of_curves = [
             ("force", self.force.is_some()),
             ("drift", self.drift.is_some()),
+            ("position_error", self.position_error.is_some()),
             ("compliance", self.compliance.is_some()),
             ("trend", self.trend != 0.0),
             ("origin", self.origin != 0.0),

@@ -93,7 +93,7 @@ fn a_free_form_of_very_few_readings_is_fitted() {
     let forces = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions);
     for reading in [0.1, 5.0] {
         let measured = drifting((&positions, &forces), (reading, [0.0, 1.0]), 2);
-        let white = ErrorModel { contacts: false, reading: Some(reading), drift: None };
+        let white = ErrorModel { contacts: false, reading: Some(reading), ..ErrorModel::default() };
         let fit =
             fit(&positions, measured).free(["thresholds.mean", "thresholds.std", "count"]).errors(white);
         let misfit = fit.run().unwrap().free_form(36, &mut ()).unwrap().estimates.misfit.unwrap();

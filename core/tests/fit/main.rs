@@ -8,6 +8,7 @@ mod edges;
 mod first_values;
 mod free_form;
 mod gradient;
+mod position_errors;
 mod pulls;
 mod steady;
 mod threshold_response;

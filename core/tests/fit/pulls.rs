@@ -116,7 +116,7 @@ fn widths_beyond_ten_means_are_not_tried() {
         let guess = MasterEquation::new(guess, &Initial::default()).unwrap();
         let positions = positions(20, 2.0);
         let forces = positions.iter().map(|&x| guess.pull(2.0).unwrap().force(x)).collect();
-        let white = ErrorModel { contacts: false, reading: Some(0.01), drift: None };
+        let white = ErrorModel { contacts: false, reading: Some(0.01), ..ErrorModel::default() };
         let fit = Fit::new(guess, Measurement::new(positions, forces));
         let found = fit.free(["thresholds.mean", "thresholds.std"]).errors(white).run().unwrap();
         found.log_likelihood(&[1.0, width], &mut ()).unwrap().0.is_finite()
@@ -272,7 +272,7 @@ fn a_compliance_is_found_from_loadings_before_a_slip() {
         assert!((found.value - truth).abs() < 3.0 * found.error, "from {start}: {found:?}");
     }
     // With errors of one known size −2 ln L is a sum of squares. It rises by 1 over one error of a number, all others estimated.
-    let known = ErrorModel { contacts: false, reading: Some(3.0), drift: None };
+    let known = ErrorModel { contacts: false, reading: Some(3.0), ..ErrorModel::default() };
     let free = behind(4e-4, &loadings, true, known);
     let compliance = of(&free);
     let deviance = |found: &Estimates| found.misfit.unwrap().deviance;
@@ -290,7 +290,7 @@ fn a_compliance_is_found_from_loadings_before_a_slip() {
 fn of_a_machine_that_is_stiff_only_a_limit_of_the_compliance_is_known() {
     // A drive that lags behind the slider: no compliance describes this, and 0 describes it best.
     let loadings = loadings(-2e-4);
-    let known = ErrorModel { contacts: false, reading: Some(3.0), drift: None };
+    let known = ErrorModel { contacts: false, reading: Some(3.0), ..ErrorModel::default() };
     for errors in [known, ErrorModel::default()] {
         let found = behind(1e-4, &loadings, true, errors);
         let compliance = found.estimate("compliance").unwrap();
@@ -418,7 +418,7 @@ fn the_profile_of_a_linear_number_is_its_standard_error() {
     let readings = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions).into_iter().enumerate();
     // Any residuals will do; these have no regularity.
     let readings = readings.map(|(i, force)| force + 20.0 * (i as f64 * 12.9898).sin()).collect();
-    let known = ErrorModel { contacts: false, reading: Some(15.0), drift: None };
+    let known = ErrorModel { contacts: false, reading: Some(15.0), ..ErrorModel::default() };
     let found = fit(&positions, readings).free(["offset"]).errors(known).run().unwrap();
     let offset = found.estimate("offset").unwrap();
     assert!((offset.error - 15.0 / 150.0_f64.sqrt()).abs() < 1e-9 * offset.error, "{offset:?}");
@@ -604,7 +604,7 @@ fn a_planned_measurement_has_the_errors_of_one_that_is_made() {
 #[test]
 fn a_planned_measurement_has_no_likelihood() {
     let guess = MasterEquation::new(contacts(1.0, [1.0, 0.12], spread()), &Initial::default()).unwrap();
-    let white = ErrorModel { contacts: false, reading: Some(0.001), drift: None };
+    let white = ErrorModel { contacts: false, reading: Some(0.001), ..ErrorModel::default() };
     let free = ["thresholds.mean", "thresholds.std"];
     let planned = Fit::new(guess, Measurement::new(positions(40, 3.0), Vec::new())).free(free).errors(white);
     let found = planned.run().unwrap();
@@ -625,7 +625,7 @@ fn a_prior_holds_what_the_curve_does_not_tell() {
     let positions = positions(100, 0.2);
     // No contact has broken: only the stiffness of all is known.
     let forces: Vec<f64> = positions.iter().map(|x| 2000.0 * x).collect();
-    let white = ErrorModel { contacts: false, reading: Some(1.0), drift: None };
+    let white = ErrorModel { contacts: false, reading: Some(1.0), ..ErrorModel::default() };
     let free = ["count", "thresholds.mean"];
     let fit = fit(&positions, forces).free(free).errors(white);
     let prior = Prior { value: 1.1, error: 0.05 };
@@ -637,7 +637,7 @@ fn a_prior_holds_what_the_curve_does_not_tell() {
 #[test]
 fn two_halves_of_a_measurement_know_as_much_as_both_alone() {
     let positions = positions(150, 5.0);
-    let known = ErrorModel { contacts: true, reading: Some(1.0), drift: None };
+    let known = ErrorModel { contacts: true, reading: Some(1.0), ..ErrorModel::default() };
     let free = ["thresholds.mean", "thresholds.std"];
     let measured = |seed| Measurement::new(positions.clone(), simulated(&positions, seed));
     let guess = || MasterEquation::new(contacts(2000.0, [1.0, 0.13], spread()), &Initial::default()).unwrap();
@@ -781,7 +781,7 @@ fn intervals_of_few_readings_hold_the_truth() {
 fn intervals_in_drift_hold_the_truth() {
     let positions = positions(150, 6.0);
     let forces = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions);
-    let errors = ErrorModel { contacts: false, reading: None, drift: Some(1.4) };
+    let errors = ErrorModel { contacts: false, drift: Some(1.4), ..ErrorModel::default() };
     let one = |seed: u64| {
         let measured = drifting((&positions, &forces), (2.0, [10.0, 0.5]), seed);
         let free = ["thresholds.mean", "thresholds.std", "stiffness", "offset"];
@@ -804,7 +804,7 @@ fn sizes_of_errors_are_those_of_the_highest_restricted_likelihood() {
     let positions = positions(150, 6.0);
     let forces = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions);
     let measured = drifting((&positions, &forces), (4.0, [10.0, 0.2]), 3);
-    let errors = ErrorModel { contacts: false, reading: None, drift: Some(1.4) };
+    let errors = ErrorModel { contacts: false, drift: Some(1.4), ..ErrorModel::default() };
     let found =
         fit(&positions, measured).free(["thresholds.mean", "thresholds.std", "stiffness"]).errors(errors);
     let found = found.run().unwrap();
@@ -825,7 +825,7 @@ fn sizes_of_errors_are_those_of_the_highest_restricted_likelihood() {
 fn the_error_of_independent_readings_has_their_degrees_of_freedom() {
     let positions = positions(60, 6.0);
     let forces = exact(contacts(2000.0, [1.0, 0.12], spread()), &positions);
-    let errors = ErrorModel { contacts: false, reading: None, drift: Some(1.4) };
+    let errors = ErrorModel { contacts: false, drift: Some(1.4), ..ErrorModel::default() };
     let of = |seed: u64| {
         let measured = drifting((&positions, &forces), (4.0, [0.0, 1.0]), seed);
         let fit = fit(&positions, measured).free(["thresholds.mean", "thresholds.std", "stiffness"]);
