@@ -281,14 +281,15 @@ def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) 
     after = position >= 0.0
     (line,) = ax.plot(position[~after], fitted[~after], **{"label": "fit", **style})
     ax.plot(position[after], fitted[after], **{**style, "label": None, "color": line.get_color()})
-    if step.peak > 0.0:
-        ax.axvspan(0.0, step.peak, color=muted(), alpha=0.3, linewidth=0, label="readings left out")
+    if len(step.unused_position):
+        unused: dict[str, Any] = {"markersize": 3, "color": muted(), "alpha": 0.4}
+        ax.plot(step.unused_position, step.unused_force, "x", **unused, label="not fitted")
     edge: dict[str, Any] = {"linestyle": ":", "linewidth": 1.0, "color": ink()}
     ax.axvline(step.peak, **edge, label="$X_p$, where the fit starts")
     ax.set_xlabel("displacement since the step")
     ax.set_ylabel("$F$")
     ax.legend()
-    remark(ax, [f"{doubt[:1].upper()}{doubt[1:]}." for doubt in _show.step_doubts(step)])
+    remark(ax, _show.warned(step))
     return ax
 
 
@@ -303,6 +304,7 @@ def healing(healing: "Healing", ax: "Axes | None" = None, **style: Any) -> "Axes
     ax.set_xlabel(axis("t_{hold}", ""))
     ax.set_ylabel("$F_s$")
     ax.legend()
+    remark(ax, _show.warned(healing))
     return ax
 
 

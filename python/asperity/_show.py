@@ -138,28 +138,25 @@ def simple(value: object) -> bool:
 def velocity_step(step: "VelocityStep") -> str:
     noise = step.noise
     drift = (f", drift {one.std:.3g} over {one.length:.3g}" for one in noise.drift)
-    reach = float(step.position[-1] - step.position[0])
-    lasts = any(one.length > reach and one.std > noise.white for one in noise.drift)
-    slow = "; longer than the record: try trend=True" if lasts else ""
     rows = {name: getattr(step, name) for name in ("a", "b", "a_minus_b", "distance", "before", "trend")}
     shown = {name: estimate(value) for name, value in rows.items() if value is not None}
     rest = {"peak": f"{step.peak:.6g}", "residual": f"{step.residual:.3g}"}
-    noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}{slow}"}
+    noises = {"noise": f"white {noise.white:.3g}{''.join(drift)}"}
     if step.whiteness is not None:
-        noises["whiteness"] = "; ".join([f"p = {step.whiteness:.2g}", *step_doubts(step)])
-    return listed("<asperity.VelocityStep>", {**shown, **rest, **noises})
+        noises["whiteness"] = f"p = {step.whiteness:.2g}"
+    return "\n".join([listed("<asperity.VelocityStep>", {**shown, **rest, **noises}), *warned(step)])
 
 
-def step_doubts(step: "VelocityStep") -> list[str]:
-    """What is said of a step whose residuals are not those of the assumed noise."""
-    unlikely = step.whiteness is not None and step.whiteness < UNLIKELY
-    return ["errors are not reliable: the noise is not of this kind"] if unlikely else []
+def warned(found: "VelocityStep | Healing") -> list[str]:
+    """The warnings of what was read, as sentences."""
+    return [f"{warning[:1].upper()}{warning[1:]}." for warning in found.warnings]
 
 
 def healing(healing: "Healing") -> str:
     rows = {name: getattr(healing, name) for name in ("per_decade", "cutoff", "at_one")}
     shown = {name: estimate(value) for name, value in rows.items() if value is not None}
-    return listed("<asperity.Healing>", {**shown, "residual": f"{healing.residual:.3g}"})
+    text = listed("<asperity.Healing>", {**shown, "residual": f"{healing.residual:.3g}"})
+    return "\n".join([text, *warned(healing)])
 
 
 def machine(found: "MachineStep | MachineHealing") -> str:

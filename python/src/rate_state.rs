@@ -108,6 +108,12 @@ impl VelocityStep {
         self.read.whiteness
     }
 
+    /// Sentences about numbers that are not to be trusted; empty if there is nothing to say.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.read.warnings()
+    }
+
     /// The positions that were fitted, relative to the step, shape (n,), a length.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
@@ -120,7 +126,20 @@ impl VelocityStep {
         convert::row(py, self.read.force.clone()).map(typed::Array)
     }
 
-    /// The fitted forces there, shape (n,).
+    /// The positions that were not fitted, shape (m,), a length: between the step and the peak, and before the step where
+    /// the force there was given.
+    #[getter]
+    fn unused_position<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        convert::row(py, self.read.unused_position.clone()).map(typed::Array)
+    }
+
+    /// The measured forces there, shape (m,).
+    #[getter]
+    fn unused_force<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
+        convert::row(py, self.read.unused_force.clone()).map(typed::Array)
+    }
+
+    /// The fitted forces at the positions that were fitted, shape (n,).
     #[getter]
     fn fitted<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
         let fitted = self.read.position.iter().map(|x| self.read.force_at(*x)).collect();
@@ -304,6 +323,12 @@ impl Healing {
     #[getter]
     fn residual(&self) -> f64 {
         self.read.residual
+    }
+
+    /// Sentences about numbers that do not mean what they seem to; empty if there is nothing to say.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.read.warnings()
     }
 
     /// The hold times, shape (n,), a time.

@@ -138,25 +138,35 @@ def test_plots() -> None:
     pytest.importorskip("matplotlib").use("agg")
     step = asp.read_velocity_step(POSITION, measured(8), RATIO)
     axes = step.plot(color="k")
-    # dots, the fit before and after the step, and the position of the peak
-    assert len(axes.lines) == 4
+    # dots, the fit before and after the step, readings that are not fitted, and the position of the peak
+    assert len(axes.lines) == 4 + (len(step.unused_position) > 0)
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), step.force)
     drawn = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     assert np.all(np.asarray(drawn["$X_p$, where the fit starts"].get_xdata()) == step.peak)
-    # Nothing is left out where the force relaxes from the step on.
-    assert ("readings left out" in drawn) == (step.peak > 0.0)
-    later = asp.read_velocity_step(POSITION, measured(8), RATIO, peak=5.0).plot()
-    assert "readings left out" in later.get_legend_handles_labels()[1]
+    # All is fitted where the force relaxes from the step on.
+    assert ("not fitted" in drawn) == (step.peak > 0.0)
+    later = asp.read_velocity_step(POSITION, measured(8), RATIO, peak=5.0)
+    between = (POSITION >= 0.0) & (POSITION < 5.0)
+    np.testing.assert_array_equal(later.unused_position, POSITION[between])
+    np.testing.assert_array_equal(later.unused_force, measured(8)[between])
+    assert "not fitted" in later.plot().get_legend_handles_labels()[1]
     assert not axes.get_title(loc="left")
     # Noise that is not that of the fit.
     force = measured(8) + 1e-3 * np.sign(np.sin(3.0 * POSITION))
     doubtful = asp.read_velocity_step(POSITION, force, RATIO, peak=0.0, noise="white")
-    assert "errors are not reliable: the noise is not of this kind" in repr(doubtful)
+    assert repr(doubtful).endswith("\nErrors are not reliable: the noise is not of this kind.")
     title = doubtful.plot().get_title(loc="left")
     assert " ".join(title.split()) == "Errors are not reliable: the noise is not of this kind."
+    # Readings before the step are not fitted where the force there is given.
+    given = asp.read_velocity_step(POSITION, measured(8), RATIO, before=0.6, peak=0.0)
+    np.testing.assert_array_equal(given.unused_position, POSITION[POSITION < 0.0])
     hold = [1.0, 10.0, 100.0, 1e3, 1e4]
+    falling = asp.read_healing(hold, [0.66, 0.641, 0.622, 0.61, 0.6])
+    assert falling.warnings == ["static friction falls with the hold time: this is no healing"]
+    assert repr(falling).endswith("\nStatic friction falls with the hold time: this is no healing.")
+    assert "no healing" in falling.plot().get_title(loc="left")
     axes = asp.read_healing(hold, [0.6, 0.61, 0.622, 0.641, 0.66]).plot()
-    assert len(axes.lines) == 2
+    assert len(axes.lines) == 2 and not axes.get_title(loc="left")
     assert axes.get_xscale() == "log"
 
 
@@ -297,6 +307,16 @@ def test_a_compared_step_is_read_with_the_spring_of_its_machine() -> None:
     assert "X_\\mathrm{T}" in axes.get_xlabel() or "X_T" in axes.get_xlabel()
 
 
+def test_numbers_that_do_not_mean_what_they_seem_to_have_a_warning() -> None:
+    assert asp.read_velocity_step(POSITION, measured(8), RATIO, peak=0.0).warnings == []
+    late = asp.read_velocity_step(POSITION, measured(8), RATIO, peak=15.0)
+    (says,) = late.warnings
+    assert says.startswith(f"X_p is {15.0 / late.distance.value:.1f} D_c after the step: a and b hold there")
+    # The ratio of the velocities before and after the step turns the signs of a and b.
+    (turned,) = asp.read_velocity_step(POSITION, measured(8), 1.0 / RATIO, peak=0.0).warnings
+    assert turned.startswith("a is negative")
+
+
 def test_a_drift_longer_than_the_record_suggests_a_trend() -> None:
     position = np.linspace(-50.0, 150.0, 400)
     after = 0.01 - 0.015 * (1.0 - np.exp(-np.maximum(position, 0.0) / 6.0))
@@ -304,4 +324,4 @@ def test_a_drift_longer_than_the_record_suggests_a_trend() -> None:
     force = 0.6 + np.log(10.0) * np.where(position < 0.0, 0.0, after) + noise
     for slope, trend, says in [(1e-4, False, True), (1e-4, True, False), (0.0, False, False)]:
         read = asp.read_velocity_step(position, force + slope * position, 10.0, trend=trend)
-        assert ("longer than the record: try trend=True" in str(read)) == says
+        assert ("drift is longer than the record: a fit with a trend may" in str(read)) == says

@@ -12,9 +12,6 @@ use super::{digits, fitted, with_unit};
 
 /// Largest number of steps that are listed.
 const LISTED: usize = 12;
-/// The probability below which residuals are not those of the assumed noise.
-const UNLIKELY: f64 = 1e-3;
-
 /// Adds lines in the form of the rest of the summary.
 pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut lines: Vec<_> =
@@ -160,15 +157,10 @@ fn measured(summary: &Summary, read: &MeasuredRateState) -> Vec<(&'static str, S
             ),
         ),
     ];
-    lines.extend(read.whiteness.map(|whiteness| ("", whitened(whiteness))));
+    let white = |p| format!("whitened residuals white with p = {} (Ljung–Box)", probability(p));
+    lines.extend(read.whiteness.map(|p| ("", white(p))));
+    lines.extend(read.warnings.iter().map(|warning| ("", warning.clone())));
     lines
-}
-
-/// Whether the residuals are those of the noise from which errors follow.
-fn whitened(whiteness: f64) -> String {
-    let doubt =
-        if whiteness < UNLIKELY { ": errors are not reliable, the noise is not of this kind" } else { "" };
-    format!("whitened residuals white with p = {} (Ljung–Box){doubt}", probability(whiteness))
 }
 
 fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)> {

@@ -19,7 +19,7 @@ use crate::numerics::order::sort_by_number;
 
 /// Largest number of Ornstein–Uhlenbeck processes.
 const MOST: usize = 2;
-/// Largest and smallest standard deviation of a process, relative to that of the white noise.
+/// Smallest and largest standard deviation of a process, relative to that of the white noise.
 const RATIOS: (f64, f64) = (1e-3, 1e3);
 /// Correlation lengths, relative to the length of the record, at which searches start.
 const STARTS: [f64; 3] = [0.01, 0.05, 0.3];

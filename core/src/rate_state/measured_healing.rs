@@ -88,6 +88,13 @@ impl MeasuredHealing {
         Ok(Self { per_decade, cutoff: None, at_one, residual })
     }
 
+    /// Sentences about numbers that do not mean what they seem to.
+    pub fn warnings(&self) -> Vec<String> {
+        let falls = self.per_decade.high.is_some_and(|high| high < 0.0);
+        let text = "static friction falls with the hold time: this is no healing";
+        if falls { vec![text.into()] } else { Vec::new() }
+    }
+
     /// The fitted static friction after a hold.
     pub fn force_at(&self, hold: f64) -> f64 {
         let cutoff = self.cutoff.map_or(0.0, |cutoff| cutoff.value);

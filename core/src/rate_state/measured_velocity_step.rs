@@ -16,6 +16,8 @@ const FEWEST_BEFORE: usize = 4;
 const SMOOTHED: usize = 5;
 /// Largest number of lags in the test of whiteness.
 const LAGS: usize = 20;
+/// Below this probability the residuals are not of the kind of noise that is described.
+const UNLIKELY: f64 = 1e-3;
 
 /// How a measured velocity step is read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,12 +68,16 @@ pub struct MeasuredVelocityStep {
     pub noise: MeasuredNoise,
     /// Probability that white noise has correlations as large as those of the whitened residuals (G. M. Ljung
     /// and G. E. P. Box, Biometrika 65, 297 (1978)). Far below 0.01 the noise is not of the kind described;
-    /// `None` if nothing is left.
+    /// `None` for too few points, and if all residuals are 0.
     pub whiteness: Option<f64>,
     /// The positions that were fitted, averaged.
     pub position: Vec<f64>,
     /// The forces there.
     pub force: Vec<f64>,
+    /// The positions that were not fitted, averaged: those between the step and X_p, and those before it where F₀ is given.
+    pub unused_position: Vec<f64>,
+    /// The forces there.
+    pub unused_force: Vec<f64>,
 }
 
 impl MeasuredVelocityStep {
@@ -102,6 +108,28 @@ impl MeasuredVelocityStep {
         selected.fit(ratio, reading, monitor)
     }
 
+    /// Sentences about numbers that are not to be trusted, or do not mean what they seem to.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        if self.whiteness.is_some_and(|whiteness| whiteness < UNLIKELY) {
+            found.push("errors are not reliable: the noise is not of this kind".into());
+        }
+        let reach = self.position.last().zip(self.position.first()).map_or(0.0, |(last, first)| last - first);
+        let lasts = |drift: &OrnsteinUhlenbeck| drift.length > reach && drift.std > self.noise.white;
+        if self.trend.is_none() && self.noise.drift.iter().any(lasts) {
+            found.push("the drift is longer than the record: a fit with a trend may describe it".into());
+        }
+        if self.peak > self.distance.value {
+            found.push(format!(
+                "X_p is {:.1} D_c after the step: a and b hold there; a fit behind the spring of the machine gives those at the step",
+                self.peak / self.distance.value
+            ));
+        } else if self.direct.high.is_some_and(|high| high < 0.0) {
+            found.push("a is negative: the ratio is that of the velocities after and before the step".into());
+        }
+        found
+    }
+
     /// The fitted force at a position relative to the step; between the step and X_p that of X_p.
     pub fn force_at(&self, position: f64) -> f64 {
         let trend = self.trend.map_or(0.0, |trend| trend.value);
@@ -121,6 +149,8 @@ struct Selected {
     members: Vec<Vec<f64>>,
     force: Vec<f64>,
     peak: f64,
+    /// Positions and forces that are not fitted.
+    unused: [Vec<f64>; 2],
 }
 
 impl Selected {
@@ -147,7 +177,6 @@ impl Selected {
         }
         // With a known F₀ only what follows the step is fitted.
         let unused = if reading.before.is_some() { before.0.len() } else { 0 };
-        let before = if reading.before.is_some() { (Vec::new(), Vec::new()) } else { before };
         if reading.before.is_none() && before.0.len() < FEWEST_BEFORE {
             let expected = format!(
                 "at least {FEWEST_BEFORE} points before the step, at negative positions, or `before`"
@@ -155,10 +184,14 @@ impl Selected {
             return Err(Error::invalid("position", expected, before.0.len()));
         }
         Ok(Self {
-            position: [&before.0, &after.0[first..]].concat(),
+            position: [&before.0[unused..], &after.0[first..]].concat(),
             members: groups_before.skip(unused).chain(groups_after.skip(first)).collect(),
-            force: [&before.1, &after.1[first..]].concat(),
+            force: [&before.1[unused..], &after.1[first..]].concat(),
             peak,
+            unused: [
+                [&before.0[..unused], &after.0[..first]].concat(),
+                [&before.1[..unused], &after.1[..first]].concat(),
+            ],
         })
     }
 
@@ -220,6 +253,7 @@ impl Selected {
         let difference: Vec<f64> =
             (0..count).map(|i| f64::from(i == direct) - f64::from(i == direct + 1)).collect();
         let noise = fit.measured_noise();
+        let [unused_position, unused_force] = self.unused.clone();
         Ok(MeasuredVelocityStep {
             ratio,
             direct: fit.coefficient(direct),
@@ -234,6 +268,8 @@ impl Selected {
             noise,
             position: self.position.clone(),
             force: self.force.clone(),
+            unused_position,
+            unused_force,
         })
     }
 }

@@ -98,7 +98,7 @@ pub struct MeasuredRateState {
     pub a_minus_b: MeasuredValue,
     /// Characteristic slip distance D_c.
     pub distance: MeasuredValue,
-    /// Displacement from the step to the extremum of the force after it, where the fit begins.
+    /// Displacement from the step to X_p, from which on the force relaxes, where the fit begins.
     pub peak: f64,
     /// Root mean square of the residuals of the fit, a force.
     pub residual: f64,
@@ -107,6 +107,9 @@ pub struct MeasuredRateState {
     /// Probability that white noise has correlations as large as those of the whitened residuals.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness: Option<f64>,
+    /// Sentences about numbers that are not to be trusted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Rate-and-state friction behind the spring of a machine, fitted to a velocity step, with the misfit first and without errors.
@@ -223,6 +226,7 @@ impl MeasuredRateState {
             residual: read.residual,
             noise: read.noise.clone(),
             whiteness: read.whiteness,
+            warnings: read.warnings(),
         }
     }
 }
