@@ -115,7 +115,8 @@ impl Engine {
     ) -> Result<()> {
         match part {
             Part::Force => {
-                answer.force = Some(self.solved(scenario, request.preview, monitor)?.force(monitor)?);
+                answer.force =
+                    Some(self.solved(scenario, request.preview, monitor)?.force(request.preview, monitor)?);
             }
             Part::Stretches => {
                 let solved = self.solved(scenario, request.preview, monitor)?;

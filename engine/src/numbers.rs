@@ -39,11 +39,14 @@ pub fn rows(
     let of = |value: fn(&ForceCurve) -> f64| force.map(value);
     let (kinetic, life) = (of(|force| force.kinetic_friction), of(|force| force.relaxation_length.0));
     let stiffness = of(|force| force.critical_stiffness.0);
+    // A preview may be without it.
+    let follows = preview && life.is_some_and(f64::is_nan);
+    let length = if follows { "…".to_owned() } else { number(life, root, Quantity::Length) };
     let mut rows = vec![
         NumberRow("static friction <i>F</i><sub>s</sub>", highest),
         NumberRow("at <i>X</i><sub>s</sub>", number(peak.map(|peak| peak.position), root, Quantity::Length)),
         NumberRow("kinetic friction <i>F</i><sub>k</sub>", number(kinetic, error, Quantity::Force)),
-        NumberRow("relaxation length <i>X</i>*", number(life, root, Quantity::Length)),
+        NumberRow("relaxation length <i>X</i>*", length),
         NumberRow(
             "critical stiffness <i>K</i><sub>c</sub>",
             number(stiffness, 10.0 * error, Quantity::Stiffness),

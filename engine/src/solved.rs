@@ -102,15 +102,18 @@ impl Solved {
         Ok(Self { description, sample, background, equation, initial, pull })
     }
 
-    /// F(X) and its numbers.
+    /// F(X) and its numbers. A preview has no X* of thresholds without a closed Laplace transform, whose poles take longer than all
+    /// else.
     ///
     /// # Errors
     /// Those of the solver; stopped by the monitor.
-    pub fn force(&self, monitor: &mut dyn Monitor) -> Result<ForceCurve> {
+    pub fn force(&self, preview: bool, monitor: &mut dyn Monitor) -> Result<ForceCurve> {
         let last = (POINTS - 1) as f64;
         let position: Vec<f64> = (0..POINTS).map(|i| self.pull.distance() * (i as f64 / last)).collect();
         let std = self.sample.map(|size| self.pull.force_std_with(size, monitor)).transpose()?;
         let steady = self.equation.steady_state();
+        let is_slow = preview && !self.equation.contacts().thresholds.laplace_is_closed();
+        let relaxation_length = if is_slow { f64::NAN } else { self.equation.relaxation()?.length() };
         Ok(ForceCurve {
             force: position.iter().map(|&x| self.pull.force(x) + self.background).collect(),
             force_std: std.map(|std| position.iter().map(|&x| std(x)).collect()),
@@ -119,7 +122,7 @@ impl Solved {
                 peak.into()
             }),
             kinetic_friction: steady.kinetic_friction() + self.background,
-            relaxation_length: Extended(self.equation.relaxation()?.length()),
+            relaxation_length: Extended(relaxation_length),
             critical_stiffness: Extended(self.pull.critical_stiffness()),
             accuracy: self.pull.error_estimate(),
             position,
