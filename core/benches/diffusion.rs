@@ -27,7 +27,7 @@ fn steps(criterion: &mut Criterion) {
     for count in [256, 4096] {
         let cells = MovingGrid::new(count, 0.05);
         let middles: Vec<f64> = cells.middles(0.2, ceiling).collect();
-        let newborn = maturing.newborn(&middles, 0.2, &mut ()).unwrap();
+        let fresh = maturing.fresh(&middles, 0.2, &mut ()).unwrap();
         let rise = MovingBoundary { floor: (0.2, 0.203), ceiling, duration: 0.01, absorbing: true };
         let mut room = Workspace::default();
         group.throughput(Throughput::Elements(count as u64));
@@ -35,7 +35,7 @@ fn steps(criterion: &mut Criterion) {
             let medium = Coefficients { potential: &potential, diffusion: DIFFUSION, sink };
             group.bench_function(format!("{count} cells{name}"), |bencher| {
                 bencher.iter_batched_ref(
-                    || newborn.clone(),
+                    || fresh.clone(),
                     |masses| cells.advance(&rise, &medium, black_box(masses), &mut room),
                     criterion::BatchSize::SmallInput,
                 );

@@ -39,19 +39,19 @@ fn ageing(rule: Option<Ageing>, temperature: Option<Temperature>) -> Rules {
 
 /// Contacts whose lives take long, each for another reason.
 fn slow() -> Vec<(&'static str, Contacts)> {
-    let (newborn, unstretched, spread) = (gaussian(0.5, 0.1), point(0.0), gaussian(0.2, 0.05));
+    let (fresh, unstretched, spread) = (gaussian(0.5, 0.1), point(0.0), gaussian(0.2, 0.05));
     let frozen = Some(Ageing::FrozenRank { mature: gaussian(1.0, 0.05), time: 1.0 });
     let mature = Some(Ageing::FrozenRank { mature: gaussian(1.5, 0.2), time: 1.0 });
     let logarithmic = Some(Ageing::Logarithmic { growth: 0.1, time: 1.0 });
     let of = |thresholds: &SharedLaw, reforming: &SharedLaw| contacts(thresholds, reforming);
     vec![
-        ("thresholds that diffuse", with(ageing(diffusing(0.0025), None), of(&newborn, &unstretched))),
-        ("hardly", with(ageing(diffusing(1e-9), None), of(&newborn, &unstretched))),
-        ("warm", with(ageing(diffusing(0.0025), warm(0.02)), of(&newborn, &unstretched))),
+        ("thresholds that diffuse", with(ageing(diffusing(0.0025), None), of(&fresh, &unstretched))),
+        ("hardly", with(ageing(diffusing(1e-9), None), of(&fresh, &unstretched))),
+        ("warm", with(ageing(diffusing(0.0025), warm(0.02)), of(&fresh, &unstretched))),
         ("edges", with(ageing(diffusing(0.0025), None), of(&rectangular(0.3, 0.7), &unstretched))),
-        ("spread starts", with(ageing(diffusing(0.0025), None), of(&newborn, &spread))),
-        ("frozen ranks", with(ageing(frozen.clone(), None), of(&newborn, &spread))),
-        ("frozen, warm", with(ageing(frozen, warm(0.02)), of(&newborn, &unstretched))),
+        ("spread starts", with(ageing(diffusing(0.0025), None), of(&fresh, &spread))),
+        ("frozen ranks", with(ageing(frozen.clone(), None), of(&fresh, &spread))),
+        ("frozen, warm", with(ageing(frozen, warm(0.02)), of(&fresh, &unstretched))),
         ("logarithmic, warm", with(ageing(logarithmic, warm(0.02)), of(&exponential(1.0), &spread))),
         ("warm, spread", with(ageing(None, warm(0.02)), of(&gamma(1.0, 1.5), &spread))),
         ("ranks of a pole", with(ageing(ranks(), None), of(&gamma(1.0, 2.0), &unstretched))),
@@ -67,13 +67,13 @@ fn ranks() -> Option<Ageing> {
 
 /// Contacts that take long to be followed in time, each for another reason.
 fn slow_in_time() -> Vec<(&'static str, Contacts, f64)> {
-    let (newborn, unstretched, spread) = (gaussian(0.5, 0.1), point(0.0), gaussian(0.2, 0.05));
+    let (fresh, unstretched, spread) = (gaussian(0.5, 0.1), point(0.0), gaussian(0.2, 0.05));
     let with = |ageing_rule, temperature, thresholds, reforming| {
         with(ageing(ageing_rule, temperature), contacts(thresholds, reforming))
     };
     vec![
-        ("many seeds", with(diffusing(0.0025), None, &newborn, &spread), 1e-6),
-        ("many warm seeds", with(diffusing(0.0025), warm(1.0), &newborn, &spread), 1e-6),
+        ("many seeds", with(diffusing(0.0025), None, &fresh, &spread), 1e-6),
+        ("many warm seeds", with(diffusing(0.0025), warm(1.0), &fresh, &spread), 1e-6),
         ("many cells", with(diffusing(0.0025), None, &gamma(1.0, 2.0), &unstretched), 1e-4),
         ("ranks of a pole", with(ranks(), warm(0.05), &gamma(1.0, 2.0), &unstretched), 1e-4),
     ]
@@ -108,7 +108,7 @@ fn what_takes_long_asks_often_and_stops_at_once() {
                     steady.stretch_density_with(&places, monitor).map(drop)
                 });
                 patient(&format!("{name}: thresholds met"), |monitor| {
-                    steady.thresholds_met_with(&places, monitor).map(drop)
+                    steady.breaking_stretches_with(&places, monitor).map(drop)
                 });
                 patient(&format!("{name}: population"), |monitor| {
                     equation.population_with(1e-10, monitor).map(drop)

@@ -94,7 +94,7 @@ impl Temperature {
         typed::BarrierWord(convert::barrier(Self::plain(slf).barrier))
     }
 
-    /// Which contacts break thermally, "joint" or "additive".
+    /// The rate of thermal breaking, "joint" or "additive".
     #[getter]
     fn hazard(slf: &Bound<'_, Self>) -> typed::HazardWord {
         typed::HazardWord(convert::hazard(Self::plain(slf).hazard))

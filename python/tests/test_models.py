@@ -269,7 +269,7 @@ def test_pictures(pull: asp.Pull) -> None:
 
 def test_stretches_beyond_the_thresholds_are_left_out_with_a_warning() -> None:
     contacts = asp.Contacts(asp.Delta(1.0), asp.Exponential(0.5))
-    with pytest.warns(UserWarning, match=r"contacts\.reforming: a share of 1\.353e-1 is left out"):
+    with pytest.warns(UserWarning, match=r"contacts\.reforming: a fraction of 1\.353e-1 is left out"):
         model = asp.MasterEquation(contacts)
     # ⟨1 − r²⟩/(2⟨1 − r⟩) over the r < 1 of an exponential distribution.
     q = 1.0 / math.expm1(2.0)

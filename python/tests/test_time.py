@@ -14,7 +14,7 @@ RANKED = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.FrozenRank(asp.Gaussian
 
 
 def test_velocity_curves_have_the_values_of_the_theory() -> None:
-    # kx̄²/2T = 10 and σ = 0.1; logarithmic growth; frozen rank, which ignores 3e-7 of the newborn law below 0
+    # kx̄²/2T = 10 and σ = 0.1; logarithmic growth; frozen rank, which ignores 3e-7 of the fresh law below 0
     warm = asp.velocity_curve(THERMAL, [1e-4, 1e-2])
     assert warm.kinetic_friction == pytest.approx([0.29806681116, 0.44526255210], abs=1e-9)
     assert asp.velocity_curve(GROWING, 1.0) == pytest.approx(0.5122109494, abs=1e-9)

@@ -298,7 +298,7 @@ def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip
             ValueError,
             r"stretches\.0: expected a stretch of 0 or above, got -1",
         ),
-        (lambda: asp.Contacts(), ValueError, r"contacts\.thresholds: expected a law"),
+        (lambda: asp.Contacts(), ValueError, r"contacts\.thresholds: expected a distribution"),
         (lambda: asp.Contacts(LAW, count=0), ValueError, r"contacts\.count: expected .* above 0, got 0"),
         (
             lambda: asp.MasterEquation(asp.Contacts(asp.Rectangular(0.5, 1.0)), asp.Point(2.0)),

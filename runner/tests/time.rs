@@ -474,7 +474,7 @@ fn a_slip_too_short_to_be_known_is_warned_about() {
 }
 
 #[test]
-fn a_mature_law_weaker_than_the_newborn_is_warned_about() {
+fn a_mature_law_weaker_than_the_fresh_is_warned_about() {
     let outcome = run("
         contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
         contacts.ageing.frozen_rank = { mature.gaussian = { mean = 0.5, std = 0.1 }, time = 1.0 }

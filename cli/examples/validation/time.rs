@@ -38,7 +38,7 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let (newborn, mature) = (|| gaussian(0.5, 0.1), || gaussian(1.0, 0.05));
+    let (fresh, mature) = (|| gaussian(0.5, 0.1), || gaussian(1.0, 0.05));
     let of = |name, color, contacts, known: &[(f64, &'static str)]| Case {
         name,
         color,
@@ -48,7 +48,7 @@ fn cases() -> Vec<Case> {
         known: known.to_vec(),
     };
     let single = |barrier| contacts(point(1.0), thermal(barrier, 0.025));
-    let matured = |rule| contacts(newborn(), ageing(rule));
+    let matured = |rule| contacts(fresh(), ageing(rule));
     let strengthening = Ageing::Logarithmic { growth: 0.02, time: 1.0 };
     let logarithmic = of(
         "logarithmic",

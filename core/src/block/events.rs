@@ -33,6 +33,16 @@ impl Event {
     }
 }
 
+/// Where the motion at a fixed drive has led.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one at a time")]
+pub(super) enum MotionEnd {
+    /// To a new equilibrium, with the event if it is large enough to count.
+    Balanced(Option<Event>),
+    /// To none: the slider has run away.
+    Away,
+}
+
 /// Events of about the same size.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]

@@ -7,7 +7,8 @@ use crate::monitor::{Aside, Monitor};
 use crate::population::Population;
 use crate::{Error, Result};
 
-/// Largest number of drives until the regime is decided, each of which may be twice as long as the one before.
+/// Largest number of drives until the regime is decided, each of which is twice as long as the one before, or as long as 40 slips
+/// take.
 const DRIVES: usize = 8;
 
 /// Largest number of doublings of the stiffness in search of one at which stick-slip does not persist.
@@ -19,7 +20,7 @@ const DOUBLINGS: usize = 4;
 pub struct PersistenceLimit {
     /// The largest stiffness, below [`Self::ended`], at which stick-slip was found to persist; 0 if there was none.
     pub persists: f64,
-    /// The smallest stiffness above [`Self::persists`] at which it was found not to persist; infinite if it persisted at all.
+    /// The smallest stiffness above [`Self::persists`] at which it was found not to persist; infinite if there was none.
     pub ended: f64,
 }
 
@@ -40,7 +41,7 @@ impl PersistenceLimit {
         positive("lowest", lowest)?;
         positive("resolution", resolution)?;
         if !(highest >= lowest && highest.is_finite()) {
-            return Err(Error::invalid("highest", format!("a number above {lowest}"), highest));
+            return Err(Error::invalid("highest", format!("a finite number, {lowest} or more"), highest));
         }
         let (mut persists, mut ended, mut stiffness) = (0.0, f64::INFINITY, highest);
         for _ in 0..=DOUBLINGS {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::equilibrium_path::EquilibriumPath;
-use super::events::{Event, Sizes};
+use super::events::{Event, MotionEnd, Sizes};
 use super::trace::{Point, SlipCourse};
 use super::{Block, EnergyBalance, Loading};
 use crate::Result;
@@ -233,9 +233,13 @@ impl<'a> QuasistaticRun<'a> {
             Stop::Breakpoint => true,
         };
         let here = self.point();
-        let Some(happened) = self.event(breaks)? else { return Ok(Next::Runaway(here)) };
-        self.memory.rest = self.path.position;
-        Ok(Next::Happened(happened))
+        match self.event(breaks)? {
+            MotionEnd::Balanced(happened) => {
+                self.memory.rest = self.path.position;
+                Ok(Next::Happened(happened))
+            }
+            MotionEnd::Away => Ok(Next::Runaway(here)),
+        }
     }
 
     /// Creeps along equilibria. Values that have been passed are removed from `requested`.

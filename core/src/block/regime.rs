@@ -240,7 +240,7 @@ fn mean(values: &[f64]) -> f64 {
 impl std::fmt::Display for Regime {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match *self {
-            Self::Smooth { .. } => write!(f, "smooth sliding: no slip on a long way"),
+            Self::Smooth { .. } => write!(f, "smooth sliding: no slip over a long distance"),
             Self::Transient { slips, .. } => {
                 write!(f, "transient stick-slip: {}, then smooth sliding", counted(slips))
             }

@@ -1,6 +1,6 @@
 //! Motion at a fixed drive, from a loss of stability to the next equilibrium.
 
-use super::events::Event;
+use super::events::{Event, MotionEnd};
 use super::inertia::SwingEnd;
 use super::quasistatic::QuasistaticRun;
 use super::{EnergyBalance, Loading, Point, Slip};
@@ -22,15 +22,14 @@ enum SlideEnd {
 }
 
 impl QuasistaticRun<'_> {
-    /// The event at the present drive: after a loss of stability or, with `breaks`, with the simultaneous breaks here. Returns
-    /// the event, or `None` inside if it is too small to count; `None` outside if the slider found no new equilibrium.
-    pub fn event(&mut self, breaks: bool) -> Result<Option<Option<Event>>> {
+    /// The motion at the present drive: after a loss of stability or, with `breaks`, with the simultaneous breaks here.
+    pub fn event(&mut self, breaks: bool) -> Result<MotionEnd> {
         let (before, direction) = (self.point(), self.path.direction);
         let drive = before.drive;
         let approach = self.close_energy_balance(drive);
         self.memory.approach += approach;
         if breaks && self.dies_out(drive, direction)? {
-            return Ok(Some(self.record_event(before, self.path.position, self.broken())));
+            return Ok(MotionEnd::Balanced(self.record_event(before, self.path.position, self.broken())));
         }
         if self.stay_free(breaks) {
             self.path.hold()?;
@@ -43,8 +42,8 @@ impl QuasistaticRun<'_> {
         } else {
             Some(direction)
         };
-        let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(None) };
-        Ok(Some(self.record_event(before, turn, self.broken())))
+        let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(MotionEnd::Away) };
+        Ok(MotionEnd::Balanced(self.record_event(before, turn, self.broken())))
     }
 
     /// For `arrest`: whether the avalanche that the breaks here set off stays below the slip fraction. If it does not, the

@@ -76,7 +76,7 @@ impl Rules {
         rules.into_iter().find(|rule| rule.1).map(|rule| rule.0)
     }
 
-    fn check(&self, newborn: &SharedLaw) -> Result<()> {
+    fn check(&self, thresholds: &SharedLaw) -> Result<()> {
         if let Some(temperature) = &self.temperature {
             temperature.check().map_err(|e| e.under("temperature"))?;
             if matches!(self.ageing, Some(Ageing::MeanField { .. })) {
@@ -98,7 +98,7 @@ impl Rules {
             return Err(Error::invalid("temperature.hazard", expected, "additive"));
         }
         if let Some(ageing) = &self.ageing {
-            ageing.check(newborn).map_err(|e| e.under(ageing.name()).under("ageing"))?;
+            ageing.check(thresholds).map_err(|e| e.under(ageing.name()).under("ageing"))?;
         }
         self.delay.check()?;
         free_time::check_friction(self.free_friction, &self.delay)
@@ -212,7 +212,7 @@ impl Contacts {
         }
         let at_once = 1.0 - self.thresholds.survival(0.0);
         if at_once > NEGLIGIBLE {
-            let found = format!("a share {at_once} of the contacts with threshold 0");
+            let found = format!("a fraction {at_once} of the contacts with threshold 0");
             return Err(Error::invalid("thresholds", "thresholds above 0", found));
         }
         resolved("thresholds", self.thresholds.as_ref())?;
@@ -262,12 +262,13 @@ impl Contacts {
             return Ok(());
         }
         let highest = self.thresholds.quantile(1.0);
-        let expected = if highest.is_finite() {
+        // Where hardly any contact has thresholds between the two, the message names the end.
+        let expected = if highest - top < 1e-6 * top {
             format!("stretches below the highest threshold {highest}, where contacts still hold")
         } else {
             format!("stretches below {top:.6}, where one contact in 1e9 still holds")
         };
-        Err(Error::invalid(key, expected, format!("a share {share} of the contacts at or above it")))
+        Err(Error::invalid(key, expected, format!("a fraction {share} of the contacts at or above it")))
     }
 }
 
@@ -281,7 +282,7 @@ fn resolved(key: &str, law: &dyn Law) -> Result<()> {
     let width = |zone: &Zone| zone.resolution.min(zone.high - zone.low);
     let narrow = law.zones().into_iter().find(|zone| width(zone) < NARROWEST * zone.high);
     narrow.map_or(Ok(()), |zone| {
-        let expected = format!("a law wider than {NARROWEST:e} of its stretches (or a point)");
+        let expected = format!("a distribution wider than {NARROWEST:e} of its stretches (or a point)");
         Err(Error::invalid(key, expected, format!("a width of {:e} near {}", width(&zone), zone.high)))
     })
 }

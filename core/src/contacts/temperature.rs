@@ -23,7 +23,7 @@ pub enum Barrier {
     Catastrophe,
 }
 
-/// Which contacts break thermally: those with low barriers, or any.
+/// The rate of thermal breaking: that of the threshold of each contact, or the mean over the contacts of one stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -51,7 +51,7 @@ pub struct Temperature {
     /// The barrier ΔE: `"elastic"`, `"bell"` or `"catastrophe"`.
     #[serde(default)]
     pub barrier: Barrier,
-    /// Which contacts break thermally: `"joint"`, each at the rate of its own threshold, or `"additive"`, all of one stretch at the
+    /// The rate of thermal breaking: `"joint"`, each contact breaks at the rate of its own threshold, or `"additive"`, all of one stretch at the
     /// rate of the average contact, as O. M. Braun and M. Peyrard (2010) have it.
     #[serde(default)]
     pub hazard: Hazard,

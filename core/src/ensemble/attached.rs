@@ -13,7 +13,7 @@ pub(super) struct AttachedContact {
     pub(super) birth: f64,
     pub(super) origin: f64,
     /// Its threshold then.
-    pub(super) newborn: f64,
+    pub(super) fresh: f64,
 }
 
 /// A part of a history at constant velocity.

@@ -66,7 +66,7 @@ pub(super) struct DiffusingThreshold {
 
 impl DiffusingThreshold {
     /// The threshold of a contact that has just formed.
-    pub(super) fn newborn(threshold: f64) -> Self {
+    pub(super) fn fresh(threshold: f64) -> Self {
         Self { time: 0.0, threshold, step: f64::INFINITY }
     }
 
@@ -134,7 +134,7 @@ impl ThresholdDiffusion {
         let until = marks[marks.len() - 1];
         // Otherwise steps, and hence the random paths, do not depend on the marks.
         let marks = if self.stiffness.is_equal() { &[] } else { marks };
-        let mut state = DiffusingThreshold::newborn(held.newborn);
+        let mut state = DiffusingThreshold::fresh(held.fresh);
         for segment in segments(history, held.birth..until) {
             state.time = segment.start;
             while state.time < segment.end.min(until) {
@@ -357,19 +357,19 @@ enum Drift {
 }
 
 impl Drift {
-    fn new(newborn: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
+    fn new(fresh: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
         let parameter = |name| mature.parameters().iter().find(|p| p.name == name).map(|p| p.value);
         match (mature.name(), parameter("mean"), parameter("std")) {
             ("gaussian", Some(zero), Some(std)) => Self::Straight { slope: -rate / (std * std), zero },
             ("rectangular", ..) => Self::Straight { slope: 0.0, zero: 0.0 },
-            _ => Self::table(newborn, mature, rate),
+            _ => Self::table(fresh, mature, rate),
         }
     }
 
     /// The table over the range of fresh and mature thresholds in which the density of mature ones does not
     /// underflow.
-    fn table(newborn: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
-        let zones = || newborn.zones().into_iter().chain(mature.zones());
+    fn table(fresh: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
+        let zones = || fresh.zones().into_iter().chain(mature.zones());
         let start = zones().map(|zone| zone.low).fold(f64::INFINITY, f64::min).max(mature.quantile(0.0));
         let end = zones().map(|zone| zone.high).fold(0.0, f64::max).min(mature.upper_quantile(0.0));
         let nodes =

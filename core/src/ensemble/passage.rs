@@ -72,7 +72,7 @@ fn averaged(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Arc
 fn extrema(ageing: Option<&Ageing>, evolution: &ThresholdEvolution) -> Vec<f64> {
     let Some(&Ageing::FrozenRank { time, .. }) = ageing else { return Vec::new() };
     let parts = (1..PARTS).map(|part| -time * (-f64::from(part) / f64::from(PARTS)).ln_1p());
-    // Beside an edge of the newborn law they turn soon after contacts form.
+    // Beside an edge of the fresh law they turn soon after contacts form.
     let soon = evolution.octaves().into_iter().take_while(|age| *age < time / f64::from(PARTS));
     soon.chain(parts).collect()
 }
@@ -91,7 +91,7 @@ pub(super) struct KnownThreshold {
 impl KnownThreshold {
     /// The present threshold.
     pub(super) fn threshold(&self, held: &AttachedContact, time: f64) -> f64 {
-        self.evolution.threshold(held.newborn, time - held.birth)
+        self.evolution.threshold(held.fresh, time - held.birth)
     }
 
     /// The time at which a contact with the hazard `remaining_hazard` left breaks, if before the last of the
@@ -114,7 +114,7 @@ impl KnownThreshold {
         segment: &Segment,
         remaining_hazard: &mut f64,
     ) -> Option<f64> {
-        let contact = self.evolution.followed(held.newborn);
+        let contact = self.evolution.followed(held.fresh);
         let time_of_passage = self.time_of_passage(&contact, held, segment);
         self.thermal_break(&contact, held, segment, time_of_passage, remaining_hazard)
             .or((time_of_passage <= segment.end).then_some(time_of_passage))
@@ -194,7 +194,7 @@ impl KnownThreshold {
         segment: &Segment,
         remaining_hazard: &mut f64,
     ) -> bool {
-        let contact = self.evolution.followed(held.newborn);
+        let contact = self.evolution.followed(held.fresh);
         self.thermal_break(&contact, held, segment, f64::INFINITY, remaining_hazard).is_none()
     }
 

@@ -114,7 +114,7 @@ impl Ensemble {
             marked: None,
             scale: self.contacts.stiffness.unit() * self.contacts.count / self.size as f64,
         };
-        let contacts = newborn(&population.lives, self.size, monitor)?;
+        let contacts = fresh(&population.lives, self.size, monitor)?;
         let mut aside = Aside { fraction: 1.0, monitor };
         population.place(contacts, &mut aside)?;
         population.cross(&mut aside)?;
@@ -123,7 +123,7 @@ impl Ensemble {
 }
 
 /// Contacts as they are at X = 0.
-fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<QueuedContact>> {
+fn fresh(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<QueuedContact>> {
     let contact = |lives: &mut Lives, index: usize| {
         let life = lives.first(index as u64);
         QueuedContact {

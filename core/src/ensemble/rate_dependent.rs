@@ -160,8 +160,8 @@ impl ContactInTime {
     fn live(&mut self, life: ContactLife, birth: f64) {
         self.holds = false;
         self.formed = life.stretch;
-        self.held = AttachedContact { birth, origin: 0.0, newborn: life.threshold };
-        self.wandering = DiffusingThreshold::newborn(life.threshold);
+        self.held = AttachedContact { birth, origin: 0.0, fresh: life.threshold };
+        self.wandering = DiffusingThreshold::fresh(life.threshold);
     }
 }
 
@@ -212,9 +212,9 @@ impl EnsembleInTime {
             words: [0; 3],
             holds: false,
             formed: 0.0,
-            held: AttachedContact { birth: 0.0, origin: 0.0, newborn: 0.0 },
+            held: AttachedContact { birth: 0.0, origin: 0.0, fresh: 0.0 },
             remaining_hazard: 0.0,
-            wandering: DiffusingThreshold::newborn(0.0),
+            wandering: DiffusingThreshold::fresh(0.0),
         };
         contact.live(life, 0.0);
         contact
@@ -275,7 +275,7 @@ impl EnsembleInTime {
             totals.broken += 1.0;
             // Streams are counter-based (Philox), so that going to any position of any contact
             // costs one block.
-            streams.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
+            streams.lives.resume(contact.index.into(), contact.drawn, contact.held.fresh);
             let next = streams.lives.next();
             contact.drawn = streams.lives.drawn();
             contact.live(next, end + self.delay.draw(&mut streams.free));
@@ -299,7 +299,7 @@ impl EnsembleInTime {
         strengthening: &mut f64,
     ) -> Option<f64> {
         // In a relaxed start some are above their thresholds.
-        if contact.formed >= contact.held.newborn {
+        if contact.formed >= contact.held.fresh {
             return Some(segment.start);
         }
         let ContactInTime { held, remaining_hazard, wandering, .. } = contact;

@@ -74,7 +74,7 @@ impl Ensemble {
         rising("times", times)?;
         let last = *times.last().ok_or_else(|| Error::invalid("times", "at least one", "none"))?;
         if last > history.duration() {
-            let expected = format!("times up to the end of the protocol at {}", history.duration());
+            let expected = format!("times up to the end of the history at {}", history.duration());
             return Err(Error::invalid("times", expected, last));
         }
         let nothing = Snapshots::default();
@@ -309,7 +309,7 @@ impl<'a> Follow<'a> {
         let held = AttachedContact {
             birth,
             origin: self.history.position(birth) - life.stretch,
-            newborn: life.threshold,
+            fresh: life.threshold,
         };
         // Inversion: the cumulative hazard at which a contact breaks is exponentially distributed,
         // whatever its history.

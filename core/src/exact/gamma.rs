@@ -63,11 +63,17 @@ impl ClosedForm for Gamma {
     }
 
     fn force(&self, position: f64) -> f64 {
+        if self.is_beyond(position) {
+            return f64::NAN;
+        }
         let x = position / self.scale();
         position - self.mean * self.over_breaks(position, |a| lower(a, x))
     }
 
     fn slope(&self, position: f64) -> f64 {
+        if self.is_beyond(position) {
+            return f64::NAN;
+        }
         if position == 0.0 {
             return 1.0;
         }

@@ -55,6 +55,9 @@ impl Gaussian {
     /// ⟨x²⟩ = x̄_i² + σ_i² + 2∫F − Σ_n E[ξ²; the n-th break before X], each term in closed form.
     #[must_use]
     pub fn variance(&self, position: f64) -> f64 {
+        if self.is_beyond(position) {
+            return f64::NAN;
+        }
         let (mean, var) = (self.mean, self.std * self.std);
         let start = self.initial_mean;
         let mut second = (start + position).powi(2) + self.initial_std.powi(2);
@@ -116,7 +119,7 @@ impl ClosedForm for Gaussian {
     }
 
     fn force(&self, position: f64) -> f64 {
-        if position > self.reach() {
+        if self.is_beyond(position) {
             return f64::NAN;
         }
         let var = self.std * self.std;
@@ -127,7 +130,7 @@ impl ClosedForm for Gaussian {
     }
 
     fn slope(&self, position: f64) -> f64 {
-        if position > self.reach() {
+        if self.is_beyond(position) {
             return f64::NAN;
         }
         let var = self.std * self.std;

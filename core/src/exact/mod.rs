@@ -6,7 +6,8 @@
 //!
 //! F'(X) = 1 − X Σ_{n≥1} p_n(X)/n.
 //!
-//! Each form is the sum of this series for one family of P_c; none shares code with the solvers.
+//! The forms of one family of P_c sum this series; [`Quenched`] describes thresholds that contacts keep, and the values in steady
+//! sliding follow from moments. They share distributions and root finding with the solvers, but no equation.
 
 mod erlang;
 mod extrema;
@@ -41,6 +42,11 @@ pub trait ClosedForm {
     /// The position up to which the sums stay short, a length. Beyond it they are not computed.
     fn reach(&self) -> f64 {
         f64::MAX
+    }
+
+    /// Whether a position is beyond the reach, or no number.
+    fn is_beyond(&self, position: f64) -> bool {
+        position.is_nan() || position > self.reach()
     }
 
     /// F(X)/(N_c⟨k⟩) for X ≥ 0; NaN beyond the reach; after the break where contacts break together.

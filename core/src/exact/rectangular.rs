@@ -86,7 +86,7 @@ impl ClosedForm for Rectangular {
     }
 
     fn force(&self, position: f64) -> f64 {
-        if position > self.reach() {
+        if self.is_beyond(position) {
             return f64::NAN;
         }
         let mut force = position;
@@ -103,7 +103,7 @@ impl ClosedForm for Rectangular {
     }
 
     fn slope(&self, position: f64) -> f64 {
-        if position > self.reach() {
+        if self.is_beyond(position) {
             return f64::NAN;
         }
         let mut sum = 0.0;

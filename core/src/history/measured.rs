@@ -193,7 +193,8 @@ impl RunningSums {
                 [ends[place - 1]..ends[place], ends[place]..ends[place + 1]].map(|range| self.line(&range));
             let (v, w) = (one.velocity(), other.velocity());
             let allowed = (apart * v.abs().max(w.abs())).max(CERTAIN * one.error().hypot(other.error()));
-            (v - w).abs() / allowed
+            // Two exact rests allow no difference, and have none.
+            if v == w { 0.0 } else { (v - w).abs() / allowed }
         };
         let places = (1..ends.len() - 1).map(|place| (place, ratio(place)));
         places.filter(|(_, ratio)| *ratio <= 1.0).min_by(|a, b| a.1.total_cmp(&b.1)).map(|found| found.0)
@@ -291,6 +292,15 @@ mod tests {
             let error = noise * (12.0 / 5000.0_f64.powi(3)).sqrt() / 0.1;
             assert!((found[0].error - error).abs() < 0.1 * error + 1e-9);
         }
+    }
+
+    /// Rests without noise, apart by a jump of the positions, have one velocity.
+    #[test]
+    fn exact_rests_on_both_sides_of_a_jump_are_one_piece() {
+        let time: Vec<f64> = (0..40).map(f64::from).collect();
+        let position: Vec<f64> = time.iter().map(|t| if *t < 20.0 { 0.0 } else { 1.0 }).collect();
+        let found = measured_pieces(&time, &position, (0.2, 8)).unwrap();
+        assert!(found.iter().all(|piece| piece.begin.is_finite()), "{found:?}");
     }
 
     #[test]

@@ -60,7 +60,7 @@ impl Renormalised {
     pub fn new(thresholds: SharedLaw, coupling: f64) -> Result<Self> {
         not_negative("coupling", coupling)?;
         if let Some(atom) = thresholds.atoms().into_iter().find(|atom| atom.position > 0.0) {
-            let expected = "a law without point masses above 0: identical thresholds break together, whatever the coupling";
+            let expected = "a distribution without point masses above 0: identical thresholds break together, whatever the coupling";
             return Err(Error::invalid("law", expected, format!("one at {}", atom.position)));
         }
         if thresholds.mean() == 0.0 {

@@ -31,7 +31,7 @@ pub fn scattered(law: &dyn Law, std: f64) -> Result<Series> {
     super::positive("std", std)?;
     if let Some(atom) = law.atoms().first() {
         let found = format!("one at {}", atom.position);
-        return Err(Error::invalid("law", "a law without point masses", found));
+        return Err(Error::invalid("law", "a distribution without point masses", found));
     }
     let product = Product { law, std, panels: panel_boundaries(law) };
     let density = |points: &[f64]| Ok(points.iter().map(|&y| product.density(y)).collect());

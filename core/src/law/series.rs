@@ -76,7 +76,7 @@ impl Series {
             return Err(Error::invalid("coefficients", expected, coefficients.len()));
         }
         if !(0.0..=MOST_CUT).contains(&cut) {
-            return Err(Error::invalid("cut", format!("a share from 0 to {MOST_CUT:e}"), cut));
+            return Err(Error::invalid("cut", format!("a fraction from 0 to {MOST_CUT:e}"), cut));
         }
         let padded: Result<Vec<Nodal>> = coefficients.iter().enumerate().map(pad).collect();
         Self::scaled(Piecewise { boundaries: boundaries.to_vec(), coefficients: padded? }, cut, monitor)

@@ -197,6 +197,14 @@ impl TableNode {
     }
 }
 
+impl Tabulated {
+    /// The lower end of the support: the first position with a mass there or above it.
+    fn lower_end(&self) -> f64 {
+        let has_mass = |node: &&TableNode| node.atom > 0.0 || node.start > 0.0 || node.end > 0.0;
+        self.nodes.iter().find(has_mass).map_or(0.0, |node| node.position)
+    }
+}
+
 /// The distance over which a density, linear from `start` to `end` over `width`, accumulates `mass`.
 fn invert_mass(start: f64, end: f64, width: f64, mass: f64) -> f64 {
     let root = (start * start + 2.0 * mass * (end - start) / width).max(0.0).sqrt();
@@ -245,14 +253,16 @@ impl Law for Tabulated {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        let p = p.clamp(0.0, 1.0);
+        if p >= 1.0 {
+            return self.upper_quantile(0.0);
+        }
         let last = self.nodes.len() - 1;
-        let i = if p < 1.0 { self.nodes.partition_point(|node| node.below < p).min(last) } else { last };
-        let Some(node) = i.checked_sub(1).map(|i| self.nodes[i]) else {
-            return self.nodes[0].position;
+        let i = self.nodes.partition_point(|node| node.below < p).min(last);
+        let Some(node) = i.checked_sub(1).map(|i| self.nodes[i]).filter(|_| p > 0.0) else {
+            return self.lower_end();
         };
         let (width, mass) = (self.nodes[i].position - node.position, p - node.below);
-        if p >= 1.0 || mass >= node.mass(width) {
+        if mass >= node.mass(width) {
             return self.nodes[i].position;
         }
         node.position + invert_mass(node.start, node.end, width, mass)
@@ -262,7 +272,7 @@ impl Law for Tabulated {
         let q = q.clamp(0.0, 1.0);
         let i = self.nodes.partition_point(|node| node.above[0] > q);
         let Some(node) = i.checked_sub(1).map(|i| self.nodes[i]) else {
-            return self.nodes[0].position;
+            return self.lower_end();
         };
         let next = self.nodes[i];
         let width = next.position - node.position;
@@ -377,6 +387,15 @@ mod tests {
         assert!((law.std() - 6.0_f64.sqrt().recip()).abs() < 1e-15);
         let kinks: Vec<_> = law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
         assert_eq!(kinks, [(0.0, 1.0, 1.0), (1.0, 1.0, -2.0), (2.0, 1.0, 1.0)]);
+    }
+
+    /// Rows without density at the ends are no part of the support.
+    #[test]
+    fn outer_quantiles_are_the_ends_of_the_support() {
+        let law =
+            Tabulated::from_density(&[(0.5, 0.0), (1.0, 0.0), (2.0, 1.0), (3.0, 0.0), (4.0, 0.0)]).unwrap();
+        assert_eq!([law.quantile(0.0), law.upper_quantile(1.0)], [1.0; 2]);
+        assert_eq!([law.quantile(1.0), law.upper_quantile(0.0)], [3.0; 2]);
     }
 
     #[test]

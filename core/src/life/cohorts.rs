@@ -480,7 +480,7 @@ impl Cohorts {
     }
 
     /// Stretches at which contacts that formed at point masses break simultaneously.
-    pub(super) fn met_atoms(&self, watch: &Watch<'_>) -> Vec<Atom> {
+    pub(super) fn breaking_stretch_atoms(&self, watch: &Watch<'_>) -> Vec<Atom> {
         let of = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let (position, weight) = (point_mass.position, point_mass.weight);
             let met = cohort.breakpoints(watch).into_iter().filter(Breakpoint::is_atom);

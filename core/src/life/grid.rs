@@ -52,7 +52,7 @@ pub(super) struct GridPart {
 /// cumulative hazards, and hazards w/v.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ThresholdGroups {
-    pub(super) newborn: Nodal,
+    pub(super) fresh: Nodal,
     pub(super) weights: Nodal,
     pub(super) present: Option<Nodal>,
     pub(super) broken: Nodal,
@@ -83,7 +83,7 @@ pub(super) struct VisitedThresholds {
 /// The end of an interval of fresh thresholds: the threshold, A, and ΔE/T now and at formation.
 #[derive(Debug, Clone, Copy)]
 struct IntervalEnd {
-    newborn: f64,
+    fresh: f64,
     broken: f64,
     now: f64,
     begun: f64,
@@ -178,9 +178,9 @@ impl ThresholdGrid {
         });
         // Above the last part are too few to count, as long as they may live.
         let kept = sought.break_value().unwrap_or(f64::INFINITY);
-        for &Atom { position: newborn, weight } in &self.atoms {
-            if newborn > least && newborn <= kept {
-                sums.add_one(newborn, weight);
+        for &Atom { position: fresh, weight } in &self.atoms {
+            if fresh > least && fresh <= kept {
+                sums.add_one(fresh, weight);
             }
         }
         VisitedThresholds { kept, least: lowest }
@@ -214,10 +214,10 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
             return Search::Continue(());
         }
         if low.broken <= KEPT {
-            return Search::Break(low.newborn);
+            return Search::Break(low.fresh);
         }
         let series = series.or_else(|| self.known.series(part));
-        let whole = low.newborn <= part.ends[0];
+        let whole = low.fresh <= part.ends[0];
         // Series of the halves are cheaper than the hazards of single thresholds.
         let is_known = series.is_some() || part.halves.is_none() || !self.known.has_series();
         if is_known && !self.is_rooted([low, high]) && !is_uneven([low, high]) {
@@ -234,7 +234,7 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
         }
         // Fixed thresholds allow cached hazards; below the finest of them points are chosen freely.
         let Some(halves) = &part.halves else { return self.cut(part, [low, high], series.as_ref()) };
-        if low.newborn >= halves[1].ends[0] {
+        if low.fresh >= halves[1].ends[0] {
             return self.add(&halves[1], [low, high], series);
         }
         let middle = self.end(&halves[1], 0, series.as_ref());
@@ -254,10 +254,10 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
             return Search::Continue(());
         }
         if low.broken <= KEPT {
-            return Search::Break(low.newborn);
+            return Search::Break(low.fresh);
         }
-        if high.newborn - low.newborn > 4.0 * f64::EPSILON * high.newborn && is_uneven([low, high]) {
-            let middle = self.end_at(part, 0.5 * (low.newborn + high.newborn), series);
+        if high.fresh - low.fresh > 4.0 * f64::EPSILON * high.fresh && is_uneven([low, high]) {
+            let middle = self.end_at(part, 0.5 * (low.fresh + high.fresh), series);
             self.cut(part, [low, middle], series)?;
             return self.cut(part, [middle, high], series);
         }
@@ -274,8 +274,8 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
                 || {
                     let present = self.exposed.thresholds_of(self.labels(part));
                     let rates = self.exposed.rates_of(&present);
-                    let (newborn, broken) = (part.points, series.broken_of(&part.points, &rates));
-                    ThresholdGroups { newborn, weights, present: Some(present), broken, rates }
+                    let (fresh, broken) = (part.points, series.broken_of(&part.points, &rates));
+                    ThresholdGroups { fresh, weights, present: Some(present), broken, rates }
                 },
             ),
             None if self.grid.evolution.is_constant() => {
@@ -293,12 +293,12 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
         // In s = √(h − h_0) half powers of the distance to the threshold h_0 are whole ones, and
         // the Gauss rule converges exponentially again.
         let [from, to] =
-            [low, high].map(|end| if rooted { (end.newborn - self.least).sqrt() } else { end.newborn });
+            [low, high].map(|end| if rooted { (end.fresh - self.least).sqrt() } else { end.fresh });
         let places = RULE.nodes.map(|t| from + 0.5 * (to - from) * (1.0 + t));
-        let newborn = if rooted { places.map(|place| self.least + place * place) } else { places };
+        let fresh = if rooted { places.map(|place| self.least + place * place) } else { places };
         let weights = std::array::from_fn(|i| {
             let stretched = if rooted { 2.0 * places[i] } else { 1.0 };
-            0.5 * (to - from) * RULE.weights[i] * stretched * self.grid.law.density(newborn[i])
+            0.5 * (to - from) * RULE.weights[i] * stretched * self.grid.law.density(fresh[i])
         });
         let groups = match series {
             Some(series) => vectorised(
@@ -306,33 +306,33 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
                 || {
                     // Between its Gauss points present thresholds are interpolated: ranks would be found one by one.
                     let at_points = self.exposed.thresholds_of(self.labels(part));
-                    let present = series_at(&RULE.coefficients(&at_points), &part.places(&newborn));
+                    let present = series_at(&RULE.coefficients(&at_points), &part.places(&fresh));
                     let rates = self.exposed.rates_of(&present);
-                    let broken = series.broken_of(&newborn, &rates);
-                    ThresholdGroups { newborn, weights, present: Some(present), broken, rates }
+                    let broken = series.broken_of(&fresh, &rates);
+                    ThresholdGroups { fresh, weights, present: Some(present), broken, rates }
                 },
             ),
             None if self.grid.evolution.is_constant() => {
-                self.with_constants(newborn, weights, &self.exposed.constants(newborn))
+                self.with_constants(fresh, weights, &self.exposed.constants(fresh))
             }
-            None => Self::with(newborn, weights, |i| self.exposed.hazards(newborn[i])),
+            None => Self::with(fresh, weights, |i| self.exposed.hazards(fresh[i])),
         };
         (self.visit)(&groups);
     }
 
     /// Visits the contacts of a point mass.
-    fn add_one(&mut self, newborn: f64, weight: f64) {
+    fn add_one(&mut self, fresh: f64, weight: f64) {
         let mut weights = [0.0; NODES];
         weights[0] = weight;
-        let hazards = self.exposed.hazards(newborn);
-        let groups = Self::with([newborn; NODES], weights, |_| hazards);
+        let hazards = self.exposed.hazards(fresh);
+        let groups = Self::with([fresh; NODES], weights, |_| hazards);
         (self.visit)(&groups);
     }
 
     /// Groups with constant thresholds.
     fn with_constants(
         &self,
-        newborn: Nodal,
+        fresh: Nodal,
         weights: Nodal,
         constants: &ConstantThresholds,
     ) -> ThresholdGroups {
@@ -340,52 +340,52 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
             #[inline(always)]
             || self.exposed.hazards_of(constants),
         );
-        ThresholdGroups { newborn, weights, present: Some(newborn), broken, rates }
+        ThresholdGroups { fresh, weights, present: Some(fresh), broken, rates }
     }
 
     /// Groups whose hazards are known one by one.
-    fn with(newborn: Nodal, weights: Nodal, hazards: impl Fn(usize) -> Hazards) -> ThresholdGroups {
+    fn with(fresh: Nodal, weights: Nodal, hazards: impl Fn(usize) -> Hazards) -> ThresholdGroups {
         let hazards: [Hazards; NODES] = std::array::from_fn(hazards);
         let [broken, rates] = [hazards.map(|hazards| hazards.0), hazards.map(|hazards| hazards.1)];
-        ThresholdGroups { newborn, weights, present: None, broken, rates }
+        ThresholdGroups { fresh, weights, present: None, broken, rates }
     }
 
     /// The lower or the upper end of a part.
     fn end(&self, part: &GridPart, end: usize, series: Option<&HazardSeries>) -> IntervalEnd {
-        let newborn = part.ends[end];
+        let fresh = part.ends[end];
         let Some(series) = series else {
             if let Some(halves) = &part.halves {
                 let half = &halves[end];
                 return self.end(half, end, self.known.series(half).as_ref());
             }
             let hazards = self.known.at(part.place + end * (NODES + 1));
-            return self.with_hazards(newborn, hazards.0);
+            return self.with_hazards(fresh, hazards.0);
         };
-        let rank = part.ranks[end].get_or_init(|| self.grid.evolution.rank(newborn));
-        let now = self.exposed.exponent_of(Label { newborn, rank: rank.as_ref() });
-        let broken = series.broken(newborn, self.exposed.rate_of(now));
-        IntervalEnd { newborn, broken, now, begun: self.exposed.exponent_at_start(newborn) }
+        let rank = part.ranks[end].get_or_init(|| self.grid.evolution.rank(fresh));
+        let now = self.exposed.exponent_of(Label { fresh, rank: rank.as_ref() });
+        let broken = series.broken(fresh, self.exposed.rate_of(now));
+        IntervalEnd { fresh, broken, now, begun: self.exposed.exponent_at_start(fresh) }
     }
 
     /// A threshold inside a part.
-    fn end_at(&self, part: &GridPart, newborn: f64, series: Option<&HazardSeries>) -> IntervalEnd {
+    fn end_at(&self, part: &GridPart, fresh: f64, series: Option<&HazardSeries>) -> IntervalEnd {
         if let Some(series) = series {
-            let now = self.exposed.exponent(newborn);
-            let broken = series.broken(newborn, self.exposed.rate_of(now));
-            return IntervalEnd { newborn, broken, now, begun: self.exposed.exponent_at_start(newborn) };
+            let now = self.exposed.exponent(fresh);
+            let broken = series.broken(fresh, self.exposed.rate_of(now));
+            return IntervalEnd { fresh, broken, now, begun: self.exposed.exponent_at_start(fresh) };
         }
         match &part.halves {
             Some(halves) => {
-                let half = &halves[usize::from(newborn >= halves[1].ends[0])];
-                self.end_at(half, newborn, self.known.series(half).as_ref())
+                let half = &halves[usize::from(fresh >= halves[1].ends[0])];
+                self.end_at(half, fresh, self.known.series(half).as_ref())
             }
-            None => self.with_hazards(newborn, self.exposed.hazards(newborn).0),
+            None => self.with_hazards(fresh, self.exposed.hazards(fresh).0),
         }
     }
 
-    fn with_hazards(&self, newborn: f64, broken: f64) -> IntervalEnd {
-        let now = self.exposed.exponent(newborn);
-        IntervalEnd { newborn, broken, now, begun: self.exposed.exponent_at_start(newborn) }
+    fn with_hazards(&self, fresh: f64, broken: f64) -> IntervalEnd {
+        let now = self.exposed.exponent(fresh);
+        IntervalEnd { fresh, broken, now, begun: self.exposed.exponent_at_start(fresh) }
     }
 
     fn labels<'p>(&self, part: &'p GridPart) -> &'p NodalLabels {
@@ -396,7 +396,7 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
     fn is_rooted(&self, [low, high]: [IntervalEnd; 2]) -> bool {
         /// At a third of the width, 16 points miss 1e-15 of them.
         const NEAR: f64 = 0.3;
-        self.grid.rooted && low.newborn - self.least < NEAR * (high.newborn - low.newborn)
+        self.grid.rooted && low.fresh - self.least < NEAR * (high.fresh - low.fresh)
     }
 
     /// Ends the sum at the threshold `low` if the monitor asks to stop. Low thresholds of broad distributions need thousands of
@@ -406,7 +406,7 @@ impl<K: KnownHazards, V: FnMut(&ThresholdGroups)> GridSums<'_, '_, '_, K, V> {
         const MANY: usize = 8;
         self.parts.set(self.parts.get() + 1);
         let stops = self.parts.get().is_multiple_of(MANY) && self.watch.stops();
-        if stops { Search::Break(low.newborn) } else { Search::Continue(()) }
+        if stops { Search::Break(low.fresh) } else { Search::Continue(()) }
     }
 }
 
@@ -509,9 +509,9 @@ impl GridPart {
 
     /// The places of thresholds in it, from −1 to 1.
     #[inline(always)]
-    fn places(&self, newborn: &Nodal) -> Nodal {
+    fn places(&self, fresh: &Nodal) -> Nodal {
         let (middle, half) = (0.5 * (self.ends[0] + self.ends[1]), 0.5 * (self.ends[1] - self.ends[0]));
-        let mut places = *newborn;
+        let mut places = *fresh;
         places.iter_mut().for_each(|h| *h = (*h - middle) / half);
         places
     }

@@ -110,16 +110,16 @@ impl HazardSeries {
     const GONE: f64 = 1e4;
 
     /// A of contacts with this fresh threshold and the hazard w/v.
-    pub(super) fn broken(&self, newborn: f64, rate: f64) -> f64 {
-        let place = (newborn - self.interval.middle) / self.interval.half;
+    pub(super) fn broken(&self, fresh: f64, rate: f64) -> f64 {
+        let place = (fresh - self.interval.middle) / self.interval.half;
         self.coefficients.map_or(Self::GONE, |coefficients| rate * series(&coefficients, place))
     }
 
     /// The same for sixteen fresh thresholds.
     #[inline(always)]
-    pub(super) fn broken_of(&self, newborn: &Nodal, rates: &Nodal) -> Nodal {
+    pub(super) fn broken_of(&self, fresh: &Nodal, rates: &Nodal) -> Nodal {
         let Some(coefficients) = self.coefficients else { return [Self::GONE; NODES] };
-        let mut places = *newborn;
+        let mut places = *fresh;
         places.iter_mut().for_each(|h| *h = (*h - self.interval.middle) / self.interval.half);
         let mut broken = series_at(&coefficients, &places);
         broken.iter_mut().zip(rates).for_each(|(length, rate)| *length *= rate);
@@ -293,18 +293,18 @@ mod tests {
                 let thermal = ThermalHazard::new(&contacts, temperature, evolution.clone(), velocity);
                 let labels = evolution.labels(RULE.nodes.map(|t| 1.0 + 0.03 * t), true);
                 let table = HazardTable::new(&thermal, start, ends, &labels).unwrap();
-                for newborn in [0.97, 0.991, 1.03] {
-                    let threshold = |u: f64| evolution.threshold(newborn, u / velocity);
+                for fresh in [0.97, 0.991, 1.03] {
+                    let threshold = |u: f64| evolution.threshold(fresh, u / velocity);
                     let rate = |u: f64| temperature.rate(start + u, threshold(u), 1.0) / velocity;
                     let holds = |u: &f64| start + u < threshold(*u);
                     for advance in (1..40).map(|k| 0.04 * f64::from(k)).take_while(holds) {
                         let exact = simpson(rate, advance);
-                        let found = table.at(advance).broken(newborn, rate(advance));
+                        let found = table.at(advance).broken(fresh, rate(advance));
                         // Simpson's rule leaves out (step × slope of ΔE/T)⁴/180: 2e-11 at a slope of 50.
                         let error = (found - exact).abs() / exact.max(1e-3);
                         assert!(
                             error < 1e-10,
-                            "{ageing:?} {barrier:?} {velocity} {newborn} {advance}: {error:e}"
+                            "{ageing:?} {barrier:?} {velocity} {fresh} {advance}: {error:e}"
                         );
                         compared += 1;
                     }

@@ -207,7 +207,7 @@ impl Life {
     }
 
     /// Density at x of the stretches at which contacts break, without point masses.
-    pub(crate) fn met_density(&self, x: f64, watch: &Watch<'_>) -> f64 {
+    pub(crate) fn breaking_stretch_density(&self, x: f64, watch: &Watch<'_>) -> f64 {
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
                 thresholds.density(x)
@@ -218,7 +218,7 @@ impl Life {
     }
 
     /// Point masses among the stretches at which contacts that start at point masses break.
-    pub(crate) fn met_atoms(&self, watch: &Watch<'_>) -> Vec<Atom> {
+    pub(crate) fn breaking_stretch_atoms(&self, watch: &Watch<'_>) -> Vec<Atom> {
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
                 let started =
@@ -226,12 +226,12 @@ impl Life {
                 let met = |atom: Atom| Atom { weight: atom.weight * started(atom.position), ..atom };
                 thresholds.atoms().into_iter().map(met).collect()
             }
-            Starts::Cohorts(cohorts) => cohorts.met_atoms(watch),
+            Starts::Cohorts(cohorts) => cohorts.breaking_stretch_atoms(watch),
         }
     }
 
     /// The elastic energy of a contact that has just formed.
-    pub(crate) fn newborn_energy(&self) -> f64 {
+    pub(crate) fn fresh_energy(&self) -> f64 {
         self.formed().energy.curve().value(self.wait)
     }
 

@@ -42,22 +42,22 @@ impl RunningMaximum {
 
     /// y(u).
     pub(super) fn value(&self, advance: f64) -> f64 {
-        self.pause(advance).map_or_else(|| self.newborn(advance), |pause| pause.value)
+        self.pause(advance).map_or_else(|| self.fresh(advance), |pause| pause.value)
     }
 
     /// y and dy/du, which is 0 in a pause.
     pub(super) fn value_and_slope(&self, advance: f64) -> (f64, f64) {
-        self.pause(advance).map_or_else(|| self.newborn_and_slope(advance), |pause| (pause.value, 0.0))
+        self.pause(advance).map_or_else(|| self.fresh_and_slope(advance), |pause| (pause.value, 0.0))
     }
 
     /// The advance at which a fresh threshold above the start is reached; `None` if that is beyond the range
     /// of numbers.
-    pub(super) fn advance_to(&self, newborn: f64) -> Option<f64> {
+    pub(super) fn advance_to(&self, fresh: f64) -> Option<f64> {
         if self.evolution.is_constant() {
-            return Some(newborn - self.start);
+            return Some(fresh - self.start);
         }
-        let mut high = newborn;
-        while self.value(high) < newborn {
+        let mut high = fresh;
+        while self.value(high) < fresh {
             high *= 2.0;
             if !high.is_finite() {
                 return None;
@@ -65,9 +65,9 @@ impl RunningMaximum {
         }
         // In a pause y is constant, which leaves a root undefined: the search begins after the last
         // one below the threshold.
-        let beyond = self.pauses.iter().filter(|pause| pause.value < newborn).map(|pause| pause.to);
+        let beyond = self.pauses.iter().filter(|pause| pause.value < fresh).map(|pause| pause.to);
         let low = beyond.fold(0.0, f64::max);
-        brent_root(|u| self.value(u) - newborn, low, high, 0.0)
+        brent_root(|u| self.value(u) - fresh, low, high, 0.0)
     }
 
     /// Advances at which a pause begins or ends.
@@ -80,32 +80,32 @@ impl RunningMaximum {
     }
 
     /// h_0(r + u; u/v).
-    fn newborn(&self, advance: f64) -> f64 {
-        self.evolution.newborn(self.start + advance, advance / self.velocity)
+    fn fresh(&self, advance: f64) -> f64 {
+        self.evolution.fresh(self.start + advance, advance / self.velocity)
     }
 
     /// h_0 and its derivative with respect to u.
-    fn newborn_and_slope(&self, advance: f64) -> (f64, f64) {
+    fn fresh_and_slope(&self, advance: f64) -> (f64, f64) {
         let value = self.evolution.at(advance / self.velocity).contact_at(self.start + advance);
-        (value.newborn, (1.0 - value.drift / self.velocity) / value.spread)
+        (value.fresh, (1.0 - value.drift / self.velocity) / value.spread)
     }
 
     fn pauses(&self, highest: f64) -> Vec<Pause> {
         let mut found = Vec::new();
         let mut before = 0.0;
-        let slope = |advance: f64| self.newborn_and_slope(advance).1;
+        let slope = |advance: f64| self.fresh_and_slope(advance).1;
         let mut open = (slope(0.0) < 0.0).then_some((0.0, self.start));
         let mut at = (self.velocity * self.evolution.soon()).clamp(1e-12 * highest, highest);
         while at.is_finite() {
-            let (here, pace) = self.newborn_and_slope(at);
+            let (here, pace) = self.fresh_and_slope(at);
             // A pause opens where h_0 starts to fall and closes where it exceeds its old maximum.
             match open {
                 None if pace < 0.0 => {
                     let from = brent_root(slope, before, at, 0.0).unwrap_or(before);
-                    open = Some((from, self.newborn(from)));
+                    open = Some((from, self.fresh(from)));
                 }
                 Some((from, value)) if here > value => {
-                    let to = brent_root(|u| self.newborn(u) - value, before, at, 0.0).unwrap_or(at);
+                    let to = brent_root(|u| self.fresh(u) - value, before, at, 0.0).unwrap_or(at);
                     found.push(Pause { from, to, value });
                     open = None;
                 }

@@ -424,7 +424,7 @@ impl BreakingModel for FokkerPlanckLife {
         let formed = DiffusingCohort { start, segments, onsets };
         let rough =
             DiffusingCohort { start, segments: self.segments(start, ROUGH, watch), onsets: Vec::new() };
-        let mean = self.maturing.newborn_law().mean();
+        let mean = self.maturing.fresh_law().mean();
         let difference = formed.difference(&rough, mean, watch) / self.maturing.survival(start);
         // Positive numbers are in the order of their bits.
         self.largest_error.fetch_max(difference.to_bits(), Ordering::Relaxed);

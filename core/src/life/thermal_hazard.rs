@@ -150,8 +150,8 @@ impl ThermalHazard {
     }
 
     /// Whether contacts with this fresh threshold, formed at `start`, are stretched to their threshold after an advance.
-    pub(super) fn has_reached(&self, start: f64, advance: f64, newborn: f64) -> bool {
-        start + advance >= self.evolution.threshold(newborn, advance / self.velocity)
+    pub(super) fn has_reached(&self, start: f64, advance: f64, fresh: f64) -> bool {
+        start + advance >= self.evolution.threshold(fresh, advance / self.velocity)
     }
 
     /// The advance on the scale of which, added to the advance, thresholds change.
@@ -165,18 +165,18 @@ impl ThermalHazard {
     }
 
     /// The largest difference of the exponents of two fresh thresholds at zero stretch, up to an age.
-    pub(super) fn apart(&self, newborn: [f64; 2], age: f64) -> f64 {
+    pub(super) fn apart(&self, fresh: [f64; 2], age: f64) -> f64 {
         let at = |age: f64| {
             let aged = self.evolution.at(age);
-            let [low, high] = newborn.map(|h| self.exponent(0.0, aged.threshold(h)));
+            let [low, high] = fresh.map(|h| self.exponent(0.0, aged.threshold(h)));
             (high - low).abs()
         };
         at(0.0).max(at(age))
     }
 
     /// ΔE/T of a contact formed at `start` with this fresh threshold, as a function of the advance.
-    fn ahead(&self, start: f64, newborn: f64) -> impl Fn(f64) -> f64 {
-        let contact = self.evolution.followed(newborn);
+    fn ahead(&self, start: f64, fresh: f64) -> impl Fn(f64) -> f64 {
+        let contact = self.evolution.followed(fresh);
         move |u| self.exponent(start + u, contact.threshold(u / self.velocity))
     }
 
@@ -230,18 +230,18 @@ impl ThermalHazardAt<'_> {
 
     /// ΔE/T now.
     #[inline]
-    pub(super) fn exponent(&self, newborn: f64) -> f64 {
-        self.thermal.exponent(self.stretch, self.aged.threshold(newborn))
+    pub(super) fn exponent(&self, fresh: f64) -> f64 {
+        self.thermal.exponent(self.stretch, self.aged.threshold(fresh))
     }
 
     /// The present threshold of contacts with this fresh threshold.
-    pub(super) fn threshold(&self, newborn: f64) -> f64 {
-        self.aged.threshold(newborn)
+    pub(super) fn threshold(&self, fresh: f64) -> f64 {
+        self.aged.threshold(fresh)
     }
 
     /// ΔE/T at formation.
-    pub(super) fn exponent_at_start(&self, newborn: f64) -> f64 {
-        self.thermal.exponent(self.start, newborn)
+    pub(super) fn exponent_at_start(&self, fresh: f64) -> f64 {
+        self.thermal.exponent(self.start, fresh)
     }
 
     /// ΔE/T now of contacts with a label.
@@ -268,16 +268,16 @@ impl ThermalHazardAt<'_> {
 
     /// A, and w/v now, of contacts with this fresh threshold.
     #[inline]
-    pub(super) fn hazards(&self, newborn: f64) -> Hazards {
+    pub(super) fn hazards(&self, fresh: f64) -> Hazards {
         if let Some(common) = self.common {
-            let rate = self.rate(newborn);
+            let rate = self.rate(fresh);
             return (rate * common, rate);
         }
         if self.thermal.evolution.is_constant() {
-            let ((sum, now), attempts) = (self.constant(newborn).at(self.advance), self.thermal.attempts());
+            let ((sum, now), attempts) = (self.constant(fresh).at(self.advance), self.thermal.attempts());
             return (attempts * sum, attempts * now);
         }
-        (self.cumulative_hazard(newborn), self.rate(newborn))
+        (self.cumulative_hazard(fresh), self.rate(fresh))
     }
 
     /// Sixteen constant thresholds.
@@ -306,8 +306,8 @@ impl ThermalHazardAt<'_> {
 
     /// A, and w/v now, if A is known as a function of the advance.
     #[inline]
-    pub(super) fn interpolated_hazards(&self, newborn: f64, broken: &Piecewise) -> Hazards {
-        (broken.value_in(broken.nearest(self.advance), self.advance), self.rate(newborn))
+    pub(super) fn interpolated_hazards(&self, fresh: f64, broken: &Piecewise) -> Hazards {
+        (broken.value_in(broken.nearest(self.advance), self.advance), self.rate(fresh))
     }
 
     fn constant(&self, threshold: f64) -> ConstantThreshold {
@@ -318,8 +318,8 @@ impl ThermalHazardAt<'_> {
 
     /// w/v now.
     #[inline]
-    fn rate(&self, newborn: f64) -> f64 {
-        self.rate_of(self.exponent(newborn))
+    fn rate(&self, fresh: f64) -> f64 {
+        self.rate_of(self.exponent(fresh))
     }
 
     /// w/v of contacts with the exponent ΔE/T.
@@ -328,11 +328,11 @@ impl ThermalHazardAt<'_> {
     }
 
     /// A of contacts with this fresh threshold as a function of the advance up to `end`.
-    pub(super) fn history(&self, newborn: f64, end: f64) -> Piecewise {
+    pub(super) fn history(&self, fresh: f64, end: f64) -> Piecewise {
         /// Broken fraction of a contact that is negligible.
         const NEGLIGIBLE: f64 = 1e-18;
         let thermal = self.thermal;
-        let exponent = thermal.ahead(self.start, newborn);
+        let exponent = thermal.ahead(self.start, fresh);
         let rate = |u: f64| thermal.attempts() * (-exponent(u)).exp();
         // Exponents above this contribute less than the negligible part to A over the whole
         // advance.
@@ -348,7 +348,7 @@ impl ThermalHazardAt<'_> {
     }
 
     /// A by quadrature, for thresholds that age.
-    fn cumulative_hazard(&self, newborn: f64) -> f64 {
+    fn cumulative_hazard(&self, fresh: f64) -> f64 {
         /// Sixteen Gauss points integrate to 1e-12 over five times the distance of a singularity: they gain 2.4³².
         const WIDEST: f64 = 5.0;
         /// The same where singularities are only estimated: that of a barrier that is a half power of the distance to the threshold,
@@ -357,8 +357,8 @@ impl ThermalHazardAt<'_> {
         /// A half power of the distance to the threshold does not matter nearer than this, in thresholds.
         const NEAREST: f64 = 1e-4;
         let ThermalHazard { temperature, evolution, velocity, .. } = self.thermal;
-        let exponent = self.thermal.ahead(self.start, newborn);
-        let contact = evolution.followed(newborn);
+        let exponent = self.thermal.ahead(self.start, fresh);
+        let contact = evolution.followed(fresh);
         let ends = [0.0, self.advance].map(|u| (u, exponent(u)));
         // Thresholds are singular functions of the age at −τ, and the barrier of the distance to the threshold at 0.
         let before = velocity * evolution.time_scale();
@@ -471,12 +471,12 @@ mod tests {
     use crate::law::{Gamma, Gaussian, Point, SharedLaw};
 
     /// A, by a composite Gauss rule on intervals that become shorter by a fifth towards both ends.
-    fn composite(thermal: &ThermalHazard, start: f64, advance: f64, newborn: f64) -> f64 {
+    fn composite(thermal: &ThermalHazard, start: f64, advance: f64, fresh: f64) -> f64 {
         let parts = || std::iter::successors(Some(0.5 * advance), |u: &f64| Some(u / 1.2)).take(140);
         let edges = parts().chain(parts().map(|u| advance - u)).chain([0.0, advance]);
         let mut edges: Vec<f64> = edges.collect();
         edges.sort_by(f64::total_cmp);
-        let exponent = thermal.ahead(start, newborn);
+        let exponent = thermal.ahead(start, fresh);
         let rule = |pair: &[f64]| RULE.integrate(pair[0], pair[1], |u| (-exponent(u)).exp());
         thermal.attempts() * edges.windows(2).map(rule).sum::<f64>()
     }
@@ -487,14 +487,14 @@ mod tests {
         let temperature = contacts.rules.temperature.unwrap();
         let thermal = ThermalHazard::new(contacts, temperature, evolution, velocity);
         let mut largest = 0.0_f64;
-        for newborn in (0..60).map(|k| start + 0.003 + 0.03 * f64::from(k)) {
-            let breaks = |u: f64| thermal.evolution.threshold(newborn, u / velocity) <= start + u;
-            if contacts.thresholds.cumulative(newborn) < 1e-10 {
+        for fresh in (0..60).map(|k| start + 0.003 + 0.03 * f64::from(k)) {
+            let breaks = |u: f64| thermal.evolution.threshold(fresh, u / velocity) <= start + u;
+            if contacts.thresholds.cumulative(fresh) < 1e-10 {
                 continue;
             }
             for advance in (1..120).map(|k| 0.011 * f64::from(k)).take_while(|&u| !breaks(u)).step_by(9) {
-                let exact = composite(&thermal, start, advance, newborn);
-                let found = thermal.at(start, advance).hazards(newborn).0;
+                let exact = composite(&thermal, start, advance, fresh);
+                let found = thermal.at(start, advance).hazards(fresh).0;
                 // Of these contacts some have broken, and some are left.
                 if (1e-15..50.0).contains(&exact) {
                     largest = largest.max((found / exact - 1.0).abs() * exact.min(1.0));

@@ -135,8 +135,8 @@ impl Timed {
 
     /// The fraction that survives thermal breaking, at an advance, of contacts formed at `start` with this
     /// fresh threshold.
-    fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
-        let hazards = |thermal_hazard: &ThermalHazard| thermal_hazard.at(start, advance).hazards(newborn).0;
+    fn left(&self, start: f64, advance: f64, fresh: f64) -> f64 {
+        let hazards = |thermal_hazard: &ThermalHazard| thermal_hazard.at(start, advance).hazards(fresh).0;
         self.thermal_hazard.as_ref().map_or(1.0, |thermal_hazard| (-hazards(thermal_hazard)).exp())
     }
 }
@@ -238,20 +238,20 @@ impl BreakingModel for Timed {
 impl KnownHazards for ExposedCohort<'_> {
     fn at(&self, place: usize) -> Hazards {
         let Self { cohort, exposed, evaluated } = *self;
-        let newborn = cohort.of.grid.fixed()[place];
+        let fresh = cohort.of.grid.fixed()[place];
         // Under constant thresholds A has a closed form, and a history would cost more than it
         // saves.
-        if !evaluated || newborn <= cohort.start || cohort.of.evolution.is_constant() {
-            return exposed.hazards(newborn);
+        if !evaluated || fresh <= cohort.start || cohort.of.evolution.is_constant() {
+            return exposed.hazards(fresh);
         }
         let known = cohort.histories.get().is_some_and(|histories| histories[place].get().is_some());
         if !known && !cohort.of.may_cache() {
-            return exposed.hazards(newborn);
+            return exposed.hazards(fresh);
         }
         let histories = cohort.histories.get_or_init(|| cohort.of.room());
-        let end = || cohort.running_maximum.advance_to(newborn).unwrap_or(cohort.of.highest);
-        let history = histories[place].get_or_init(|| cohort.of.cache(exposed.history(newborn, end())));
-        exposed.interpolated_hazards(newborn, history)
+        let end = || cohort.running_maximum.advance_to(fresh).unwrap_or(cohort.of.highest);
+        let history = histories[place].get_or_init(|| cohort.of.cache(exposed.history(fresh, end())));
+        exposed.interpolated_hazards(fresh, history)
     }
 
     fn has_series(&self) -> bool {
@@ -282,7 +282,7 @@ impl AgeingCohort {
         groups: &ThresholdGroups,
         threshold: impl Fn(f64) -> f64,
     ) {
-        let ThresholdGroups { newborn, weights, broken, rates, .. } = groups;
+        let ThresholdGroups { fresh, weights, broken, rates, .. } = groups;
         vectorised(
             #[inline(always)]
             || {
@@ -293,7 +293,7 @@ impl AgeingCohort {
                 survival_moments.unbroken[0] += sum_in_lanes(&left);
                 survival_moments.breaking[0] += dot_in_lanes(&left, rates);
                 if self.of.per_threshold {
-                    let present = &groups.present.unwrap_or_else(|| newborn.map(threshold));
+                    let present = &groups.present.unwrap_or_else(|| fresh.map(threshold));
                     let mut stiffness = left;
                     stiffness.iter_mut().zip(present).for_each(|(left, h)| *left *= h);
                     survival_moments.unbroken[1] += sum_in_lanes(&stiffness);
@@ -330,7 +330,7 @@ impl Cohort for AgeingCohort {
             let exposed = thermal_hazard.at(self.start, advance);
             let evaluated = self.evaluated.swap(true, Ordering::Relaxed);
             let known = ExposedCohort { cohort: self, exposed: &exposed, evaluated };
-            let threshold = |newborn: f64| exposed.threshold(newborn);
+            let threshold = |fresh: f64| exposed.threshold(fresh);
             let add = |groups: &ThresholdGroups| self.add(&mut survival_moments, groups, threshold);
             let visited = self.of.grid.each(met, &exposed, &known, watch, add);
             cached = visited.kept;

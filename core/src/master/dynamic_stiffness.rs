@@ -305,9 +305,9 @@ impl LifeQuadrature {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
                 report(monitor, 0.0)?;
-                let newborn = middle + half * node;
-                let weight = half * weight * law.density(newborn);
-                lives.push(ThresholdLife::new(contacts, &evolution, velocity, newborn, weight));
+                let fresh = middle + half * node;
+                let weight = half * weight * law.density(fresh);
+                lives.push(ThresholdLife::new(contacts, &evolution, velocity, fresh, weight));
             }
         }
         let all: f64 = lives.iter().map(|life| life.weight).sum();
@@ -362,11 +362,11 @@ impl ThresholdLife {
         contacts: &Contacts,
         evolution: &ThresholdEvolution,
         velocity: f64,
-        newborn: f64,
+        fresh: f64,
         weight: f64,
     ) -> Self {
-        let ahead = |age: f64| velocity * age - evolution.threshold(newborn, age);
-        let mut end = newborn / velocity;
+        let ahead = |age: f64| velocity * age - evolution.threshold(fresh, age);
+        let mut end = fresh / velocity;
         while ahead(end) < 0.0 {
             end *= 2.0;
         }
@@ -376,7 +376,7 @@ impl ThresholdLife {
         let (mut ages, mut hazard, mut before) = (Vec::with_capacity(AGES + 1), 0.0, 0.0);
         for i in 0..=AGES {
             let stretch = velocity * spacing * i as f64;
-            let threshold = evolution.threshold(newborn, spacing * i as f64).max(stretch);
+            let threshold = evolution.threshold(fresh, spacing * i as f64).max(stretch);
             let own: f64 = stiffness.of(threshold);
             let (rate, slope) = rules
                 .temperature
@@ -385,7 +385,7 @@ impl ThresholdLife {
             before = rate;
             ages.push(AtAge { survival: (-hazard).exp(), slope, stiffness: own, stretch });
         }
-        let speed = velocity - evolution.at(last).drift(newborn);
+        let speed = velocity - evolution.at(last).drift(fresh);
         let lost = ages[AGES].survival / speed;
         Self { weight, spacing, ages, lost }
     }

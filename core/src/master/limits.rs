@@ -2,8 +2,8 @@
 
 use super::{MasterEquation, SteadyState};
 use crate::Result;
-use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
-use crate::law::{Law, Point, SharedLaw};
+use crate::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
 use crate::numerics::breakpoints::Breakpoint;
 use crate::numerics::legendre::RULE;
@@ -34,7 +34,7 @@ impl Limits {
     /// dominated by ever fewer, stronger contacts. With the additive hazard ω₀ is its average ⟨ω₀⟩, and the limit is finite.
     ///
     /// # Errors
-    /// Those of [`MasterEquation::new`] for the same contacts without rules.
+    /// Those of [`MasterEquation::new`] for the same contacts without rules; stopped by the monitor.
     pub fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
         let rules = &contacts.rules;
         let free = if rules.free_friction.viscosity > 0.0 {
@@ -44,16 +44,16 @@ impl Limits {
         };
         let mut athermal =
             |thresholds: &SharedLaw| athermal(contacts, thresholds, monitor).map(|s| s.kinetic_friction());
-        let newborn = athermal(&contacts.thresholds)?;
+        let without_rules = athermal(&contacts.thresholds)?;
         let slow = match (&contacts.rules.temperature, &contacts.rules.ageing) {
             (Some(_), _) | (None, Some(Ageing::Smoluchowski { .. } | Ageing::Logarithmic { .. })) => None,
             (None, Some(Ageing::FrozenRank { mature, .. } | Ageing::MeanField { mature, .. })) => {
                 Some(athermal(mature)?)
             }
-            (None, None) => Some(newborn),
+            (None, None) => Some(without_rules),
         };
         Ok(Self {
-            fast: if rules.delay.is_none() { newborn } else { free },
+            fast: if rules.delay.is_none() { without_rules } else { free },
             slow,
             viscosity: viscosity(contacts),
         })
@@ -63,8 +63,7 @@ impl Limits {
 /// Steady sliding of the same contacts with these thresholds, without time-dependent rules.
 fn athermal(contacts: &Contacts, thresholds: &SharedLaw, monitor: &mut dyn Monitor) -> Result<SteadyState> {
     let bare = Contacts { thresholds: thresholds.clone(), rules: Rules::default(), ..contacts.clone() };
-    let rest = Initial { law: std::sync::Arc::new(Point::new(0.0)?), start: Start::Conditional };
-    Ok(MasterEquation::new_with(bare, &rest, monitor)?.steady_state())
+    Ok(MasterEquation::reformed(bare, None, monitor)?.steady_state())
 }
 
 /// The temperature, if there is a closed form for slow flow: contacts do not age and re-form unstretched.
@@ -86,10 +85,10 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
     } else {
         [ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?, ln_average(law, life)?]
     };
-    // ln(⟨ω₀⁻¹⟩ + τ)
+    // ln(1 + τ/⟨ω₀⁻¹⟩).
     let Rules { ref delay, free_friction, .. } = contacts.rules;
     let free = (delay.mean().ln() - mean).exp().ln_1p();
-    // The share of free contacts does not depend on the velocity.
+    // The fraction of free contacts does not depend on the velocity.
     let of_free = free_friction.viscosity * -(-free).exp_m1();
     let viscosity = contacts.count * (carried - mean - free).exp() + contacts.count * of_free;
     (viscosity.is_finite() && free_friction.force == 0.0).then_some(viscosity)

@@ -203,7 +203,7 @@ impl LoadingBranch {
             self.energy_curves.get_or_init(|| self.energy_curves(&mut ()).unwrap_or_default());
         let at = |curve: &Piecewise| at(curve, u, cell);
         let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
-        let brought = |life: &Life| start(life.breaking_energy()) - life.newborn_energy();
+        let brought = |life: &Life| start(life.breaking_energy()) - life.fresh_energy();
         let initial_breaking_energy = self::at(&energy_curves.breaking_energy, 0.0, 0);
         let (broken, born) = match &self.motion {
             Motion::Renewed(renewal) => {

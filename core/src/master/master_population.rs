@@ -164,7 +164,7 @@ impl MasterPopulation {
             }
             Some(UnloadingBranch { stiffness, .. }) => (force - stiffness * (self.behind - by), *stiffness),
             None if !onward && self.interface.is_time_dependent() => {
-                let stiffness = self.interface.newborn_stiffness();
+                let stiffness = self.interface.fresh_stiffness();
                 (force + stiffness * by, stiffness)
             }
             None => (force, slope),
@@ -384,7 +384,7 @@ impl Population for MasterPopulation {
 
     fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()> {
         let fresh = self.interface.fresh(monitor)?;
-        let released = self.branch_energies().elastic - self.interface.newborn_energy();
+        let released = self.branch_energies().elastic - self.interface.fresh_energy();
         self.accumulate_energies();
         self.lost += released;
         self.broken += 1.0 - std::mem::take(&mut self.free);
@@ -414,14 +414,14 @@ impl Population for MasterPopulation {
         self.cross(monitor)?;
         let mut layers = self.layers();
         let free = self.free + self.branch_energies().broken;
-        let newborn = self.interface.reformed.layers().iter().map(|layer| {
+        let fresh = self.interface.reformed.layers().iter().map(|layer| {
             let layer = layer.clone().scaled(free);
             if self.moved == self.direction { layer } else { layer.mirrored() }
         });
-        layers.extend(newborn);
+        layers.extend(fresh);
         let branch = self.interface.renewed(layers, monitor)?;
         self.accumulate_energies();
-        self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
+        self.lost -= std::mem::take(&mut self.free) * self.interface.fresh_energy();
         self.start_branch(Arc::new(branch), self.direction);
         Ok(())
     }

@@ -93,12 +93,12 @@ impl SolvedBranches {
     }
 
     /// Mean elastic energy of a contact that has just re-formed, per unit stiffness.
-    pub(super) fn newborn_energy(&self) -> f64 {
-        self.reformed.newborn_energy()
+    pub(super) fn fresh_energy(&self) -> f64 {
+        self.reformed.fresh_energy()
     }
 
     /// Mean stiffness of a contact that has just re-formed, per unit stiffness.
-    pub(super) fn newborn_stiffness(&self) -> f64 {
+    pub(super) fn fresh_stiffness(&self) -> f64 {
         self.reformed.stiffness()
     }
 

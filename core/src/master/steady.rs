@@ -108,24 +108,28 @@ impl SteadyState {
         (second - first * first).max(0.0)
     }
 
-    /// The distribution of the stretches at which contacts break, at given stretches: P_c for
-    /// time-independent contacts that re-form below all thresholds. For time-dependent contacts, that of the
-    /// thresholds that they reach, or break close to, at this velocity. Point masses are those of contacts
+    /// The distribution of the stretches at which contacts break, per length, at given stretches: P_c for
+    /// time-independent contacts that re-form below all thresholds. Point masses are those of contacts
     /// that re-form at one stretch.
     ///
     /// # Errors
     /// None: only a monitor can stop it.
-    pub fn thresholds_met(&self, stretches: &[f64]) -> Result<Stretches> {
-        self.thresholds_met_with(stretches, &mut ())
+    pub fn breaking_stretches(&self, stretches: &[f64]) -> Result<Stretches> {
+        self.breaking_stretches_with(stretches, &mut ())
     }
 
     /// The same with a monitor.
     ///
     /// # Errors
-    /// As [`Self::thresholds_met`]; stopped by the monitor.
-    pub fn thresholds_met_with(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
-        let atoms = self.life.met_atoms(&Watch::new(monitor));
-        Stretches::evaluated(stretches, |x, watch| self.life.met_density(x, watch), atoms, monitor)
+    /// As [`Self::breaking_stretches`]; stopped by the monitor.
+    pub fn breaking_stretches_with(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
+        let atoms = self.life.breaking_stretch_atoms(&Watch::new(monitor));
+        Stretches::evaluated(
+            stretches,
+            |x, watch| self.life.breaking_stretch_density(x, watch),
+            atoms,
+            monitor,
+        )
     }
 
     /// Q_s at the given stretches, per length; it has no point masses.

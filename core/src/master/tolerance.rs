@@ -43,11 +43,6 @@ impl Tolerance {
         self.value
     }
 
-    /// Whether a larger error is refused.
-    pub fn is_required(self) -> bool {
-        self.required
-    }
-
     /// Refuses a tolerance outside the range that can be met.
     pub(super) fn check(self) -> Result<()> {
         if (1e-12..=1e-2).contains(&self.value) {

@@ -29,8 +29,6 @@ pub struct OmoriFit {
     pub error: f64,
     /// Delay c.
     pub delay: f64,
-    /// Standard error of c; infinite if the times do not tell c from 0.
-    pub delay_error: f64,
     /// Background B, as the fraction of the times that it accounts for; 0 where Akaike's criterion prefers none.
     pub background: f64,
     /// Number of times.
@@ -38,7 +36,7 @@ pub struct OmoriFit {
 }
 
 /// Fits times in (0, `window`]; others are left out. `None` for fewer than 30, and where the likelihood has no maximum with
-/// 0 < p < 10.
+/// 0 < p < 10, or no curvature there.
 pub fn fit_omori(times: &[f64], window: f64) -> Option<OmoriFit> {
     let mut inside: Vec<f64> = times.iter().copied().filter(|&t| t > 0.0 && t <= window).collect();
     let count = inside.len();
@@ -125,14 +123,11 @@ impl OmoriLikelihood {
         let flat = matrix[1][1].is_nan() || matrix[1][1] <= 1e-6;
         let known: Vec<usize> = (0..n).filter(|&i| i != 1 || !flat).collect();
         let variances = inverse_diagonal(&matrix, &known)?;
-        let delay = place[1].exp();
-        let delay_error = if flat { f64::INFINITY } else { delay * variances[1].sqrt() };
         let background = place.get(2).map_or(0.0, |logit| 1.0 / (1.0 + logit.exp()));
         Some(OmoriFit {
             exponent: place[0],
             error: variances[0].sqrt(),
-            delay,
-            delay_error,
+            delay: place[1].exp(),
             background,
             count,
         })

@@ -201,8 +201,7 @@ impl Contacts {
                 return Err(Error::invalid("areas", "either thresholds or areas", "both"));
             }
             (None, None) => {
-                let expected =
-                    "a law at which contacts break, such as thresholds.gaussian = { mean = 1, std = 0.1 }";
+                let expected = "a distribution at which contacts break, such as thresholds.gaussian = { mean = 1, std = 0.1 }";
                 return Err(Error::invalid("thresholds", expected, "none"));
             }
         };

@@ -343,7 +343,7 @@ pub fn build_contacts(
 fn sentence((argument, share, highest): (&str, f64, f64)) -> String {
     let key = keys::key_of(argument).unwrap_or_else(|| argument.into());
     format!(
-        "{key}: a share of {share:.3e} is left out, stretches from {highest:.6} on, where fewer than one contact in 1e9 holds"
+        "{key}: a fraction of {share:.3e} is left out, stretches from {highest:.6} on, where fewer than one contact in 1e9 holds"
     )
 }
 

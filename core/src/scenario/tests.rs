@@ -43,7 +43,10 @@ fn stretches_where_no_contact_survives_are_refused_unless_they_may_break_at_once
     scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 2.0 };
     let (key, found) = refused(&scenario);
     assert_eq!(key, "contacts.reforming");
-    assert!(found.starts_with("a share 0.5") && found.ends_with("of the contacts at or above it"), "{found}");
+    assert!(
+        found.starts_with("a fraction 0.5") && found.ends_with("of the contacts at or above it"),
+        "{found}"
+    );
     scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 0.9 };
     scenario.build().unwrap();
 }
@@ -196,7 +199,7 @@ fn warnings_say_what_will_surprise() {
     assert!(warnings(&scenario)[0].starts_with("hold_curve: nothing in [contacts] depends on time"));
     let mature = Law::Gaussian { mean: 0.5, std: 0.1 };
     scenario.contacts.ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
-    assert!(warnings(&scenario)[0].starts_with("contacts.ageing: the mature law is weaker"));
+    assert!(warnings(&scenario)[0].starts_with("contacts.ageing: the mature thresholds are weaker"));
 }
 
 #[test]

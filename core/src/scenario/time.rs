@@ -75,7 +75,7 @@ impl Task<'_> {
 fn moving(contacts: &Contacts) -> Result<()> {
     contacts.have_equal_stiffness().map_err(Error::of_scenario)?;
     let Some(atom) = contacts.thresholds.atoms().into_iter().next() else { return Ok(()) };
-    let expected = "a law without point masses beside contacts.ageing.mean_field in motion";
+    let expected = "a distribution without point masses beside contacts.ageing.mean_field in motion";
     Err(Error::invalid("contacts.thresholds", expected, format!("one at {}", atom.position)))
 }
 
@@ -97,11 +97,11 @@ impl Scenario {
     pub(super) fn warnings(&self, contacts: &Contacts) -> Vec<String> {
         let rules = &contacts.rules;
         let mature = rules.ageing.as_ref().and_then(Ageing::mature).map(|law| law.mean());
-        let newborn = contacts.thresholds.mean();
+        let fresh = contacts.thresholds.mean();
         let mut warnings = Vec::new();
-        if let Some(mature) = mature.filter(|mature| *mature < newborn) {
+        if let Some(mature) = mature.filter(|mature| *mature < fresh) {
             warnings.push(format!(
-                "contacts.ageing: the mature law is weaker than that of newborn contacts, with the means {mature} and {newborn}: contacts weaken with age"
+                "contacts.ageing: the mature thresholds are weaker than those at formation, with the means {mature} and {fresh}: contacts weaken with age"
             ));
         }
         if rules.first().is_none() {

@@ -127,7 +127,7 @@ pub(super) fn run(
     Ok(output)
 }
 
-/// The way of the slider under each force.
+/// The motion of the slider under each force.
 fn crept(
     model: &Model,
     task: &scenario::Creep,
@@ -169,7 +169,7 @@ fn fastest(contacts: &Contacts, duration: f64) -> f64 {
     [activated, aged].into_iter().flatten().fold(duration, f64::min)
 }
 
-/// The way of the slider under a force.
+/// The motion of the slider under a force.
 struct CreepFound {
     path: CreepPath,
     /// Whether it fails at once.
@@ -181,7 +181,7 @@ struct CreepFound {
 }
 
 impl CreepFound {
-    /// The way by two tolerances, and the error by their difference.
+    /// The motion by two tolerances, and the error by their difference.
     fn of(contacts: &Transport, load: CreepLoad, tolerance: f64, monitor: &mut dyn Monitor) -> Result<Self> {
         let unit = contacts.unit() / contacts.stiffness();
         let accuracy = CreepAccuracy { unit, tolerance: tolerance.min(CreepAccuracy::LARGEST_TOLERANCE) };

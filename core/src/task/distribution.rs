@@ -127,7 +127,7 @@ pub(super) fn steady(
     let stretches = steady.stretch_density_with(&grid.stretches, monitor)?;
     let law = contacts.thresholds.as_ref();
     let (column, thresholds, hazard) = if contacts.rules.are_time_dependent() {
-        let met = steady.thresholds_met_with(&grid.stretches, monitor)?;
+        let met = steady.breaking_stretches_with(&grid.stretches, monitor)?;
         // Where hardly any contact is attached, numerator and denominator are rounding errors.
         let rate = |(met, &held): (&f64, &f64)| {
             if held > NONE * steady.breaking_rate() {

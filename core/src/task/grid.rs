@@ -26,7 +26,7 @@ pub struct Grid {
 
 impl Grid {
     /// Stretches for the distributions at X = `snapshots` and in steady sliding. The lives of time-dependent contacts set
-    /// the range, because thresholds that change with age may exceed those of newborn contacts.
+    /// the range, because thresholds that change with age may exceed those of fresh contacts.
     pub fn new(equation: &MasterEquation, initial: &Initial, snapshots: &[f64]) -> Self {
         let contacts = equation.contacts();
         let (thresholds, reforming) = (contacts.thresholds.as_ref(), contacts.reforming.as_ref());
@@ -42,7 +42,7 @@ impl Grid {
             laws.iter().map(|&law| farthest(law)).fold(0.0, f64::max).min(thresholds.quantile(1.0))
         };
         let top = 1.05 * reach;
-        // Mature thresholds may vary on a shorter length than newborn ones.
+        // Mature thresholds may vary on a shorter length than fresh ones.
         laws.extend(contacts.rules.ageing.as_ref().and_then(Ageing::mature).map(AsRef::as_ref));
         let widths = laws.iter().flat_map(|law| law.zones()).map(|zone| zone.resolution);
         let resolution = widths.fold(top, f64::min);
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn contacts_that_strengthen_stretch_beyond_the_newborn_thresholds() {
+    fn contacts_that_strengthen_stretch_beyond_the_fresh_thresholds() {
         let thresholds = Arc::new(Gaussian::new(0.5, 0.1).unwrap());
         let zero = Arc::new(Point::new(0.0).unwrap());
         let mature: SharedLaw = Arc::new(Gaussian::new(1.0, 0.05).unwrap());

@@ -16,7 +16,8 @@ use crate::scenario::{self, Model};
 
 /// Fraction of the work for steady sliding.
 const LIVES: f64 = 0.1;
-/// Distance within which the force peaks after a hold, in mean thresholds of newborn or mature contacts.
+/// Distance within which the force peaks after a hold, in units of the largest of the mean threshold at formation, that of mature
+/// contacts, and the mean life in steady sliding.
 const REACH: f64 = 2.0;
 /// Points of the first search for the peak.
 const POINTS: usize = 41;
@@ -223,6 +224,10 @@ pub(super) fn peak(position: &[f64], force: &[f64]) -> Peak {
         return top;
     }
     let (before, after) = (position[highest - 1] - top.position, position[highest + 1] - top.position);
+    // Points at one position, as of a slip while the load point rests, have no parabola.
+    if !(before < 0.0 && after > 0.0) {
+        return top;
+    }
     // Divided differences (Newton's interpolation) for points that need not be evenly spaced.
     let (left, right) = ((force[highest - 1] - top.force) / before, (force[highest + 1] - top.force) / after);
     let bend = (right - left) / (after - before);
@@ -286,5 +291,13 @@ mod tests {
         assert!((found.position - 1.3).abs() < 1e-14 && (found.force - 2.0).abs() < 1e-14, "{found:?}");
         let rising = peak(&[0.0, 1.0], &[0.0, 1.0]);
         assert_eq!((rising.position, rising.force), (1.0, 1.0));
+    }
+
+    #[test]
+    fn a_peak_at_which_the_force_drops_is_its_point() {
+        for position in [[0.0, 1.0, 1.0, 2.0], [0.0, 0.0, 1.0, 2.0]] {
+            let found = peak(&position, &[0.0, 1.0, 0.5, 0.7]);
+            assert_eq!((found.position, found.force), (position[1], 1.0));
+        }
     }
 }

@@ -145,27 +145,41 @@ fn steps(
             }
             _ => ComparedStep::default(),
         };
+        let kinetic_friction = match step.velocity_to {
+            None if velocity > 0.0 => steady(model, velocity, &mut frictions, monitor)?,
+            _ => None,
+        };
         steps.push(ProtocolStep {
-            velocity,
-            velocity_from: step.velocity_to.map(|_| step.velocities().0),
-            position: position[0],
-            duration: step.duration(),
-            pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
-            force: trace.force[last],
-            peak: peak(position, force),
-            kinetic_friction: match step.velocity_to {
-                None if velocity > 0.0 => steady(model, velocity, &mut frictions, monitor)?,
-                _ => None,
-            },
+            kinetic_friction,
             rate_state: changed.and_then(|v| read(v, velocity, position, force)),
             measured: compared.measured,
-            rate_state_spring: None,
             measured_spring: compared.spring,
             not_read: compared.not_read,
+            ..moved(step, position, force)
         });
         (previous, first) = (first, last);
     }
     Ok(steps)
+}
+
+/// A step of the protocol with its positions and forces, and nothing read from them but the peak.
+fn moved(step: &scenario::Step, position: &[f64], force: &[f64]) -> ProtocolStep {
+    let (first, last) = step.velocities();
+    ProtocolStep {
+        velocity: last,
+        velocity_from: step.velocity_to.map(|_| first),
+        position: position[0],
+        duration: step.duration(),
+        pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
+        force: force[force.len() - 1],
+        peak: peak(position, force),
+        kinetic_friction: None,
+        rate_state: None,
+        measured: None,
+        rate_state_spring: None,
+        measured_spring: None,
+        not_read: None,
+    }
 }
 
 /// The velocity before step `i`, if the velocity steps there from one above 0 to another one.
@@ -203,19 +217,10 @@ fn steps_behind(
             compared = spring.read(curve.points(), ends, velocity / before, monitor)?;
         }
         steps.push(ProtocolStep {
-            velocity,
-            velocity_from: step.velocity_to.map(|_| step.velocities().0),
-            position: drive[first],
-            duration: step.duration(),
-            pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
-            force: force[last],
-            peak: peak(&drive[first..=last], &force[first..=last]),
-            kinetic_friction: None,
-            rate_state: None,
-            measured: None,
             rate_state_spring: computed.spring,
             measured_spring: compared.spring,
             not_read: compared.not_read,
+            ..moved(step, &drive[first..=last], &force[first..=last])
         });
     }
     Ok(steps)

@@ -109,8 +109,8 @@ fn steps_are_of_second_order() {
 
 #[test]
 fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
-    let newborn = ageing((0.5, 0.1), Ageing::FrozenRank { mature: gaussian(1.0, 0.2), time: 1.0 });
-    for (contacts, velocity) in [(logarithmic(), 1e-3), (newborn, 0.7)] {
+    let fresh = ageing((0.5, 0.1), Ageing::FrozenRank { mature: gaussian(1.0, 0.2), time: 1.0 });
+    for (contacts, velocity) in [(logarithmic(), 1e-3), (fresh, 0.7)] {
         let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
         let critical = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap().0;
         let regime = |stiffness: f64| {

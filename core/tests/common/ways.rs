@@ -43,7 +43,7 @@ pub fn ageing(ageing: Ageing) -> Rules {
 
 /// Every kind: heat over barriers of k x̄²/2T = 10, thresholds that strengthen, and those that mature from G(½, 0.1) to G(1, 0.05).
 pub fn kinds() -> Vec<Kind> {
-    let (newborn, mature) = (|| gaussian(0.5, 0.1), || gaussian(1.0, 0.05));
+    let (fresh, mature) = (|| gaussian(0.5, 0.1), || gaussian(1.0, 0.05));
     let warm = |barrier| contacts(gaussian(1.0, 0.1), thermal(barrier, 0.05));
     let ranked = Ageing::FrozenRank { mature: mature(), time: 1.0 };
     let diffusing = Ageing::Smoluchowski { mature: mature(), diffusion: 0.0025 };
@@ -55,8 +55,8 @@ pub fn kinds() -> Vec<Kind> {
         of("bell barrier", warm(Barrier::Bell), 1e-3),
         of("catastrophe barrier", warm(Barrier::Catastrophe), 1e-3),
         of("logarithmic", contacts(gaussian(1.0, 0.1), strengthening), 1e-1),
-        of("frozen_rank", contacts(newborn(), ageing(ranked)), 3e-1),
-        of("smoluchowski", contacts(newborn(), ageing(diffusing)), 3e-1),
+        of("frozen_rank", contacts(fresh(), ageing(ranked)), 3e-1),
+        of("smoluchowski", contacts(fresh(), ageing(diffusing)), 3e-1),
         of("elastic barrier, delay", contacts(gaussian(1.0, 0.1), waiting), 3e-1),
     ]
 }

@@ -17,15 +17,15 @@ use asperity::master::MasterEquation;
 use asperity::monitor::Monitor;
 
 /// F_k, and the error that the life reports.
-fn reported(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
-    let mut contacts = Contacts::new(newborn.clone(), Arc::new(Point::new(0.0).unwrap()));
+fn reported(fresh: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
+    let mut contacts = Contacts::new(fresh.clone(), Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::FrozenRank { mature: mature.clone(), time: 1.0 });
     let life = moving(&contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap();
     (life.force().curve().integral() / life.survival().curve().integral(), life.error())
 }
 
-fn kinetic_friction(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> f64 {
-    reported(newborn, mature, velocity).0
+fn kinetic_friction(fresh: &SharedLaw, mature: &SharedLaw, velocity: f64) -> f64 {
+    reported(fresh, mature, velocity).0
 }
 
 #[test]
@@ -33,33 +33,33 @@ fn a_mixture_of_one_gaussian_ages_like_that_gaussian() {
     let mixture: SharedLaw = Arc::new(Mixture::new(vec![(1.0, gaussian(0.5, 0.1))]).unwrap());
     for (velocity, expected) in [(10.0, 0.2721367872), (1.0, 0.3867782523), (0.1, 0.5012378105)] {
         let found = kinetic_friction(&mixture, &gaussian(1.0, 0.05), velocity);
-        // What the newborn law has below 0 is cut off, of 2.9e-7.
+        // What the fresh law has below 0 is cut off, of 2.9e-7.
         assert!((found - expected).abs() < 3e-7, "{velocity} {found}");
     }
 }
 
 #[test]
-fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_newborn_one() {
+fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_fresh_one() {
     let laws: [(SharedLaw, SharedLaw); 2] = [
         (gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.2).unwrap())),
         (gaussian(0.9, 0.05), Arc::new(Rectangular::new(0.6, 1.6).unwrap())),
     ];
-    for (newborn, mature) in laws {
+    for (fresh, mature) in laws {
         let still = |law: &SharedLaw| law.upper_moment(2, -1.0) / (2.0 * law.mean());
-        let found = [1e-3, 0.2, 1.0, 1e6].map(|velocity| kinetic_friction(&newborn, &mature, velocity));
+        let found = [1e-3, 0.2, 1.0, 1e6].map(|velocity| kinetic_friction(&fresh, &mature, velocity));
         // Ages of a thousand times τ, and of a millionth.
         assert!((found[0] - still(&mature)).abs() < 1e-7);
-        assert!((found[3] - still(&newborn)).abs() < 3e-6);
+        assert!((found[3] - still(&fresh)).abs() < 3e-6);
         assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{found:?}");
     }
 }
 
 /// F_k where S(x) = 1 − max G(x'; x'/v), G by finite volumes on so many cells, of which the stretch passes one at each step.
-fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cells: usize) -> f64 {
-    let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
+fn by_finite_volumes(fresh: &SharedLaw, mature: &SharedLaw, velocity: f64, cells: usize) -> f64 {
+    let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(Diffusion::of(&maturing, cells));
     let width = operator.width();
-    let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
+    let mut masses = maturing.fresh(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
     let (mut met, mut sums) = (0.0_f64, [0.5 * width, 0.0]);
     for cell in 1..cells {
@@ -74,12 +74,12 @@ fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cel
 #[test]
 fn between_gammas_ranks_are_those_of_the_law_followed_by_finite_volumes() {
     let law = |mean, std| Arc::new(Gamma::new(mean, std).unwrap()) as SharedLaw;
-    let (newborn, mature) = (law(0.7, 0.14), law(1.2, 0.15));
+    let (fresh, mature) = (law(0.7, 0.14), law(1.2, 0.15));
     for velocity in [5.0, 0.7] {
         let [coarse, fine, finest] =
-            [500, 1000, 2000].map(|cells| by_finite_volumes(&newborn, &mature, velocity, cells));
+            [500, 1000, 2000].map(|cells| by_finite_volumes(&fresh, &mature, velocity, cells));
         let (better, best) = (fine + (fine - coarse) / 3.0, finest + (finest - fine) / 3.0);
-        let (found, error) = reported(&newborn, &mature, velocity);
+        let (found, error) = reported(&fresh, &mature, velocity);
         // The tolerance by default is 1e-10; a digit for both solutions.
         assert!(error < 1e-9, "{velocity}: {error:e}");
         // Finite volumes are of second order, extrapolated once: the better one is off by a fifteenth of what they differ by,
@@ -115,11 +115,11 @@ fn a_pull_reaches_an_accuracy_that_is_asked_for() {
 fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     const SIZE: usize = 200_000;
     let (velocity, cells, to) = (0.5, 200_000, 0.03);
-    let (newborn, mature): (SharedLaw, _) = (Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.5, 0.1));
-    let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
+    let (fresh, mature): (SharedLaw, _) = (Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.5, 0.1));
+    let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(Diffusion::of(&maturing, cells));
     let width = operator.width();
-    let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
+    let mut masses = maturing.fresh(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
     // The largest share below the stretch so far has been met; what carried x there carries x less from then on.
     let (mut met, mut lost) = (0.0, 0.0);
@@ -130,7 +130,7 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
         met = below.max(met);
     }
     let start = Arc::new(Point::new(0.0).unwrap());
-    let mut contacts = Contacts::new(newborn, start.clone());
+    let mut contacts = Contacts::new(fresh, start.clone());
     contacts.rules.ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
     let initial = Initial { law: start, start: Start::Conditional };
     let ensemble = Ensemble::new(contacts, initial, SIZE, 1, Disorder::Annealed).unwrap();
@@ -161,10 +161,10 @@ fn aged(contacts: &Contacts) -> (f64, bool) {
 /// Velocities, tolerances and solvers share a table; other distributions and times have their own.
 #[test]
 fn copies_of_contacts_compute_their_thresholds_once() {
-    let newborn: SharedLaw = Arc::new(Gamma::new(1.0, 0.3).unwrap());
+    let fresh: SharedLaw = Arc::new(Gamma::new(1.0, 0.3).unwrap());
     let mature: SharedLaw = Arc::new(Gamma::new(1.5, 0.2).unwrap());
     let aging = |mature: &SharedLaw, time: f64| Some(Ageing::FrozenRank { mature: mature.clone(), time });
-    let mut contacts = Contacts::new(newborn, Arc::new(Point::new(0.0).unwrap()));
+    let mut contacts = Contacts::new(fresh, Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = aging(&mature, 1.0);
     let (threshold, computed) = aged(&contacts);
     assert!(computed);

@@ -9,8 +9,8 @@ use asperity::law::{Exponential, Gamma, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
 
 /// Contacts re-formed at 0.
-fn contacts(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Contacts {
-    let mut contacts = Contacts::new(newborn, Arc::new(Point::new(0.0).unwrap()));
+fn contacts(fresh: SharedLaw, mature: SharedLaw, diffusion: f64) -> Contacts {
+    let mut contacts = Contacts::new(fresh, Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::Smoluchowski { mature, diffusion });
     contacts
 }
@@ -34,7 +34,7 @@ fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f6
     let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
     let maturing = ThresholdFokkerPlanck::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
     let operator = Arc::new(Diffusion::of(&maturing, cells));
-    let mut masses = maturing.newborn(&operator.middles(), 0.0, &mut ()).unwrap();
+    let mut masses = maturing.fresh(&operator.middles(), 0.0, &mut ()).unwrap();
     let mut work = Work::default();
     let before = DiffusionStep::new(&operator, operator.edge(0) / velocity / cells as f64);
     for _ in 0..if operator.edge(0) > 0.0 { cells } else { 0 } {
@@ -70,9 +70,9 @@ fn cells_that_follow_and_cells_at_rest_agree() {
         (Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.1), 3.5),
         (gaussian(1.0, 0.05), Arc::new(Rectangular::new(0.6, 1.4).unwrap()), 2.0),
     ];
-    for (newborn, mature, gain) in laws {
+    for (fresh, mature, gain) in laws {
         let diffusion = mature.std().powi(2);
-        let contacts = contacts(newborn, mature, diffusion);
+        let contacts = contacts(fresh, mature, diffusion);
         for velocity in [0.03, 0.5] {
             let life = life(&contacts, velocity);
             let survival = life.survival().curve();
@@ -127,9 +127,9 @@ fn scaled_tail(z: f64) -> f64 {
 #[test]
 fn the_error_beside_a_pole_is_what_forces_feel_of_it() {
     let (mean, diffusion) = (0.3, 0.01);
-    let newborn = Arc::new(Gamma::new(mean, mean * std::f64::consts::SQRT_2).unwrap());
+    let fresh = Arc::new(Gamma::new(mean, mean * std::f64::consts::SQRT_2).unwrap());
     // Flat, and so far up that hardly any come to the upper end.
-    let contacts = contacts(newborn, Arc::new(Rectangular::new(0.0, 12.0).unwrap()), diffusion);
+    let contacts = contacts(fresh, Arc::new(Rectangular::new(0.0, 12.0).unwrap()), diffusion);
     for velocity in [0.3, 3.0] {
         let life = life(&contacts, velocity);
         let mut worst = 0.0_f64;
@@ -169,10 +169,10 @@ fn the_error_beside_a_pole_is_what_forces_feel_of_it() {
 }
 
 #[test]
-fn thresholds_that_have_no_time_to_diffuse_are_the_newborn_ones() {
-    for newborn in [gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.3).unwrap()) as SharedLaw] {
-        let fast = contacts(newborn.clone(), gaussian(1.0, 0.05), 0.0025);
-        let slow = contacts(newborn, gaussian(1.0, 0.05), 1e-12);
+fn thresholds_that_have_no_time_to_diffuse_are_the_fresh_ones() {
+    for fresh in [gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.3).unwrap()) as SharedLaw] {
+        let fast = contacts(fresh.clone(), gaussian(1.0, 0.05), 0.0025);
+        let slow = contacts(fresh, gaussian(1.0, 0.05), 1e-12);
         let still = athermal(&fast, &fast.reforming, true, &mut ()).unwrap();
         for (contacts, diffusion, velocity) in [(&fast, 0.0025, 1e7), (&slow, 1e-12, 1.0)] {
             let life = life(contacts, velocity);
@@ -190,12 +190,12 @@ fn thresholds_that_have_no_time_to_diffuse_are_the_newborn_ones() {
 /// Where the layer D/v above the stretch is thin its mass is given by two terms, where it is not elements resolve it.
 #[test]
 fn thin_layers_go_on_from_layers_that_are_resolved() {
-    let newborn: [SharedLaw; 2] = [gaussian(0.5, 0.1), Arc::new(Gamma::new(0.6, 0.2).unwrap())];
-    for newborn in newborn {
+    let fresh: [SharedLaw; 2] = [gaussian(0.5, 0.1), Arc::new(Gamma::new(0.6, 0.2).unwrap())];
+    for fresh in fresh {
         let mature = gaussian(1.0, 0.05);
-        let limit = 2e-5 * ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), 1.0).resolution();
+        let limit = 2e-5 * ThresholdFokkerPlanck::new(fresh.clone(), mature.clone(), 1.0).resolution();
         let [thin, first, second, third] = [0.95, 1.05, 1.15, 1.25]
-            .map(|part| life(&contacts(newborn.clone(), mature.clone(), part * limit), 1.0));
+            .map(|part| life(&contacts(fresh.clone(), mature.clone(), part * limit), 1.0));
         for x in (1..90).map(|k| 0.01 * f64::from(k)) {
             let left = |life: &Life| life.survival().curve().value(x);
             let expected = 3.0 * (left(&first) - left(&second)) + left(&third);
@@ -255,10 +255,10 @@ fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_
     }
 }
 
-/// Newborn thresholds with edges, which diffuse, at a temperature.
+/// Fresh thresholds with edges, which diffuse, at a temperature.
 fn warm_edges(barrier: Barrier, diffusion: f64) -> Contacts {
-    let newborn = Arc::new(Rectangular::new(0.4, 0.6).unwrap());
-    let mut contacts = contacts(newborn, gaussian(1.0, 0.3), diffusion);
+    let fresh = Arc::new(Rectangular::new(0.4, 0.6).unwrap());
+    let mut contacts = contacts(fresh, gaussian(1.0, 0.3), diffusion);
     contacts.rules.temperature = Some(Temperature { barrier, ..Temperature::new(0.02, 7.0) });
     contacts
 }
@@ -319,7 +319,7 @@ fn warm_edges_break_as_those_of_cells_at_rest() {
         let maturing = ThresholdFokkerPlanck::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
         let operator = Arc::new(Diffusion::of(&maturing, cells));
         let middles: Vec<f64> = operator.middles();
-        let mut masses = maturing.newborn(&middles, 0.0, &mut ()).unwrap();
+        let mut masses = maturing.fresh(&middles, 0.0, &mut ()).unwrap();
         let (time, mut work) = (operator.width() / velocity, Work::default());
         let step = DiffusionStep::new(&operator, time);
         let burn = |masses: &mut [f64], stretch: f64| {
@@ -343,12 +343,12 @@ fn warm_edges_break_as_those_of_cells_at_rest() {
 
 #[test]
 fn edges_and_points_are_followed_however_little_they_diffuse() {
-    let newborn: [SharedLaw; 3] = [
+    let fresh: [SharedLaw; 3] = [
         Arc::new(Rectangular::new(0.4, 0.6).unwrap()),
         Arc::new(Point::new(0.5).unwrap()),
         Arc::new(Exponential::new(0.5).unwrap()),
     ];
-    for law in newborn {
+    for law in fresh {
         let means = [1e-3, 1e-5, 1e-9].map(|diffusion| {
             let contacts = contacts(law.clone(), gaussian(1.0, 0.3), diffusion);
             let life = life(&contacts, 1.0);
@@ -364,7 +364,7 @@ fn edges_and_points_are_followed_however_little_they_diffuse() {
 }
 
 #[test]
-fn newborn_thresholds_with_edges_have_the_friction_of_a_finite_difference_solution() {
+fn fresh_thresholds_with_edges_have_the_friction_of_a_finite_difference_solution() {
     let contacts = contacts(Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.05), 0.0025);
     for (velocity, expected) in [(5.0, 0.2792073), (50.0, 0.2558285), (500.0, 0.2535818)] {
         let found = kinetic_friction(&life(&contacts, velocity));

@@ -1,5 +1,5 @@
 //! Lives at a velocity against contacts followed one by one: each from where it forms to where it breaks, then averaged
-//! over where contacts form and over their newborn thresholds, in the order that the lives do not take.
+//! over where contacts form and over their fresh thresholds, in the order that the lives do not take.
 
 use crate::common::{gamma, gaussian, initial, mixture, point, rectangular};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
@@ -58,19 +58,19 @@ impl Case {
     }
 
     /// h at the advance u.
-    fn threshold(&self, newborn: f64, advance: f64) -> f64 {
+    fn threshold(&self, fresh: f64, advance: f64) -> f64 {
         let age = advance / self.velocity;
         match &self.rules.ageing {
-            Some(Ageing::Logarithmic { growth, time }) => newborn * (1.0 + growth * (1.0 + age / time).ln()),
+            Some(Ageing::Logarithmic { growth, time }) => fresh * (1.0 + growth * (1.0 + age / time).ln()),
             Some(Ageing::FrozenRank { mature, time }) => {
                 let of = |law: &SharedLaw, k: usize| law.parameters()[k].value;
                 let (born, left) = (&self.thresholds, (-age / time).exp());
                 let mean = of(mature, 0) + (of(born, 0) - of(mature, 0)) * left;
                 let variance =
                     of(mature, 1).powi(2) + (of(born, 1).powi(2) - of(mature, 1).powi(2)) * left * left;
-                mean + variance.sqrt() * (newborn - of(born, 0)) / of(born, 1)
+                mean + variance.sqrt() * (fresh - of(born, 0)) / of(born, 1)
             }
-            _ => newborn,
+            _ => fresh,
         }
     }
 
@@ -79,9 +79,9 @@ impl Case {
     }
 
     /// w/v at the advance u.
-    fn rate(&self, start: f64, newborn: f64, advance: f64) -> f64 {
+    fn rate(&self, start: f64, fresh: f64, advance: f64) -> f64 {
         let Some(temperature) = self.rules.temperature else { return 0.0 };
-        let threshold = self.threshold(newborn, advance);
+        let threshold = self.threshold(fresh, advance);
         let whole = 0.5 * self.stiffness(threshold) * threshold * threshold;
         let y = ((start + advance) / threshold).min(1.0);
         let barrier = match temperature.barrier {
@@ -94,8 +94,8 @@ impl Case {
     }
 
     /// The first advance at which the stretch is the threshold.
-    fn meeting(&self, start: f64, newborn: f64) -> f64 {
-        let ahead = |u: f64| self.threshold(newborn, u) - start - u;
+    fn meeting(&self, start: f64, fresh: f64) -> f64 {
+        let ahead = |u: f64| self.threshold(fresh, u) - start - u;
         let (mut low, mut high) = (0.0, 1e-4);
         while ahead(high) > 0.0 {
             (low, high) = (high, high + 0.01);
@@ -108,17 +108,17 @@ impl Case {
     }
 
     /// A contact from its birth on.
-    fn life(&self, start: f64, newborn: f64) -> Sums {
-        let end = self.meeting(start, newborn);
+    fn life(&self, start: f64, fresh: f64) -> Sums {
+        let end = self.meeting(start, fresh);
         let (mut broken, mut sums) = (0.0, [0.0; 4]);
         for cell in 0..2 * CELLS {
             let (low, high) = (edge(cell) * end, edge(cell + 1) * end);
-            let rate = |u: f64| self.rate(start, newborn, u);
+            let rate = |u: f64| self.rate(start, fresh, u);
             for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
                 let u = low + 0.5 * (high - low) * (1.0 + t);
                 let left = (-broken - RULE.integrate(low, u, rate)).exp();
                 let (weight, x) = (0.5 * (high - low) * w * left, start + u);
-                let stiffness = self.stiffness(self.threshold(newborn, u));
+                let stiffness = self.stiffness(self.threshold(fresh, u));
                 sums[0] += weight;
                 sums[1] += weight * stiffness * x;
                 sums[2] += weight * (stiffness * x).powi(2);
@@ -126,7 +126,7 @@ impl Case {
             }
             broken += RULE.integrate(low, high, rate);
         }
-        let last = self.threshold(newborn, end);
+        let last = self.threshold(fresh, end);
         sums[3] += (-broken).exp() * 0.5 * self.stiffness(last) * (start + end).powi(2);
         sums
     }
@@ -163,7 +163,7 @@ impl Case {
 
     fn expected(&self) -> Sums {
         let of_start = |start: f64| {
-            let all = Self::mean(&self.thresholds, start, &[], 6, &|newborn| self.life(start, newborn));
+            let all = Self::mean(&self.thresholds, start, &[], 6, &|fresh| self.life(start, fresh));
             all.map(|sum| sum / self.thresholds.survival(start))
         };
         let cuts: Vec<f64> = self.thresholds.breakpoints().iter().map(|b| b.position).collect();

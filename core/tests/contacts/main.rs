@@ -4,6 +4,7 @@
 mod common;
 
 mod additive_hazard;
+mod breaking_stretches;
 mod diffusion;
 mod free_junctions;
 mod frozen_rank;
@@ -17,5 +18,4 @@ mod life_thermal;
 mod properties;
 mod random;
 mod stiffness_table;
-mod thresholds_met;
 mod unusual_numbers;

@@ -133,9 +133,9 @@ fn aged(ageing: Ageing) -> Case {
     Case::with(gaussian(0.5, 0.1), |rules| rules.ageing = Some(ageing.clone()))
 }
 
-fn diffusing(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Case {
+fn diffusing(fresh: SharedLaw, mature: SharedLaw, diffusion: f64) -> Case {
     let ageing = Ageing::Smoluchowski { mature, diffusion };
-    Case::with(newborn, |rules| rules.ageing = Some(ageing.clone()))
+    Case::with(fresh, |rules| rules.ageing = Some(ageing.clone()))
 }
 
 /// F_k = ∫xs/∫s, s = exp[−(1/v)∫w], by quadrature with 30 digits; k x_s²/2T = 20. From stretches spread evenly, so that little
@@ -189,14 +189,14 @@ fn frozen_rank() {
 fn frozen_ranks_on_a_way_with_a_hold() {
     let cases =
         [((1.0, 0.05), (0.5, 0.05), 0.7), ((1.0, 0.2), (1.05, 0.02), 0.98), ((0.5, 0.1), (1.0, 0.05), 0.55)];
-    for (newborn, mature, way) in cases {
+    for (fresh, mature, way) in cases {
         let ageing = Ageing::FrozenRank { mature: gaussian(mature.0, mature.1), time: 2.0 };
-        let case = Case::with(gaussian(newborn.0, newborn.1), |rules| rules.ageing = Some(ageing.clone()));
+        let case = Case::with(gaussian(fresh.0, fresh.1), |rules| rules.ageing = Some(ageing.clone()));
         let history = pieces(&[(way, 1.0), (0.0, 3.0), (0.1, 4.0)]);
         let rank = |time: f64| {
             let left = (-0.5 * time).exp();
-            let mean = mature.0 + (newborn.0 - mature.0) * left;
-            let square = mature.1 * mature.1 + (newborn.1 * newborn.1 - mature.1 * mature.1) * left * left;
+            let mean = mature.0 + (fresh.0 - mature.0) * left;
+            let square = mature.1 * mature.1 + (fresh.1 * fresh.1 - mature.1 * mature.1) * left * left;
             (history.position(time) - mean) / square.sqrt()
         };
         let highest =
@@ -226,7 +226,7 @@ fn diffusing_thresholds_in_a_tabulated_potential() {
     }
 }
 
-/// Newborn thresholds in the steep part of the potential of a gamma law: survival by the Fokker–Planck equation, to 5e-5.
+/// Fresh thresholds in the steep part of the potential of a gamma law: survival by the Fokker–Planck equation, to 5e-5.
 #[test]
 fn diffusing_thresholds_in_a_curved_potential() {
     let mature = Arc::new(Gamma::new(1.0, 0.2).unwrap());

@@ -166,7 +166,7 @@ struct Plain {
     time: f64,
     drive: f64,
     forces: Vec<f64>,
-    newborn: Vec<f64>,
+    fresh: Vec<f64>,
     births: Vec<f64>,
     left: Vec<f64>,
     thresholds: Vec<Stream>,
@@ -191,7 +191,7 @@ impl Plain {
             velocity,
             time: 0.0,
             drive: 0.0,
-            newborn: vec![0.0; size],
+            fresh: vec![0.0; size],
             births: vec![0.0; size],
             left: vec![f64::INFINITY; size],
             thresholds: (0..size).map(|contact| stream(Purpose::Thresholds, contact)).collect(),
@@ -210,7 +210,7 @@ impl Plain {
             self.contacts.thresholds.fill(&mut self.thresholds[contact], &mut value);
         }
         self.forces[contact] = stretch;
-        self.newborn[contact] = value[0];
+        self.fresh[contact] = value[0];
         self.births[contact] = self.time;
         if self.contacts.rules.temperature.is_some() {
             self.left[contact] = -self.breaking[contact].uniform().ln();
@@ -218,7 +218,7 @@ impl Plain {
     }
 
     fn threshold(&self, contact: usize, time: f64) -> f64 {
-        self.evolution.threshold(self.newborn[contact], time - self.births[contact])
+        self.evolution.threshold(self.fresh[contact], time - self.births[contact])
     }
 
     fn rate(&self, contact: usize, elapsed: f64) -> f64 {

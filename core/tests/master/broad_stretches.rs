@@ -71,11 +71,11 @@ fn a_scenario_accepts_them_and_tells_their_share() {
     let reported = broad.build().unwrap().warnings;
     assert_eq!(reported.len(), 2);
     assert!(
-        reported[0].starts_with("contacts.reforming: a share of 2.000e-1 is left out"),
+        reported[0].starts_with("contacts.reforming: a fraction of 2.000e-1 is left out"),
         "{}",
         reported[0]
     );
-    assert!(reported[1].starts_with("initial: a share of 2.000e-1 is left out"), "{}", reported[1]);
+    assert!(reported[1].starts_with("initial: a fraction of 2.000e-1 is left out"), "{}", reported[1]);
     // Contacts that may break at once are all kept.
     let mut relaxed = pulled(Law::Rectangular { min: 0.0, max: 1.25 }, TaskStart::Relaxed);
     assert_eq!(relaxed.build().unwrap().warnings.len(), 1);

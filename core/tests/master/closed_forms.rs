@@ -229,6 +229,21 @@ fn erlang() {
     close(Erlang::with_mean(100, 1.0).relaxation_length(), 5.0677261778, 6e-11);
 }
 
+/// The sums are not computed beyond the reach, and not for what is no number.
+#[test]
+fn forms_are_not_known_beyond_their_reach() {
+    let forms: [&dyn ClosedForm; 3] = [
+        &Gamma { mean: 1.0, std: 0.5 },
+        &Gaussian { mean: 1.0, std: 0.1, initial_mean: 0.0, initial_std: 0.0 },
+        &Rectangular { min: 0.5, max: 1.5 },
+    ];
+    for form in forms {
+        for position in [form.reach().next_up(), f64::INFINITY, f64::NAN] {
+            assert!(form.force(position).is_nan() && form.slope(position).is_nan(), "{position}");
+        }
+    }
+}
+
 /// Sums of incomplete gamma functions against sums of exponentials, with which they share nothing.
 #[test]
 fn gamma_of_whole_shapes_is_erlang() {

@@ -8,13 +8,13 @@ use asperity::law::{Gamma, Lognormal, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 
 /// ⟨h²⟩/(2⟨h⟩) of the law between Gaussians, whose moments are closed; masses below 0 are kept.
-fn closed(newborn: (f64, f64), mature: (f64, f64), velocity_over_rate: f64) -> f64 {
-    let ((newborn, newborn_std), (mature, mature_std)) = (newborn, mature);
+fn closed(fresh: (f64, f64), mature: (f64, f64), velocity_over_rate: f64) -> f64 {
+    let ((fresh, fresh_std), (mature, mature_std)) = (fresh, mature);
     let gap = mature - velocity_over_rate;
-    let mean = 0.5 * (gap + (gap * gap + 4.0 * newborn * velocity_over_rate).sqrt());
+    let mean = 0.5 * (gap + (gap * gap + 4.0 * fresh * velocity_over_rate).sqrt());
     let ratio = mean / velocity_over_rate;
-    let first = (newborn - mature) / (1.0 + ratio);
-    let second = (newborn_std.powi(2) + (newborn - mature).powi(2) + 2.0 * ratio * mature_std.powi(2))
+    let first = (fresh - mature) / (1.0 + ratio);
+    let second = (fresh_std.powi(2) + (fresh - mature).powi(2) + 2.0 * ratio * mature_std.powi(2))
         / (1.0 + 2.0 * ratio);
     (second + 2.0 * mature * first + mature * mature) / (2.0 * mean)
 }
@@ -24,8 +24,8 @@ fn unstretched() -> SharedLaw {
     Arc::new(Point::new(0.0).unwrap())
 }
 
-fn kinetic_friction(newborn: SharedLaw, mature: SharedLaw, diffusion: f64, velocity: f64) -> f64 {
-    let mut contacts = Contacts::new(newborn, Arc::new(Point::new(0.0).unwrap()));
+fn kinetic_friction(fresh: SharedLaw, mature: SharedLaw, diffusion: f64, velocity: f64) -> f64 {
+    let mut contacts = Contacts::new(fresh, Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::MeanField { mature, diffusion });
     let life = moving(&contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap();
     life.force().curve().integral() / life.survival().curve().integral()
@@ -33,7 +33,7 @@ fn kinetic_friction(newborn: SharedLaw, mature: SharedLaw, diffusion: f64, veloc
 
 #[test]
 fn between_gaussians_friction_is_that_of_the_closed_moments() {
-    // Printed to ten digits; the solver cuts off what the newborn law has below 0.
+    // Printed to ten digits; the solver cuts off what the fresh law has below 0.
     let known = [(10.0, 0.2718511722), (1.0, 0.3700809896), (0.1, 0.4831162958), (0.01, 0.4994032648)];
     for (velocity, expected) in known {
         assert!((closed((0.5, 0.1), (1.0, 0.05), velocity) - expected).abs() < 1e-10);
@@ -51,8 +51,8 @@ fn moments_of_broad_thresholds_fulfil_the_equations_of_the_moments() {
     // dC/dt = −D⟨U'⟩ + Dp(0) and d⟨h²⟩/dt = −2D⟨hU'⟩ + 2D with U' = (h − 1.5)/σ², for ages of mean C/v.
     let (mean, variance, diffusion) = (1.5, 0.2_f64.powi(2), 0.01);
     for variation in [0.3, 0.5, 1.0, 3.0] {
-        let newborn: SharedLaw = Arc::new(Lognormal::new(1.0, variation).unwrap());
-        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), gaussian(mean, 0.2), diffusion);
+        let fresh: SharedLaw = Arc::new(Lognormal::new(1.0, variation).unwrap());
+        let maturing = ThresholdFokkerPlanck::new(fresh.clone(), gaussian(mean, 0.2), diffusion);
         for velocity in [0.01, 0.1, 1.0] {
             let law =
                 Closure { maturing: &maturing, reforming: &unstretched(), velocity }.law(&mut ()).unwrap();
@@ -81,18 +81,18 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
         (gaussian(1.0, 0.1), Arc::new(Rectangular::new(0.4, 1.6).unwrap())),
         (Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.1)),
     ];
-    for (newborn, mature) in laws {
+    for (fresh, mature) in laws {
         let diffusion = 0.5 * mature.std().powi(2);
         for velocity in [0.03, 1.0] {
-            let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
+            let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature.clone(), diffusion);
             let law =
                 Closure { maturing: &maturing, reforming: &unstretched(), velocity }.law(&mut ()).unwrap();
             assert!((law.survival(-1.0) - 1.0).abs() < 1e-14);
             let spread = law.mean() / velocity * diffusion;
             for k in 1..30 {
                 let h = 0.405 + 0.04 * f64::from(k);
-                // Within some cells of a jump of the newborn law the slope is less well known.
-                let near = newborn.breakpoints().iter().any(|b| (b.position - h).abs() < 0.02);
+                // Within some cells of a jump of the fresh law the slope is less well known.
+                let near = fresh.breakpoints().iter().any(|b| (b.position - h).abs() < 0.02);
                 if mature.density(h) < 1e-8 || mature.density(h + 2e-3) == 0.0 || near {
                     continue;
                 }
@@ -103,9 +103,9 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
                     + ratio(h - 2.0 * step))
                     / (12.0 * step);
                 let flux = -spread * mature.density(h) * slope;
-                let residual = law.survival(h) - newborn.survival(h) - flux;
+                let residual = law.survival(h) - fresh.survival(h) - flux;
                 // The density is reported to 1e-9 of itself; differences and aD make 2000 times that of it at most.
-                assert!(residual.abs() < 2e-6, "{} {velocity} {h} {residual:e}", newborn.name());
+                assert!(residual.abs() < 2e-6, "{} {velocity} {h} {residual:e}", fresh.name());
             }
         }
     }
@@ -128,15 +128,15 @@ struct SumOverAges {
 
 impl SumOverAges {
     /// Ages of mean `age`, in units of the time in which the mean matures. Simpson's rule in √τ.
-    fn new((newborn, newborn_std): (f64, f64), (mature, mature_std): (f64, f64), age: f64) -> Self {
+    fn new((fresh, fresh_std): (f64, f64), (mature, mature_std): (f64, f64), age: f64) -> Self {
         let (count, longest) = (1600_u32, 6.2_f64);
         let of = |k: u32| {
             let root = longest * f64::from(k) / f64::from(count);
             let simpson = if k == 0 || k == count { 1.0 } else { 2.0 * f64::from(1 + k % 2) };
             let weight = simpson * longest / f64::from(count) / 3.0 * 2.0 * root * (-root * root).exp();
             let left = (-root * root * age).exp();
-            let variance = mature_std.powi(2) + (newborn_std.powi(2) - mature_std.powi(2)) * left * left;
-            (weight, gaussian(mature + (newborn - mature) * left, variance.sqrt()))
+            let variance = mature_std.powi(2) + (fresh_std.powi(2) - mature_std.powi(2)) * left * left;
+            (weight, gaussian(mature + (fresh - mature) * left, variance.sqrt()))
         };
         Self { weights: (0..=count).map(of).collect() }
     }
@@ -175,12 +175,12 @@ impl SumOverAges {
 
 #[test]
 fn contacts_that_reform_stretched_are_as_old_as_their_mean_advance_takes() {
-    let (newborn, mature, rate) = ((0.6, 0.08), (1.0, 0.05), 1.0);
+    let (fresh, mature, rate) = ((0.6, 0.08), (1.0, 0.05), 1.0);
     // Below all thresholds, and among them.
     for ends in [(0.0, 0.1), (0.3, 0.7)] {
         for velocity in [0.1, 1.0] {
             let mut contacts = Contacts::new(
-                gaussian(newborn.0, newborn.1),
+                gaussian(fresh.0, fresh.1),
                 Arc::new(Rectangular::new(ends.0, ends.1).unwrap()),
             );
             let mature_law = gaussian(mature.0, mature.1);
@@ -189,7 +189,7 @@ fn contacts_that_reform_stretched_are_as_old_as_their_mean_advance_takes() {
             let life = moving(&contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap();
             let way = life.survival().curve().integral();
             // The age is the way over the velocity, with the way from the sum over ages.
-            let sum = SumOverAges::new(newborn, mature, rate * way / velocity);
+            let sum = SumOverAges::new(fresh, mature, rate * way / velocity);
             let [expected, force] = sum.ways(ends);
             // Both rules of Simpson are accurate to 1e-10 here.
             assert!((way - expected).abs() < 1e-9, "{ends:?} {velocity}: {way} {expected}");
@@ -200,7 +200,7 @@ fn contacts_that_reform_stretched_are_as_old_as_their_mean_advance_takes() {
     // Closed moments where R is below all thresholds: C = ⟨h⟩ − ⟨r⟩.
     let (velocity, start) = (0.3, 0.1);
     let gap = mature.0 - velocity - start;
-    let way: f64 = 0.5 * (gap + (gap * gap + 4.0 * (newborn.0 - start) * velocity).sqrt());
+    let way: f64 = 0.5 * (gap + (gap * gap + 4.0 * (fresh.0 - start) * velocity).sqrt());
     let reforming: SharedLaw = Arc::new(Point::new(start).unwrap());
     let maturing = ThresholdFokkerPlanck::new(gaussian(0.6, 0.08), gaussian(1.0, 0.05), 0.0025);
     let law = Closure { maturing: &maturing, reforming: &reforming, velocity }.law(&mut ()).unwrap();

@@ -36,7 +36,7 @@ fn contacts(reforming: SharedLaw, delay: f64) -> Contacts {
 struct Differences {
     width: f64,
     density: Vec<f64>,
-    newborn: Vec<f64>,
+    fresh: Vec<f64>,
     /// Stretch and fraction of contacts.
     groups: Vec<(f64, f64)>,
     /// Contacts that broke, for each step of the delay.
@@ -51,13 +51,13 @@ impl Differences {
             let z = ((j as f64 + 0.5) * width - NEWBORN.0) / NEWBORN.1;
             (-0.5 * z * z).exp()
         };
-        let newborn: Vec<f64> = (0..640).map(bell).collect();
-        let mass: f64 = newborn.iter().sum::<f64>() * width;
-        let newborn: Vec<f64> = newborn.iter().map(|p| p / mass).collect();
+        let fresh: Vec<f64> = (0..640).map(bell).collect();
+        let mass: f64 = fresh.iter().sum::<f64>() * width;
+        let fresh: Vec<f64> = fresh.iter().map(|p| p / mass).collect();
         Self {
             width,
-            density: newborn.clone(),
-            newborn,
+            density: fresh.clone(),
+            fresh,
             groups: vec![(0.0, 1.0)],
             free: vec![0.0; delayed].into(),
             reforming,
@@ -71,10 +71,10 @@ impl Differences {
             let z = ((j as f64 + 0.5) * self.width - NEWBORN.0) / NEWBORN.1;
             (-0.5 * z * z).exp()
         };
-        let newborn: Vec<f64> = (0..640 * finer).map(bell).collect();
-        let mass: f64 = newborn.iter().sum::<f64>() * self.width;
-        self.newborn = newborn.iter().map(|p| p / mass).collect();
-        self.density = self.newborn.clone();
+        let fresh: Vec<f64> = (0..640 * finer).map(bell).collect();
+        let mass: f64 = fresh.iter().sum::<f64>() * self.width;
+        self.fresh = fresh.iter().map(|p| p / mass).collect();
+        self.density = self.fresh.clone();
         self
     }
 
@@ -130,7 +130,7 @@ impl Differences {
                 if j + 1 < count {
                     change += over(j) * p(j + 1);
                 }
-                p(j) + half * change + formed * self.newborn[j]
+                p(j) + half * change + formed * self.fresh[j]
             })
             .collect();
         // Thomas's elimination.

@@ -76,7 +76,7 @@ fn unloading_is_a_straight_line_and_loading_again_the_same() {
         let departure = force(&mut population);
         let interval = population.smooth_interval(Direction::Backward, &mut ()).unwrap();
         if !interval.straight {
-            // Some thresholds are as low as the stretches of the newborn.
+            // Some thresholds are as low as the stretches of the fresh.
             assert!(thresholds.quantile(1e-12) < 1e-6, "{thresholds:?}");
             continue;
         }

@@ -167,7 +167,7 @@ fn the_renewal_equation_and_contacts_followed_through_time_agree() {
     compare(1e-4, |case| case.is_quick() && case.diffuses());
 }
 
-/// Thresholds beside the edge of the newborn law fall at once, and rise again: the stretch meets them inside of the first step.
+/// Thresholds beside the edge of the fresh law fall at once, and rise again: the stretch meets them inside of the first step.
 #[test]
 fn a_tolerance_is_kept_where_contacts_break_as_soon_as_they_form() {
     let rule = |case: &Case| case.rule == "frozen_rank" && case.law == "exponential";

@@ -69,7 +69,7 @@ fn deviation(
 
 #[test]
 fn at_one_velocity_the_renewal_equation_is_reproduced() {
-    let (mature, newborn) = (|| gaussian(1.0, 0.1), || gaussian(0.5, 0.1));
+    let (mature, fresh) = (|| gaussian(1.0, 0.1), || gaussian(0.5, 0.1));
     let warm = thermal(Barrier::Elastic, 0.05);
     let with = |ageing: Ageing| Rules { ageing: Some(ageing), ..warm.clone() };
     let cases = [
@@ -78,11 +78,11 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
         ("bell", contacts(mature(), thermal(Barrier::Bell, 0.05)), (2.0, 1e-3)),
         ("catastrophe", contacts(mature(), thermal(Barrier::Catastrophe, 0.05)), (2.0, 1e-3)),
         ("identical", contacts(point(1.0), thermal(Barrier::Elastic, 0.05)), (3.0, 1e-4)),
-        ("frozen_rank", contacts(newborn(), ageing(frozen_rank())), (3.0, 0.3)),
-        ("frozen_rank, thermal", contacts(newborn(), with(frozen_rank())), (1.5, 1e-2)),
+        ("frozen_rank", contacts(fresh(), ageing(frozen_rank())), (3.0, 0.3)),
+        ("frozen_rank, thermal", contacts(fresh(), with(frozen_rank())), (1.5, 1e-2)),
         ("logarithmic", contacts(mature(), ageing(logarithmic())), (3.0, 1e-2)),
         ("delay", contacts(mature(), Rules { delay: 0.3.into(), ..Rules::default() }), (3.0, 1.0)),
-        ("smoluchowski", contacts(newborn(), ageing(smoluchowski())), (1.0, 0.3)),
+        ("smoluchowski", contacts(fresh(), ageing(smoluchowski())), (1.0, 0.3)),
         ("jumping density", contacts(rectangular(0.75, 1.25), Rules::default()), (3.0, 1.0)),
     ];
     // Ways on which all contacts break twice at least, but for those whose thresholds diffuse: work goes as the square of the
@@ -211,23 +211,19 @@ fn so_it_is_for_spread_starts_and_stiffness_that_goes_with_the_threshold() {
 #[test]
 fn kinetic_friction_of_the_models_is_that_of_the_references() {
     // Forces at velocities, each with the digits that are known.
-    let newborn = gaussian(0.5, 0.1);
+    let fresh = gaussian(0.5, 0.1);
     for (velocity, force, known) in
         [(10.0, 0.2720, 1e-4), (1.0, 0.38468, 1e-5), (0.1, 0.49031, 1e-5), (0.01, 0.46235, 1e-5)]
     {
-        let diffusing = contacts(newborn.clone(), ageing(smoluchowski()));
+        let diffusing = contacts(fresh.clone(), ageing(smoluchowski()));
         let steady = Transport::steady_with(&diffusing, velocity, 1e-4, &mut ()).unwrap();
         // Known digits, and the tolerance.
         assert!((steady.force() - force).abs() < known + 1e-4, "{velocity}: {}", steady.force());
     }
     for (velocity, force) in [(10.0, 0.2721367872), (1.0, 0.3867782523), (0.1, 0.5012378105), (0.01, 0.50125)]
     {
-        let steady = Transport::steady_with(
-            &contacts(newborn.clone(), ageing(frozen_rank())),
-            velocity,
-            1e-6,
-            &mut (),
-        );
+        let steady =
+            Transport::steady_with(&contacts(fresh.clone(), ageing(frozen_rank())), velocity, 1e-6, &mut ());
         // The references ignore thresholds below 0.
         assert!((steady.unwrap().force() - force).abs() < 1e-7, "{velocity}");
     }
@@ -440,7 +436,12 @@ fn bad_input_is_refused() {
     let mean_field = Ageing::MeanField { mature: gaussian(1.0, 0.05), diffusion: 0.0025 };
     let initial = conditional(point(0.0));
     let error = Transport::new_with(contacts(point(1.0), ageing(mean_field)), &initial, 1e-4, &mut ());
-    assert!(error.unwrap_err().to_string().starts_with("thresholds: expected a law without point masses"));
+    assert!(
+        error
+            .unwrap_err()
+            .to_string()
+            .starts_with("thresholds: expected a distribution without point masses")
+    );
     let athermal = contacts(gaussian(1.0, 0.1), Rules::default());
     assert!(Transport::new_with(athermal.clone(), &initial, 1.0, &mut ()).is_err());
     assert!(Transport::steady_with(&athermal, 0.0, 1e-4, &mut ()).is_err());

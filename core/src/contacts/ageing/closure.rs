@@ -44,10 +44,10 @@ impl Closure<'_> {
     /// # Errors
     /// A density that could not be represented; stopped by the monitor.
     pub fn law(&self, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
-        let newborn = self.maturing.newborn_law();
-        let spread = newborn.mean() * self.maturing.diffusion / self.velocity;
+        let fresh = self.maturing.fresh_law();
+        let spread = fresh.mean() * self.maturing.diffusion / self.velocity;
         if spread < NOTHING * self.maturing.resolution().powi(2) {
-            return Ok(newborn.clone());
+            return Ok(fresh.clone());
         }
         let wide = Closure { maturing: &self.maturing.with_second_moments(), ..*self };
         wide.law_within(spread, monitor)
@@ -58,11 +58,11 @@ impl Closure<'_> {
         /// The narrowest element of P_ci, in units of the widths of the distributions and of the root mean square
         /// displacement. Narrower ones need not be resolved, and conserve less of the mass, by rounding.
         const FINEST: f64 = 1e-2;
-        let newborn = self.maturing.newborn_law();
+        let fresh = self.maturing.fresh_law();
         let (watch, slope) = (Watch::new(monitor), self.maturing.slope());
         let finest = FINEST * self.maturing.resolution().min(spread.sqrt());
-        let atoms = newborn.atoms();
-        let square = newborn.upper_moment(2, -1.0);
+        let atoms = fresh.atoms();
+        let square = fresh.upper_moment(2, -1.0);
         let tolerance = |h: f64| TOLERANCE.min(OF_MOMENT * square / (h * h));
         let resolvent = Resolvent {
             density: &self.maturing.fresh_density(self.maturing.support.0, |h| 0.1 * tolerance(h), finest),
@@ -136,7 +136,7 @@ pub(crate) fn starts(maturing: &ThresholdFokkerPlanck, reforming: &SharedLaw) ->
 /// C where the mean advance of contacts that have lived for it is C again: the root of the excess of that over C.
 pub(crate) fn self_consistent_advance(maturing: &ThresholdFokkerPlanck, excess: impl Fn(f64) -> f64) -> f64 {
     // Means of thresholds of all ages lie between, or near, those of the two distributions.
-    let ends = [maturing.newborn_law().mean(), maturing.mature_law().mean()];
+    let ends = [maturing.fresh_law().mean(), maturing.mature_law().mean()];
     let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     while excess(low) < 0.0 && low > 0.0 {
         low *= 0.5;

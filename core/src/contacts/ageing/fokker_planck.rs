@@ -13,7 +13,7 @@ const NEGLIGIBLE: f64 = 1e-15;
 /// ∂_t p = D∂_h[U' + ∂_h]p with U = −ln P_cf, from p = P_ci, with reflecting ends of the support of P_cf.
 #[derive(Debug, Clone)]
 pub struct ThresholdFokkerPlanck {
-    newborn: SharedLaw,
+    fresh: SharedLaw,
     mature: SharedLaw,
     /// D, stretch² per time.
     pub diffusion: f64,
@@ -37,11 +37,11 @@ impl ThresholdFokkerPlanck {
 
     /// Thresholds with diffusion coefficient D. The distributions are assumed to have passed
     /// [`super::Contacts::check`].
-    pub fn new(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
+    pub fn new(fresh: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
         let (low, end) = (mature.quantile(0.0), mature.upper_quantile(0.0));
         let far = |law: &SharedLaw| law.upper_quantile(NEGLIGIBLE);
-        let high = if end.is_finite() { end } else { far(&mature).max(far(&newborn)) };
-        Self { newborn, mature, diffusion, support: (low, high) }
+        let high = if end.is_finite() { end } else { far(&mature).max(far(&fresh)) };
+        Self { fresh, mature, diffusion, support: (low, high) }
     }
 
     /// The same up to where also a negligible part of the second moments lies above, which friction is in proportion to:
@@ -55,13 +55,13 @@ impl ThresholdFokkerPlanck {
             let ends = std::iter::successors(Some(self.support.1), |end| Some(1.25 * end));
             ends.take(100).find(|&end| law.upper_moment(2, end) <= least).unwrap_or(f64::MAX)
         };
-        let high = far(&self.mature).max(far(&self.newborn));
+        let high = far(&self.mature).max(far(&self.fresh));
         Self { support: (self.support.0, high), ..self.clone() }
     }
 
     /// P_ci.
-    pub fn newborn_law(&self) -> &SharedLaw {
-        &self.newborn
+    pub fn fresh_law(&self) -> &SharedLaw {
+        &self.fresh
     }
 
     /// P_cf.
@@ -77,7 +77,7 @@ impl ThresholdFokkerPlanck {
 
     /// Survival function of fresh thresholds.
     pub fn survival(&self, stretch: f64) -> f64 {
-        self.newborn.survival(stretch)
+        self.fresh.survival(stretch)
     }
 
     /// The length scale on which P_cf varies.
@@ -109,7 +109,7 @@ impl ThresholdFokkerPlanck {
         /// The narrowest element beside a pole, in units of that beside a jump.
         const STEEP: f64 = 1e-4;
         let (low, high) = (self.support.0.max(stretch), self.support.1);
-        let law = self.newborn.as_ref();
+        let law = self.fresh.as_ref();
         let mut edges = self.kinks();
         for zone in law.zones() {
             let (from, to) = (zone.low.max(low), zone.high.min(high));
@@ -144,7 +144,7 @@ impl ThresholdFokkerPlanck {
     ) -> Evolution<'a> {
         /// The narrowest element at a jump of the density, in units of the width of the narrower distribution.
         const FINEST: f64 = 1e-5;
-        let finest = FINEST * self.width().min(self.newborn.std());
+        let finest = FINEST * self.width().min(self.fresh.std());
         Evolution {
             density: self.fresh_density(self.support.0, |_| 0.1 * tolerance, finest),
             field: Field { slope, diffusion: self.diffusion, loss: None },
@@ -165,7 +165,7 @@ impl ThresholdFokkerPlanck {
         let beside = |i: &usize| density.edges[*i] == place || density.edges[i + 1] == place;
         for i in (0..density.count()).filter(beside).collect::<Vec<_>>() {
             let (from, to) = (density.edges[i], density.edges[i + 1]);
-            let mass = self.newborn.cumulative(to) - self.newborn.cumulative(from);
+            let mass = self.fresh.cumulative(to) - self.fresh.cumulative(from);
             density.series[i] = [0.0; NODES];
             density.series[i][0] = mass / (to - from);
         }
@@ -177,7 +177,7 @@ impl ThresholdFokkerPlanck {
         /// Largest number of point masses that are resolved one by one, and a number that always is.
         const MOST: usize = 150;
         const MANY: usize = 20;
-        let atoms = self.newborn.atoms();
+        let atoms = self.fresh.atoms();
         if atoms.len() <= MANY {
             return spread;
         }
@@ -197,7 +197,7 @@ impl ThresholdFokkerPlanck {
         /// Half width of a Gaussian in standard deviations.
         const REACH: i32 = 9;
         let (low, high) = (self.support.0.max(stretch), self.support.1);
-        let atoms: Vec<_> = self.newborn.atoms().into_iter().filter(|a| a.position > stretch).collect();
+        let atoms: Vec<_> = self.fresh.atoms().into_iter().filter(|a| a.position > stretch).collect();
         if atoms.is_empty() {
             return None;
         }
@@ -235,41 +235,41 @@ impl ThresholdFokkerPlanck {
     /// that is higher.
     pub fn density(&self, threshold: f64, ageing: bool) -> f64 {
         let mature = if ageing { self.mature.density(threshold) } else { 0.0 };
-        self.newborn.density(threshold).max(mature)
+        self.fresh.density(threshold).max(mature)
     }
 
     /// The lowest point mass of fresh thresholds.
     pub fn lowest_atom(&self) -> Option<f64> {
-        self.newborn.atoms().first().map(|atom| atom.position)
+        self.fresh.atoms().first().map(|atom| atom.position)
     }
 
     /// A length on which both distributions vary little.
     pub fn resolution(&self) -> f64 {
-        let zones = self.newborn.zones().into_iter().chain(self.mature.zones());
+        let zones = self.fresh.zones().into_iter().chain(self.mature.zones());
         zones.map(|zone| zone.resolution.min(zone.high - zone.low)).fold(f64::INFINITY, f64::min)
     }
 
     /// Breakpoints of (1 − aL)⁻¹ P_ci: at those of P_ci, two derivatives higher, with amplitudes times
     /// −1/(aD); `spread` is aD.
     pub fn breakpoints(&self, spread: f64) -> Vec<Breakpoint> {
-        let atoms = self.newborn.atoms().into_iter().map(Breakpoint::from);
+        let atoms = self.fresh.atoms().into_iter().map(Breakpoint::from);
         let smoother =
             |b: Breakpoint| Breakpoint { exponent: b.exponent + 2.0, amplitude: -b.amplitude / spread, ..b };
-        self.newborn.breakpoints().into_iter().chain(atoms).map(smoother).collect()
+        self.fresh.breakpoints().into_iter().chain(atoms).map(smoother).collect()
     }
 
     /// Masses of fresh thresholds above `stretch` on cells with these middles, of total S(`stretch`).
     ///
     /// # Errors
     /// Stopped by the monitor.
-    pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+    pub fn fresh(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         /// Points between two checks whether the monitor has stopped.
         const MANY: usize = 1 << 12;
         /// Fraction of thresholds at either end that rounding of all masses exceeds.
         const NOTHING: f64 = 1e-18;
         let watch = Watch::new(monitor);
         let (low, high) = self.support;
-        let law = self.newborn.as_ref();
+        let law = self.fresh.as_ref();
         let atoms = law.atoms().into_iter().filter(|atom| atom.position > stretch);
         // Of a narrow density most cells hold nothing.
         let (first, last) = (law.quantile(NOTHING), law.upper_quantile(NOTHING));

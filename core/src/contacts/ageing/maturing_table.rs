@@ -70,11 +70,11 @@ impl MaturingTable {
         /// A truncation error in age above which the first panel is too long.
         const ENOUGH: f64 = 1e-11;
         let watch = Watch::new(monitor);
-        let newborn = maturing.newborn_law();
-        let mean = newborn.mean();
+        let fresh = maturing.fresh_law();
+        let mean = fresh.mean();
         let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
-        let edged = newborn.breakpoints().iter().any(jumps);
-        let narrower = newborn.std().min(maturing.mature_law().std());
+        let edged = fresh.breakpoints().iter().any(jumps);
+        let narrower = fresh.std().min(maturing.mature_law().std());
         let own = narrower * narrower / maturing.diffusion;
         if !edged {
             let table = Self::starting(&maturing, SOON * own, &watch)?;
@@ -270,9 +270,9 @@ fn evolve(maturing: &ThresholdFokkerPlanck, first: f64, watch: &Watch<'_>) -> Re
     const OLDEST: f64 = 1e4;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let (slope, stops) = (|h: f64| slope.at(h), || watch.stops());
-    let newborn = maturing.newborn_law();
-    let narrower = newborn.std().min(maturing.mature_law().std());
-    let tolerance = LEFT_OUT.max(ROUNDED * f64::EPSILON * newborn.mean() / narrower);
+    let fresh = maturing.fresh_law();
+    let narrower = fresh.std().min(maturing.mature_law().std());
+    let tolerance = LEFT_OUT.max(ROUNDED * f64::EPSILON * fresh.mean() / narrower);
     let mut evolution = maturing.evolution((&slope, &kinks), tolerance, &stops);
     let oldest = OLDEST * maturing.mature_law().std().powi(2) / maturing.diffusion;
     let (mut columns, mut step): (Vec<Elements>, Option<TimeStep>) = (Vec::new(), None);

@@ -42,7 +42,7 @@ const LEFT_OUT: f64 = 1e-13;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactAtThreshold {
     /// h_0; below 0 if every contact has a higher threshold.
-    pub(crate) newborn: f64,
+    pub(crate) fresh: f64,
     /// ∂h/∂t at constant h_0.
     pub(crate) drift: f64,
     /// ∂h/∂h_0 at constant age.
@@ -52,7 +52,7 @@ pub(crate) struct ContactAtThreshold {
 /// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at age t, from
 /// [`ThresholdFokkerPlanck`] integrated by [`Evolution`].
 pub(super) struct RankTable {
-    newborn: SharedLaw,
+    fresh: SharedLaw,
     /// s.
     time: f64,
     /// h at equally spaced ψ, for each age.
@@ -132,10 +132,7 @@ impl RankTrajectory<'_> {
 impl std::fmt::Debug for RankTable {
     /// Without the table.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Ranks")
-            .field("newborn", &self.newborn)
-            .field("time", &self.time)
-            .finish_non_exhaustive()
+        f.debug_struct("Ranks").field("fresh", &self.fresh).field("time", &self.time).finish_non_exhaustive()
     }
 }
 
@@ -147,39 +144,39 @@ impl RankTable {
         std::iter::successors(Some(self.time), doubled).take_while(|age| *age < oldest / OLDEST).collect()
     }
 
-    /// The thresholds of contacts with the distribution `newborn` when fresh, which matures in the time τ.
+    /// The thresholds of contacts whose distribution is `fresh` when they form, which matures in the time τ.
     ///
     /// # Errors
     /// Stopped by the monitor.
     pub(super) fn new(
-        newborn: &SharedLaw,
+        fresh: &SharedLaw,
         maturing: &ThresholdFokkerPlanck,
         time: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mean = newborn.mean();
+        let mean = fresh.mean();
         let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
-        let edged = newborn.breakpoints().iter().any(jumps);
+        let edged = fresh.breakpoints().iter().any(jumps);
         // The time in which diffusion broadens the fresh distribution by its own width, in units of τ. The table
         // must resolve it; edges change faster than any width.
-        let own = (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
+        let own = (fresh.std() * fresh.std() / time / maturing.diffusion).min(1.0);
         let soon = own * if edged { AT_ONCE } else { SOON };
         if soon <= AT_ONCE {
-            return Self::starting(newborn, maturing, time, soon, monitor);
+            return Self::starting(fresh, maturing, time, soon, monitor);
         }
-        let ranks = Self::starting(newborn, maturing, time, soon, &mut Part::new(monitor, 0.0, 0.5))?;
+        let ranks = Self::starting(fresh, maturing, time, soon, &mut Part::new(monitor, 0.0, 0.5))?;
         if ranks.error <= ENOUGH {
             return Ok(ranks);
         }
         let again = &mut Part::new(monitor, 0.5 * SHARE, 0.5);
         // A mature distribution that is steep far from its bulk moves the ends of the fresh one at once.
-        let sooner = Self::starting(newborn, maturing, time, AT_ONCE, again)?;
+        let sooner = Self::starting(fresh, maturing, time, AT_ONCE, again)?;
         Ok(if sooner.error < ranks.error { sooner } else { ranks })
     }
 
     /// The same, with the first tabulated age about `soon` τ.
     fn starting(
-        newborn: &SharedLaw,
+        fresh: &SharedLaw,
         maturing: &ThresholdFokkerPlanck,
         time: f64,
         soon: f64,
@@ -188,16 +185,16 @@ impl RankTable {
         let scale = soon * time;
         let count = ((OLDEST * time / scale).ln_1p() / SPACING).ceil() as usize + 1;
         let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
-        let mut quantile_of = |rank| report(monitor, 0.0).map(|()| quantile(newborn, psi(rank)));
+        let mut quantile_of = |rank| report(monitor, 0.0).map(|()| quantile(fresh, psi(rank)));
         let born = (0..RANKS).map(&mut quantile_of).collect::<Result<Vec<f64>>>()?;
         let ages: Vec<f64> = (1..count).map(age).collect();
         let rows: Vec<Vec<f64>> =
             std::iter::once(born).chain(evolve_quantiles(maturing, &ages, monitor)?).collect();
         report(monitor, SHARE)?;
-        let means = means_above(newborn.as_ref(), &rows, &mut || report(monitor, SHARE))?;
+        let means = means_above(fresh.as_ref(), &rows, &mut || report(monitor, SHARE))?;
         let lowest_of = |rank: usize| rows.iter().map(|row| row[rank]).fold(f64::INFINITY, f64::min);
         let lowest = (0..RANKS).map(lowest_of).collect();
-        let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, lowest, means, error: 0.0 };
+        let mut ranks = Self { fresh: fresh.clone(), time: scale, rows, lowest, means, error: 0.0 };
         ranks.error = ranks.interpolation_error(&mut || report(monitor, SHARE))?;
         Ok(ranks)
     }
@@ -266,9 +263,9 @@ impl RankTable {
 
     /// The rank of a contact whose threshold was h_0 when fresh. Beyond the tabulated ranks its threshold
     /// changes by as much as that of the last rank.
-    pub(super) fn rank(&self, newborn: f64) -> Rank {
-        let psi = self.psi(newborn);
-        let beyond = end(psi).map_or(0.0, |end| newborn - self.rows[0][end]);
+    pub(super) fn rank(&self, fresh: f64) -> Rank {
+        let psi = self.psi(fresh);
+        let beyond = end(psi).map_or(0.0, |end| fresh - self.rows[0][end]);
         Rank { ranks: stencil(psi.clamp(-FAR, FAR)), beyond }
     }
 
@@ -279,9 +276,9 @@ impl RankTable {
     }
 
     /// The contact whose threshold was h_0 when fresh, for many ages.
-    pub(super) fn followed(&self, newborn: f64) -> RankTrajectory<'_> {
+    pub(super) fn followed(&self, fresh: f64) -> RankTrajectory<'_> {
         let thresholds = vec![Cell::new(f64::NAN); self.rows.len()];
-        RankTrajectory { ranks: self, rank: self.rank(newborn), thresholds }
+        RankTrajectory { ranks: self, rank: self.rank(fresh), thresholds }
     }
 
     /// The fresh threshold of rank ψ: interpolated, then one Newton step where that is as accurate as the
@@ -290,22 +287,22 @@ impl RankTable {
         /// Largest Newton step: its error is about its square, in widths of the distribution.
         const NEAR: f64 = 1e-7;
         let interpolated = stencil(psi).value(|rank| self.rows[0][rank]);
-        let law = &self.newborn;
+        let law = &self.fresh;
         let slope = law.density(interpolated) / contacts_at(psi);
         let step = (self.psi(interpolated) - psi) / slope;
         if step.abs() < NEAR * law.std() { interpolated - step } else { quantile(law, psi) }
     }
 
     /// ψ of a fresh threshold.
-    fn psi(&self, newborn: f64) -> f64 {
-        self.newborn.cumulative(newborn).ln() - self.newborn.ln_survival(newborn)
+    fn psi(&self, fresh: f64) -> f64 {
+        self.fresh.cumulative(fresh).ln() - self.fresh.ln_survival(fresh)
     }
 }
 
 impl RanksAtAge<'_> {
     /// h of a contact whose threshold was h_0 when fresh.
-    pub(super) fn threshold(&self, newborn: f64) -> f64 {
-        self.threshold_of(&self.ranks.rank(newborn))
+    pub(super) fn threshold(&self, fresh: f64) -> f64 {
+        self.threshold_of(&self.ranks.rank(fresh))
     }
 
     /// h of a contact of this rank.
@@ -326,15 +323,15 @@ impl RanksAtAge<'_> {
     }
 
     /// ∫ h dG_i and ∫ h² dG_i over the contacts with fresh thresholds above h_0.
-    pub(super) fn moments_above(&self, newborn: f64) -> [f64; 2] {
-        let RankTable { newborn: law, rows, means, .. } = self.ranks;
-        let psi = self.ranks.psi(newborn);
+    pub(super) fn moments_above(&self, fresh: f64) -> [f64; 2] {
+        let RankTable { fresh: law, rows, means, .. } = self.ranks;
+        let psi = self.ranks.psi(fresh);
         let stencil = stencil(psi.clamp(-FAR, FAR));
         let mean = |n: usize| self.ages.value(|age| stencil.value(|rank| means[age][rank][n]));
         let Some(end) = end(psi) else { return [0, 1].map(|n| mean(n) / (1.0 + psi.exp())) };
         let born = rows[0][end];
         let beyond = |from: f64| shifted(law.as_ref(), from, self.ages.value(|age| rows[age][end]) - born);
-        let here = beyond(newborn);
+        let here = beyond(fresh);
         if psi > 0.0 {
             return here;
         }
@@ -343,17 +340,17 @@ impl RanksAtAge<'_> {
     }
 
     /// The fresh threshold h_0 of a contact whose threshold is h.
-    pub(super) fn newborn(&self, threshold: f64) -> f64 {
+    pub(super) fn fresh(&self, threshold: f64) -> f64 {
         self.found(threshold).0
     }
 
     /// The contact whose threshold is h.
     pub(super) fn contact_at(&self, threshold: f64) -> ContactAtThreshold {
-        let (newborn, psi) = self.found(threshold);
+        let (fresh, psi) = self.found(threshold);
         let ranks = stencil(psi);
         let drift = self.pace * self.ages.slope(|age| ranks.value(|rank| self.ranks.rows[age][rank]));
-        let spread = if psi.abs() < FAR { self.spread_at(newborn, psi) } else { 1.0 };
-        ContactAtThreshold { newborn, drift, spread }
+        let spread = if psi.abs() < FAR { self.spread_at(fresh, psi) } else { 1.0 };
+        ContactAtThreshold { fresh, drift, spread }
     }
 
     /// h_0 of a contact whose threshold is h, and ψ (or the end of the table beyond which it lies).
@@ -381,20 +378,20 @@ impl RanksAtAge<'_> {
     }
 
     /// ∂h/∂h_0 at constant age.
-    pub(super) fn spread(&self, newborn: f64) -> f64 {
-        let psi = self.ranks.psi(newborn);
-        if psi.abs() > FAR { 1.0 } else { self.spread_at(newborn, psi) }
+    pub(super) fn spread(&self, fresh: f64) -> f64 {
+        let psi = self.ranks.psi(fresh);
+        if psi.abs() > FAR { 1.0 } else { self.spread_at(fresh, psi) }
     }
 
     /// ∂h/∂h_0 = ∂h/∂ψ p_i/[q(1 − q)], of contacts of one rank.
-    fn spread_at(&self, newborn: f64, psi: f64) -> f64 {
+    fn spread_at(&self, fresh: f64, psi: f64) -> f64 {
         let slope = stencil(psi).slope(|rank| self.ages.value(|age| self.ranks.rows[age][rank]));
-        slope / SPREAD * self.ranks.newborn.density(newborn) / contacts_at(psi)
+        slope / SPREAD * self.ranks.fresh.density(fresh) / contacts_at(psi)
     }
 
     /// ∂h/∂t.
-    pub(super) fn drift(&self, newborn: f64) -> f64 {
-        self.drift_of(&self.ranks.rank(newborn))
+    pub(super) fn drift(&self, fresh: f64) -> f64 {
+        self.drift_of(&self.ranks.rank(fresh))
     }
 
     /// ∂h/∂t of a contact of this rank.
@@ -445,14 +442,14 @@ fn shifted(law: &dyn Law, above: f64, shift: f64) -> [f64; 2] {
 /// # Errors
 /// Those of `ask`, which asks the monitor.
 fn means_above(
-    newborn: &dyn Law,
+    fresh: &dyn Law,
     rows: &[Vec<f64>],
     ask: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<Vec<[f64; 2]>>> {
     const TOP: usize = RANKS - 1;
     let points: Vec<Vec<(Stencil, f64)>> = (0..TOP).map(between).collect();
     let of = |row: &Vec<f64>| {
-        let mut sums = shifted(newborn, rows[0][TOP], row[TOP] - rows[0][TOP]);
+        let mut sums = shifted(fresh, rows[0][TOP], row[TOP] - rows[0][TOP]);
         let mut means = vec![[0.0; 2]; RANKS];
         // Summed from the highest rank down, so that the means of the few strongest contacts keep
         // their digits.
@@ -557,26 +554,26 @@ mod tests {
 
     #[test]
     fn between_gaussians_thresholds_are_those_of_the_closed_form() {
-        let [newborn, mature] =
+        let [fresh, mature] =
             [(0.8, 0.1), (1.0, 0.05)].map(|(m, s)| Arc::new(Gaussian::new(m, s).unwrap()) as SharedLaw);
         let time = 2.0;
-        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 0.05_f64.powi(2) / time);
-        let ranks = RankTable::new(&newborn, &maturing, time, &mut ()).unwrap();
+        let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature, 0.05_f64.powi(2) / time);
+        let ranks = RankTable::new(&fresh, &maturing, time, &mut ()).unwrap();
         for age in [0.0, 0.003, 0.1, 1.0, 5.0, 30.0, 1e4] {
             let (aged, left) = (ranks.at(age), (-age / time).exp());
             let (mean, std) = (1.0 - 0.2 * left, (0.0025 + 0.0075 * left * left).sqrt());
             for z in [-3.0, -1.0, 0.0, 0.5, 3.0, 5.0] {
-                let (newborn, exact) = (0.8 + 0.1 * z, mean + std * z);
-                let found = aged.threshold(newborn);
+                let (fresh, exact) = (0.8 + 0.1 * z, mean + std * z);
+                let found = aged.threshold(fresh);
                 // At 5σ ranks are 3e-7, of a law that is right to 1e-13.
                 assert!((found - exact).abs() < 1e-9, "{age} {z} {:e}", found - exact);
                 let drift = (0.2 * left - z * 0.0075 * left * left / std) / time;
                 let drift = if age < 400.0 { drift } else { 0.0 };
                 // Slopes lose what ages and ranks are apart: 1/25 in ln t, 1/100 in h.
-                assert!((aged.drift(newborn) - drift).abs() < 3e-6, "{age} {z}");
-                assert!((aged.spread(newborn) - std / 0.1).abs() < 1e-5, "{age} {z}");
+                assert!((aged.drift(fresh) - drift).abs() < 3e-6, "{age} {z}");
+                assert!((aged.spread(fresh) - std / 0.1).abs() < 1e-5, "{age} {z}");
                 // Bisection to rounding.
-                assert!((aged.newborn(found) - newborn).abs() < 1e-14);
+                assert!((aged.fresh(found) - fresh).abs() < 1e-14);
             }
         }
     }
@@ -587,10 +584,10 @@ mod tests {
     fn towards_a_gaussian_distribution_thresholds_between_jumps_are_those_of_the_ornstein_uhlenbeck_process()
     {
         let (low, high) = (0.8, 0.8005);
-        let newborn: SharedLaw = Arc::new(Rectangular::new(low, high).unwrap());
+        let fresh: SharedLaw = Arc::new(Rectangular::new(low, high).unwrap());
         let mature: SharedLaw = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
-        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 0.0025);
-        let ranks = RankTable::new(&newborn, &maturing, 1.0, &mut ()).unwrap();
+        let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature, 0.0025);
+        let ranks = RankTable::new(&fresh, &maturing, 1.0, &mut ()).unwrap();
         // The estimate for the first ages, at which thresholds beside the jumps move like √t.
         assert!(ranks.error() < 1e-7, "{:e}", ranks.error());
         let normal = |u: f64| 0.5 * libm::erfc(-u * std::f64::consts::FRAC_1_SQRT_2);
@@ -600,7 +597,7 @@ mod tests {
             let [low, high] = [low, high].map(|h| 1.0 - (1.0 - h) * (-age).exp());
             let std = 0.05 * (-(-2.0 * age).exp_m1()).sqrt();
             for rank in [1e-6, 1e-4, 0.02, 0.3, 0.5, 0.9, 0.999] {
-                let threshold = ranks.at(age).threshold(newborn.quantile(rank));
+                let threshold = ranks.at(age).threshold(fresh.quantile(rank));
                 let below = |mean: f64| integral((threshold - mean) / std);
                 let found = std / (high - low) * (below(low) - below(high));
                 // Rounding of thresholds over the width: 1e-16/5e-4, and of the difference of integrals, at a width of 0.01 of
@@ -614,10 +611,10 @@ mod tests {
     #[test]
     fn towards_an_exponential_distribution_thresholds_are_those_of_reflected_brownian_motion() {
         let time = 2.0;
-        let newborn: SharedLaw = Arc::new(Gaussian::new(0.5, 0.2).unwrap());
+        let fresh: SharedLaw = Arc::new(Gaussian::new(0.5, 0.2).unwrap());
         let mature: SharedLaw = Arc::new(Exponential::new(1.0).unwrap());
-        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 1.0 / time);
-        let ranks = RankTable::new(&newborn, &maturing, time, &mut ()).unwrap();
+        let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature, 1.0 / time);
+        let ranks = RankTable::new(&fresh, &maturing, time, &mut ()).unwrap();
         let normal = |u: f64| 0.5 * libm::erfc(-u * std::f64::consts::FRAC_1_SQRT_2);
         // J. M. Harrison, Brownian Motion and Stochastic Flow Systems (1985): the fraction below h of those that began at h_0,
         // with the drift −D and the variance 2Dt.
@@ -627,9 +624,9 @@ mod tests {
         };
         for age in [0.05, 0.5, 3.0, 20.0] {
             for rank in [0.02, 0.3, 0.5, 0.8, 0.99] {
-                let threshold = ranks.at(age).threshold(newborn.quantile(rank));
-                let of = |born: f64| newborn.density(born) * below(threshold, born, age);
-                // Sixteen points on each standard deviation, up to where 1e-13 of the newborn thresholds are left.
+                let threshold = ranks.at(age).threshold(fresh.quantile(rank));
+                let of = |born: f64| fresh.density(born) * below(threshold, born, age);
+                // Sixteen points on each standard deviation, up to where 1e-13 of the fresh thresholds are left.
                 let found: f64 =
                     (0..10).map(f64::from).map(|k| RULE.integrate(0.2 * k, 0.2 * (k + 1.0), of)).sum();
                 // The table's own estimate, and rounding.

@@ -102,7 +102,7 @@ impl Ageing {
     /// # Errors
     /// A diffusion or time that is not above 0, a growth below 0; a mature distribution with point masses or
     /// gaps; fresh contacts outside its support.
-    pub(in crate::contacts) fn check(&self, newborn: &SharedLaw) -> Result<()> {
+    pub(in crate::contacts) fn check(&self, fresh: &SharedLaw) -> Result<()> {
         let (key, value) = match *self {
             Self::Smoluchowski { diffusion, .. } | Self::MeanField { diffusion, .. } => {
                 ("diffusion", diffusion)
@@ -117,17 +117,17 @@ impl Ageing {
         {
             return Err(Error::invalid("growth", "a finite number, 0 or above", growth));
         }
-        self.mature().map_or(Ok(()), |mature| potential(mature, newborn).map_err(|e| e.under("mature")))
+        self.mature().map_or(Ok(()), |mature| potential(mature, fresh).map_err(|e| e.under("mature")))
     }
 }
 
 /// Checks that U = −ln P_cf is a potential in which all fresh thresholds can move.
-fn potential(mature: &SharedLaw, newborn: &SharedLaw) -> Result<()> {
+fn potential(mature: &SharedLaw, fresh: &SharedLaw) -> Result<()> {
     /// Fraction of contacts that no result shows.
     const NEGLIGIBLE: f64 = 1e-12;
     let name = mature.name();
     if !mature.atoms().is_empty() {
-        let expected = "a law with a density everywhere, since thresholds diffuse in its logarithm";
+        let expected = "a distribution with a density everywhere, since thresholds diffuse in its logarithm";
         return Err(Error::invalid(name, expected, "one with point masses"));
     }
     let (low, high) = (mature.quantile(0.0), mature.upper_quantile(0.0));
@@ -135,16 +135,16 @@ fn potential(mature: &SharedLaw, newborn: &SharedLaw) -> Result<()> {
     if let Some(gap) = (1..512).map(inside).find(|&h| {
         mature.density(h) == 0.0 && mature.survival(h) > NEGLIGIBLE && mature.cumulative(h) > NEGLIGIBLE
     }) {
-        let expected = "a law without gaps, since thresholds diffuse in its logarithm";
+        let expected = "a distribution without gaps, since thresholds diffuse in its logarithm";
         return Err(Error::invalid(name, expected, format!("one without density at {gap}")));
     }
-    let outside = newborn.cumulative(low.next_down()) + newborn.survival(high);
+    let outside = fresh.cumulative(low.next_down()) + fresh.survival(high);
     if outside > NEGLIGIBLE {
-        let expected = "a law whose support holds all newborn thresholds";
+        let expected = "a distribution whose support holds all thresholds at formation";
         return Err(Error::invalid(
             name,
             expected,
-            format!("a share {outside} of them outside [{low}, {high}]"),
+            format!("a fraction {outside} of them outside [{low}, {high}]"),
         ));
     }
     Ok(())

@@ -15,7 +15,7 @@ pub struct SharedRanks(Arc<Mutex<Option<KnownRanks>>>);
 /// A table, and what it is of.
 #[derive(Debug)]
 struct KnownRanks {
-    newborn: SharedLaw,
+    fresh: SharedLaw,
     mature: SharedLaw,
     time: f64,
     table: Arc<RankTable>,
@@ -23,10 +23,10 @@ struct KnownRanks {
 
 impl KnownRanks {
     /// Whether it is of the same objects, which it keeps, so that no other has their address.
-    fn is_of(&self, newborn: &SharedLaw, mature: &SharedLaw, time: f64) -> bool {
+    fn is_of(&self, fresh: &SharedLaw, mature: &SharedLaw, time: f64) -> bool {
         let same =
             |one: &SharedLaw, other: &SharedLaw| std::ptr::addr_eq(Arc::as_ptr(one), Arc::as_ptr(other));
-        same(&self.newborn, newborn) && same(&self.mature, mature) && self.time == time
+        same(&self.fresh, fresh) && same(&self.mature, mature) && self.time == time
     }
 }
 
@@ -34,17 +34,17 @@ impl SharedRanks {
     /// The table for fresh and mature thresholds and a time, which `compute` makes if it is not known.
     pub(super) fn table(
         &self,
-        [newborn, mature]: [&SharedLaw; 2],
+        [fresh, mature]: [&SharedLaw; 2],
         time: f64,
         compute: impl FnOnce() -> Result<RankTable>,
     ) -> Result<Arc<RankTable>> {
-        if let Some(known) = self.known().as_ref().filter(|known| known.is_of(newborn, mature, time)) {
+        if let Some(known) = self.known().as_ref().filter(|known| known.is_of(fresh, mature, time)) {
             return Ok(known.table.clone());
         }
         // Nothing waits meanwhile: a thread that did could hold what the computation needs.
         let table = Arc::new(compute()?);
-        let (newborn, mature) = (newborn.clone(), mature.clone());
-        *self.known() = Some(KnownRanks { newborn, mature, time, table: table.clone() });
+        let (fresh, mature) = (fresh.clone(), mature.clone());
+        *self.known() = Some(KnownRanks { fresh, mature, time, table: table.clone() });
         Ok(table)
     }
 

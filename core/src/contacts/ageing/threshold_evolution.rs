@@ -32,7 +32,7 @@ pub struct ThresholdEvolution {
 enum Kind {
     Constant,
     Logarithmic { growth: f64, time: f64 },
-    Gaussian { newborn: Normal, mature: Normal, time: f64 },
+    Gaussian { fresh: Normal, mature: Normal, time: f64 },
     Ranked(Arc<RankTable>),
 }
 
@@ -57,7 +57,7 @@ enum At<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Label<'a> {
     /// h_0.
-    pub(crate) newborn: f64,
+    pub(crate) fresh: f64,
     /// From [`ThresholdEvolution::rank`].
     pub(crate) rank: Option<&'a Rank>,
 }
@@ -65,7 +65,7 @@ pub(crate) struct Label<'a> {
 /// The labels of sixteen groups of contacts whose thresholds are asked for at many ages.
 #[derive(Debug)]
 pub(crate) struct NodalLabels {
-    newborn: Nodal,
+    fresh: Nodal,
     ranks: NodalRanks,
 }
 
@@ -165,22 +165,22 @@ impl ThresholdEvolution {
                 shift_rate: 0.0,
                 factor_rate: growth / (time + age),
             },
-            Kind::Gaussian { newborn, mature, time } => {
+            Kind::Gaussian { fresh, mature, time } => {
                 let left = (-age / time).exp();
                 // The Ornstein–Uhlenbeck process of a Gaussian P_cf takes Gaussians to Gaussians:
                 // mean and variance relax exponentially, and a contact of constant rank keeps its
                 // z.
-                let mean = mature.mean + (newborn.mean - mature.mean) * left;
+                let mean = mature.mean + (fresh.mean - mature.mean) * left;
                 // σ_i² − σ_f² as a product, without cancellation for similar widths.
-                let excess = (newborn.std - mature.std) * (newborn.std + mature.std) * left * left;
+                let excess = (fresh.std - mature.std) * (fresh.std + mature.std) * left * left;
                 let std = (mature.std * mature.std + excess).sqrt();
-                let factor = std / newborn.std;
-                let factor_rate = -excess / (time * std * newborn.std);
-                let mean_rate = (mature.mean - newborn.mean) * left / time;
+                let factor = std / fresh.std;
+                let factor_rate = -excess / (time * std * fresh.std);
+                let mean_rate = (mature.mean - fresh.mean) * left / time;
                 Affine {
-                    shift: mean - factor * newborn.mean,
+                    shift: mean - factor * fresh.mean,
                     factor,
-                    shift_rate: mean_rate - factor_rate * newborn.mean,
+                    shift_rate: mean_rate - factor_rate * fresh.mean,
                     factor_rate,
                 }
             }
@@ -206,9 +206,9 @@ impl ThresholdEvolution {
         match &self.kind {
             Kind::Constant => f64::INFINITY,
             Kind::Logarithmic { time, .. } => *time,
-            Kind::Gaussian { newborn, mature, time } => {
+            Kind::Gaussian { fresh, mature, time } => {
                 // Where the variance of a distribution that broadens, followed back in time, is 0.
-                let ratio = (newborn.std / mature.std).powi(2);
+                let ratio = (fresh.std / mature.std).powi(2);
                 if ratio < 1.0 { time * (-0.5 * (-ratio).ln_1p()).min(1.0) } else { *time }
             }
             Kind::Ranked(ranks) => ranks.time_scale(),
@@ -217,16 +217,16 @@ impl ThresholdEvolution {
 
     /// The rank of contacts with fresh threshold h_0, if contacts keep it. Thresholds at many ages are found
     /// faster from it.
-    pub(crate) fn rank(&self, newborn: f64) -> Option<Rank> {
-        if let Kind::Ranked(ranks) = &self.kind { Some(ranks.rank(newborn)) } else { None }
+    pub(crate) fn rank(&self, fresh: f64) -> Option<Rank> {
+        if let Kind::Ranked(ranks) = &self.kind { Some(ranks.rank(fresh)) } else { None }
     }
 
     /// The labels of contacts with these fresh thresholds; if `tabulated`, some of their thresholds at all ages are computed
     /// now, so that the others are interpolated faster.
-    pub(crate) fn labels(&self, newborn: Nodal, tabulated: bool) -> NodalLabels {
+    pub(crate) fn labels(&self, fresh: Nodal, tabulated: bool) -> NodalLabels {
         let ranks = match &self.kind {
             Kind::Ranked(table) => {
-                let each = newborn.map(|h| table.rank(h));
+                let each = fresh.map(|h| table.rank(h));
                 if tabulated {
                     NodalRanks::Rows(table.rows_of(&each))
                 } else {
@@ -235,65 +235,65 @@ impl ThresholdEvolution {
             }
             _ => NodalRanks::None,
         };
-        NodalLabels { newborn, ranks }
+        NodalLabels { fresh, ranks }
     }
 
     /// The contact with fresh threshold h_0.
-    pub(crate) fn followed(&self, newborn: f64) -> ThresholdTrajectory<'_> {
+    pub(crate) fn followed(&self, fresh: f64) -> ThresholdTrajectory<'_> {
         match &self.kind {
-            Kind::Ranked(ranks) => ThresholdTrajectory::Ranked(ranks.followed(newborn)),
-            _ => ThresholdTrajectory::Affine(self, newborn),
+            Kind::Ranked(ranks) => ThresholdTrajectory::Ranked(ranks.followed(fresh)),
+            _ => ThresholdTrajectory::Affine(self, fresh),
         }
     }
 
     /// h of a contact with fresh threshold h_0, at an age.
-    pub fn threshold(&self, newborn: f64, age: f64) -> f64 {
-        self.at(age).threshold(newborn)
+    pub fn threshold(&self, fresh: f64, age: f64) -> f64 {
+        self.at(age).threshold(fresh)
     }
 
     /// A threshold that a contact with fresh threshold h_0 is never below from an age on.
-    pub(crate) fn lowest_from(&self, newborn: f64, age: f64) -> f64 {
+    pub(crate) fn lowest_from(&self, fresh: f64, age: f64) -> f64 {
         match &self.kind {
-            Kind::Constant => newborn,
-            Kind::Logarithmic { .. } => self.threshold(newborn, age),
-            Kind::Gaussian { newborn: fresh, mature, time } => {
-                let (left, z) = ((-age / time).exp(), (newborn - fresh.mean) / fresh.std);
-                let mean = mature.mean + ((fresh.mean - mature.mean) * left).min(0.0);
+            Kind::Constant => fresh,
+            Kind::Logarithmic { .. } => self.threshold(fresh, age),
+            Kind::Gaussian { fresh: begun, mature, time } => {
+                let (left, z) = ((-age / time).exp(), (fresh - begun.mean) / begun.std);
+                let mean = mature.mean + ((begun.mean - mature.mean) * left).min(0.0);
                 // From s(t) now to σ_f, monotonically.
-                let excess = (fresh.std - mature.std) * (fresh.std + mature.std) * left * left;
+                let excess = (begun.std - mature.std) * (begun.std + mature.std) * left * left;
                 let std = (mature.std * mature.std + excess).sqrt();
                 (mean + (z * std).min(z * mature.std)).max(0.0)
             }
-            Kind::Ranked(_) => self.followed(newborn).lowest(),
+            Kind::Ranked(_) => self.followed(fresh).lowest(),
         }
     }
 
     /// ∫ hⁿ dP(h_0) for n = 0, 1 and 2 over the contacts with fresh thresholds above h_0, h their thresholds
     /// at an age and P the distribution of fresh thresholds.
-    pub(crate) fn moments_above(&self, law: &dyn Law, newborn: f64, age: f64) -> [f64; 3] {
-        let whole = law.survival(newborn);
+    pub(crate) fn moments_above(&self, law: &dyn Law, fresh: f64, age: f64) -> [f64; 3] {
+        let whole = law.survival(fresh);
         let [first, second] = match (&self.kind, &self.at(age).0) {
-            (Kind::Gaussian { newborn: born, .. }, At::Affine(aged)) => aged.moments_of(*born, law, newborn),
+            (Kind::Gaussian { fresh: born, .. }, At::Affine(aged)) => aged.moments_of(*born, law, fresh),
             (_, At::Affine(aged)) => {
-                [1, 2].map(|order| aged.factor.powi(order as i32) * law.upper_moment(order, newborn))
+                [1, 2].map(|order| aged.factor.powi(order as i32) * law.upper_moment(order, fresh))
             }
-            (_, At::Ranked(aged)) => aged.moments_above(newborn),
+            (_, At::Ranked(aged)) => aged.moments_above(fresh),
         };
         [whole, first, second]
     }
 
     /// h_0 of a contact whose threshold is h at an age; below 0 if every contact has a higher threshold.
-    pub fn newborn(&self, threshold: f64, age: f64) -> f64 {
-        self.at(age).newborn(threshold)
+    pub fn fresh(&self, threshold: f64, age: f64) -> f64 {
+        self.at(age).fresh(threshold)
     }
 }
 
 impl Affine {
     /// ∫ h dP(h_0) and ∫ h² dP(h_0) above h_0 for a Gaussian P truncated at 0. h is Gaussian too; with its mean m and
     /// std s they are S(m + sλ) and S[m² + s² + sλ(2m + sz)], λ the hazard rate at h_0 = x̄ + zσ, per σ.
-    fn moments_of(&self, born: Normal, law: &dyn Law, newborn: f64) -> [f64; 2] {
+    fn moments_of(&self, born: Normal, law: &dyn Law, fresh: f64) -> [f64; 2] {
         // Contacts with lower h_0 have the threshold 0.
-        let from = newborn.max(-self.shift / self.factor).max(0.0);
+        let from = fresh.max(-self.shift / self.factor).max(0.0);
         let left = law.survival(from);
         if left == 0.0 {
             return [0.0; 2];
@@ -310,24 +310,24 @@ impl Affine {
 impl Kind {
     /// Closed form between Gaussians, else a table.
     fn ranked(
-        [newborn, mature]: [&SharedLaw; 2],
+        [fresh, mature]: [&SharedLaw; 2],
         time: f64,
         ranks: &SharedRanks,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        if let (Some(newborn), Some(mature)) = (Normal::of(newborn.as_ref()), Normal::of(mature.as_ref())) {
-            return Ok(Self::Gaussian { newborn, mature, time });
+        if let (Some(fresh), Some(mature)) = (Normal::of(fresh.as_ref()), Normal::of(mature.as_ref())) {
+            return Ok(Self::Gaussian { fresh, mature, time });
         }
-        if !newborn.atoms().is_empty() {
-            let expected = "a law with a density, to age by frozen_rank";
+        if !fresh.atoms().is_empty() {
+            let expected = "a distribution with a density, to age by frozen_rank";
             return Err(Error::invalid("thresholds", expected, "thresholds that many contacts share"));
         }
         let compute = || {
             let diffusion = mature.std().powi(2) / time;
-            let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
-            RankTable::new(newborn, &maturing, time, monitor)
+            let maturing = ThresholdFokkerPlanck::new(fresh.clone(), mature.clone(), diffusion);
+            RankTable::new(fresh, &maturing, time, monitor)
         };
-        ranks.table([newborn, mature], time, compute).map(Self::Ranked)
+        ranks.table([fresh, mature], time, compute).map(Self::Ranked)
     }
 }
 
@@ -336,7 +336,7 @@ impl ThresholdTrajectory<'_> {
     #[inline]
     pub(crate) fn threshold(&self, age: f64) -> f64 {
         match self {
-            Self::Affine(strength, newborn) => strength.threshold(*newborn, age),
+            Self::Affine(strength, fresh) => strength.threshold(*fresh, age),
             Self::Ranked(followed) => followed.threshold(age).max(0.0),
         }
     }
@@ -344,7 +344,7 @@ impl ThresholdTrajectory<'_> {
     /// ∂h/∂t at an age.
     pub(crate) fn drift(&self, age: f64) -> f64 {
         match self {
-            Self::Affine(strength, newborn) => strength.at(age).drift(*newborn),
+            Self::Affine(strength, fresh) => strength.at(age).drift(*fresh),
             Self::Ranked(followed) => followed.drift(age),
         }
     }
@@ -369,13 +369,13 @@ impl ThresholdTrajectory<'_> {
                 }
             }
             Kind::Constant => out = [*h; NODES],
-            Kind::Gaussian { newborn, mature, time } => {
-                let excess = (newborn.std - mature.std) * (newborn.std + mature.std);
-                let z = (h - newborn.mean) / newborn.std;
+            Kind::Gaussian { fresh, mature, time } => {
+                let excess = (fresh.std - mature.std) * (fresh.std + mature.std);
+                let z = (h - fresh.mean) / fresh.std;
                 for i in 0..NODES {
                     let left = exp(-ages[i] / time);
                     let std = (mature.std * mature.std + excess * left * left).sqrt();
-                    out[i] = (mature.mean + (newborn.mean - mature.mean) * left + z * std).max(0.0);
+                    out[i] = (mature.mean + (fresh.mean - mature.mean) * left + z * std).max(0.0);
                 }
             }
             _ => out = ages.map(|age| self.threshold(age)),
@@ -387,10 +387,10 @@ impl ThresholdTrajectory<'_> {
 impl ThresholdsAtAge<'_> {
     /// h of a contact with fresh threshold h_0.
     #[inline]
-    pub fn threshold(&self, newborn: f64) -> f64 {
+    pub fn threshold(&self, fresh: f64) -> f64 {
         match &self.0 {
-            At::Affine(aged) => (aged.shift + aged.factor * newborn).max(0.0),
-            At::Ranked(aged) => aged.threshold(newborn).max(0.0),
+            At::Affine(aged) => (aged.shift + aged.factor * fresh).max(0.0),
+            At::Ranked(aged) => aged.threshold(fresh).max(0.0),
         }
     }
 
@@ -399,7 +399,7 @@ impl ThresholdsAtAge<'_> {
     pub(crate) fn threshold_of(&self, label: Label<'_>) -> f64 {
         match (&self.0, label.rank) {
             (At::Ranked(aged), Some(rank)) => aged.threshold_of(rank).max(0.0),
-            _ => self.threshold(label.newborn),
+            _ => self.threshold(label.fresh),
         }
     }
 
@@ -408,9 +408,9 @@ impl ThresholdsAtAge<'_> {
     pub(crate) fn thresholds_of(&self, labels: &NodalLabels) -> Nodal {
         let thresholds = match (&self.0, &labels.ranks) {
             (At::Affine(aged), _) => {
-                let (newborn, mut out) = (labels.newborn, [0.0; NODES]);
+                let (fresh, mut out) = (labels.fresh, [0.0; NODES]);
                 for i in 0..NODES {
-                    out[i] = aged.shift + aged.factor * newborn[i];
+                    out[i] = aged.shift + aged.factor * fresh[i];
                 }
                 out
             }
@@ -418,17 +418,17 @@ impl ThresholdsAtAge<'_> {
             (At::Ranked(aged), NodalRanks::Each(ranks)) => {
                 ranks.each_ref().map(|rank| aged.threshold_of(rank))
             }
-            (At::Ranked(aged), NodalRanks::None) => labels.newborn.map(|h| aged.threshold(h)),
+            (At::Ranked(aged), NodalRanks::None) => labels.fresh.map(|h| aged.threshold(h)),
         };
         thresholds.map(|h| h.max(0.0))
     }
 
     /// h_0 of a contact whose threshold is h; below 0 if every contact has a higher threshold.
     #[inline]
-    pub fn newborn(&self, threshold: f64) -> f64 {
+    pub fn fresh(&self, threshold: f64) -> f64 {
         match &self.0 {
             At::Affine(aged) => (threshold - aged.shift) / aged.factor,
-            At::Ranked(aged) => aged.newborn(threshold),
+            At::Ranked(aged) => aged.fresh(threshold),
         }
     }
 
@@ -436,10 +436,10 @@ impl ThresholdsAtAge<'_> {
     pub(crate) fn contact_at(&self, threshold: f64) -> ContactAtThreshold {
         match &self.0 {
             At::Affine(aged) => {
-                let newborn = (threshold - aged.shift) / aged.factor;
+                let fresh = (threshold - aged.shift) / aged.factor;
                 ContactAtThreshold {
-                    newborn,
-                    drift: aged.shift_rate + aged.factor_rate * newborn,
+                    fresh,
+                    drift: aged.shift_rate + aged.factor_rate * fresh,
                     spread: aged.factor,
                 }
             }
@@ -449,19 +449,19 @@ impl ThresholdsAtAge<'_> {
 
     /// ∂h/∂h_0 at constant age, for a contact with fresh threshold h_0.
     #[inline]
-    pub fn spread(&self, newborn: f64) -> f64 {
+    pub fn spread(&self, fresh: f64) -> f64 {
         match &self.0 {
             At::Affine(aged) => aged.factor,
-            At::Ranked(aged) => aged.spread(newborn),
+            At::Ranked(aged) => aged.spread(fresh),
         }
     }
 
     /// ∂h/∂t of a contact with fresh threshold h_0: its rate of strengthening.
     #[inline]
-    pub fn drift(&self, newborn: f64) -> f64 {
+    pub fn drift(&self, fresh: f64) -> f64 {
         match &self.0 {
-            At::Affine(aged) => aged.shift_rate + aged.factor_rate * newborn,
-            At::Ranked(aged) => aged.drift(newborn),
+            At::Affine(aged) => aged.shift_rate + aged.factor_rate * fresh,
+            At::Ranked(aged) => aged.drift(fresh),
         }
     }
 }
@@ -493,31 +493,31 @@ mod tests {
     }
 
     #[test]
-    fn thresholds_and_newborn_ones_are_inverse_and_their_rates_are_derivatives() {
+    fn thresholds_and_fresh_ones_are_inverse_and_their_rates_are_derivatives() {
         for ageing in [None, Some(Ageing::Logarithmic { growth: 0.02, time: 3.0 }), Some(frozen_rank())] {
             let strength = ThresholdEvolution::of(&contacts(ageing)).unwrap();
-            for (newborn, age) in [(0.3, 0.0), (0.5, 1e-3), (0.7, 1.7), (0.45, 40.0)] {
+            for (fresh, age) in [(0.3, 0.0), (0.5, 1e-3), (0.7, 1.7), (0.45, 40.0)] {
                 let aged = strength.at(age);
-                let threshold = strength.threshold(newborn, age);
+                let threshold = strength.threshold(fresh, age);
                 // A few roundings.
-                assert!((strength.newborn(threshold, age) - newborn).abs() < 1e-15);
+                assert!((strength.fresh(threshold, age) - fresh).abs() < 1e-15);
                 // Central differences of step h: error of order h² and ε/h.
                 let step = 1e-5;
-                let drift = strength.threshold(newborn, age + step) - threshold;
-                assert!((drift / step - aged.drift(newborn)).abs() < 1e-5);
-                let spread = aged.threshold(newborn + step) - threshold;
-                assert!((spread / step - aged.spread(newborn)).abs() < 1e-9);
+                let drift = strength.threshold(fresh, age + step) - threshold;
+                assert!((drift / step - aged.drift(fresh)).abs() < 1e-5);
+                let spread = aged.threshold(fresh + step) - threshold;
+                assert!((spread / step - aged.spread(fresh)).abs() < 1e-9);
             }
         }
     }
 
     #[test]
-    fn a_newborn_law_becomes_the_mature_one_rank_by_rank() {
+    fn a_fresh_law_becomes_the_mature_one_rank_by_rank() {
         let strength = ThresholdEvolution::of(&contacts(Some(frozen_rank()))).unwrap();
         for z in [-3.0, 0.0, 1.5] {
-            let newborn = 0.5 + 0.1 * z;
-            assert!((strength.threshold(newborn, 0.0) - newborn).abs() < 1e-15);
-            assert!((strength.threshold(newborn, 1e3) - (1.0 + 0.05 * z)).abs() < 1e-15);
+            let fresh = 0.5 + 0.1 * z;
+            assert!((strength.threshold(fresh, 0.0) - fresh).abs() < 1e-15);
+            assert!((strength.threshold(fresh, 1e3) - (1.0 + 0.05 * z)).abs() < 1e-15);
         }
     }
 
@@ -530,16 +530,16 @@ mod tests {
             let (law, strength) = (contacts.thresholds.as_ref(), ThresholdEvolution::of(&contacts).unwrap());
             for age in [0.0, 1e-3, 0.7, 40.0] {
                 let aged = strength.at(age);
-                for newborn in [-1.0, 0.2, 0.45, 0.8, 1.2] {
-                    let found = strength.moments_above(law, newborn, age);
+                for fresh in [-1.0, 0.2, 0.45, 0.8, 1.2] {
+                    let found = strength.moments_above(law, fresh, age);
                     // A tenth of a standard deviation each, up to 10 of them.
-                    let edge = |k: u32| newborn.max(0.0) + 0.01 * f64::from(k);
+                    let edge = |k: u32| fresh.max(0.0) + 0.01 * f64::from(k);
                     for (n, found) in (0..).zip(found) {
                         let density = |h: f64| aged.threshold(h).powi(n) * law.density(h);
                         let sum: f64 = (0..150).map(|k| RULE.integrate(edge(k), edge(k + 1), density)).sum();
                         // What interpolation between ranks and ages leaves out, of those above.
-                        let allowed = 1e-9 * law.survival(newborn);
-                        assert!((found - sum).abs() < allowed, "{age} {newborn} {n} {:e}", found - sum);
+                        let allowed = 1e-9 * law.survival(fresh);
+                        assert!((found - sum).abs() < allowed, "{age} {fresh} {n} {:e}", found - sum);
                     }
                 }
             }
@@ -552,13 +552,13 @@ mod tests {
         let general = Ageing::FrozenRank { mature, time: 2.0 };
         for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
             let strength = ThresholdEvolution::of(&contacts(Some(ageing))).unwrap();
-            for (newborn, age) in [(0.3, 0.01), (0.5, 0.7), (0.75, 5.0)] {
+            for (fresh, age) in [(0.3, 0.01), (0.5, 0.7), (0.75, 5.0)] {
                 let aged = strength.at(age);
-                let contact_at = aged.contact_at(aged.threshold(newborn));
-                // Rounding of the rank of the newborn threshold.
-                assert!((contact_at.newborn - newborn).abs() < 1e-13);
-                assert!((contact_at.drift - aged.drift(newborn)).abs() < 1e-11);
-                assert!((contact_at.spread - aged.spread(newborn)).abs() < 1e-11);
+                let contact_at = aged.contact_at(aged.threshold(fresh));
+                // Rounding of the rank of the fresh threshold.
+                assert!((contact_at.fresh - fresh).abs() < 1e-13);
+                assert!((contact_at.drift - aged.drift(fresh)).abs() < 1e-11);
+                assert!((contact_at.spread - aged.spread(fresh)).abs() < 1e-11);
             }
         }
     }
@@ -572,6 +572,6 @@ mod tests {
         let mut shared = contacts(Some(Ageing::FrozenRank { mature, time: 1.0 }));
         shared.thresholds = Arc::new(Point::new(0.5).unwrap());
         let error = ThresholdEvolution::of(&shared).unwrap_err();
-        assert!(error.to_string().starts_with("thresholds: expected a law with a density"));
+        assert!(error.to_string().starts_with("thresholds: expected a distribution with a density"));
     }
 }

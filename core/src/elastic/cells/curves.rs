@@ -332,8 +332,8 @@ impl Cells for Curves {
         let begun = batch.done(cell, self.marked[cell]);
         // All contacts of the cell break and re-form: it keeps the elastic energy of re-formed contacts, and
         // the rest is dissipated.
-        let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
-        let done = batch.cell(cell).done(by).renewed(newborn.elastic, batch.areas.of(cell));
+        let renewed = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
+        let done = batch.cell(cell).done(by).renewed(renewed.elastic, batch.areas.of(cell));
         self.detached.insert(cell, DetachedCell { done: done - begun, course: self.courses[cell] });
         self.settled = self.settled + CellEnergies { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;

@@ -47,11 +47,11 @@ impl CellEnergies {
         Self { work: area * work, elastic: area * elastic, lost: area * lost, broken: area * broken }
     }
 
-    /// The energies after all contacts of a cell of this area have broken and re-formed with the elastic energy `newborn`.
+    /// The energies after all contacts of a cell of this area have broken and re-formed with the elastic energy `fresh`.
     #[must_use]
-    pub(super) fn renewed(self, newborn: f64, area: f64) -> Self {
-        let lost = self.lost + self.elastic - newborn;
-        Self { lost, broken: self.broken + area, elastic: newborn, ..self }
+    pub(super) fn renewed(self, fresh: f64, area: f64) -> Self {
+        let lost = self.lost + self.elastic - fresh;
+        Self { lost, broken: self.broken + area, elastic: fresh, ..self }
     }
 }
 

@@ -119,8 +119,8 @@ impl PopulationCell {
         let place = self.on_curve().place(by);
         let mut now =
             SinceReset::new(renewed(&*self.now.base, place, monitor)?, CellEnergies::default(), monitor)?;
-        let newborn = now.table.curve.energies(0.0).scaled(self.scale).of_area(self.area);
-        now.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(newborn.elastic, self.area) };
+        let fresh = now.table.curve.energies(0.0).scaled(self.scale).of_area(self.area);
+        now.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(fresh.elastic, self.area) };
         now.free = true;
         self.resets.push(place);
         self.detached = Some(Box::new(std::mem::replace(&mut self.now, now)));

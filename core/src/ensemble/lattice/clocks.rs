@@ -66,7 +66,7 @@ pub(super) struct Site {
     pub(super) place: usize,
     pub(super) number: usize,
     /// The fresh threshold.
-    pub(super) newborn: f64,
+    pub(super) fresh: f64,
     /// The drive at which the contact would break if its threshold stayed as at birth.
     pub(super) end: f64,
 }
@@ -205,11 +205,11 @@ impl Clocks {
 
     /// By how much the threshold of a contact exceeds the fresh one.
     #[inline]
-    pub(super) fn strengthening(&self, number: usize, newborn: f64) -> f64 {
+    pub(super) fn strengthening(&self, number: usize, fresh: f64) -> f64 {
         if self.evolution.is_constant() {
             return 0.0;
         }
-        self.evolution.threshold(newborn, self.age(number)) - newborn
+        self.evolution.threshold(fresh, self.age(number)) - fresh
     }
 
     /// Draws the hazard that a contact will survive. `number` selects its stream.
@@ -227,18 +227,18 @@ impl Clocks {
 
     /// Subtracts the hazard since it was counted from what a contact has left.
     fn settle(&mut self, site: Site, drive: f64) {
-        let Site { number, newborn, end, .. } = site;
+        let Site { number, fresh, end, .. } = site;
         let span = self.now - self.contacts[number].counted;
         let Some(thermal) = self.thermal.filter(|_| span > 0.0) else { return };
-        let stretch = newborn + (drive - end);
+        let stretch = fresh + (drive - end);
         if !self.evolution.is_constant() {
             return self.settle_aged(site, stretch, drive);
         }
         let contact = &mut self.contacts[number];
         let hazard = if self.velocity > 0.0 {
-            thermal.at(newborn, self.velocity).value(stretch) - contact.before
+            thermal.at(fresh, self.velocity).value(stretch) - contact.before
         } else {
-            thermal.rate(stretch, newborn) * span
+            thermal.rate(stretch, fresh) * span
         };
         contact.left = (contact.left - hazard).max(0.0);
     }
@@ -248,7 +248,7 @@ impl Clocks {
         let Some(thermal) = self.thermal else { return };
         let mut contact = self.contacts[site.number];
         // With the lowest threshold the hazard is larger.
-        let lowest = self.evolution.lowest_from(site.newborn, contact.counted - contact.birth);
+        let lowest = self.evolution.lowest_from(site.fresh, contact.counted - contact.birth);
         let most = if self.velocity > 0.0 {
             thermal.at(lowest, self.velocity).value(stretch) - contact.before
         } else {
@@ -267,7 +267,7 @@ impl Clocks {
     /// A contact and its motion from the time up to which its hazard is counted.
     fn held(&self, site: Site, drive: f64, end: f64) -> (AttachedContact, Segment) {
         let ContactClock { birth, counted, .. } = self.contacts[site.number];
-        let held = AttachedContact { birth, origin: site.end - site.newborn, newborn: site.newborn };
+        let held = AttachedContact { birth, origin: site.end - site.fresh, fresh: site.fresh };
         let position = drive - self.velocity * (self.now - counted);
         (held, Segment { start: counted, end, position, velocity: self.velocity })
     }
@@ -275,17 +275,17 @@ impl Clocks {
     /// Computes where a contact breaks next, from its present stretch.
     #[inline]
     pub(super) fn schedule(&mut self, site: Site, drive: f64) {
-        let Site { place, number, newborn, end } = site;
-        let stretch = newborn + (drive - end);
+        let Site { place, number, fresh, end } = site;
+        let stretch = fresh + (drive - end);
         let lowest = if self.evolution.is_constant() {
-            newborn
+            fresh
         } else {
-            self.evolution.lowest_from(newborn, self.age(number))
+            self.evolution.lowest_from(fresh, self.age(number))
         };
         let contact = &mut self.contacts[number];
         (contact.counted, contact.changed) = (self.now, false);
         // The drive at which it breaks at the latest, if that is its threshold.
-        let passage = end + (lowest - newborn);
+        let passage = end + (lowest - fresh);
         let due = next_break(self.thermal, contact, (stretch, lowest), (drive, passage), self.velocity);
         contact.bound = !self.evolution.is_constant() && due.is_finite();
         self.due[place] = if self.velocity > 0.0 { due } else { self.now + due };
@@ -312,8 +312,8 @@ impl Clocks {
     fn likely(&self, site: Site, drive: f64) -> f64 {
         /// Part of the time in which the contact crosses its threshold, or breaks at its rate.
         const RESOLVED: f64 = 1e-9;
-        let stretch = site.newborn + (drive - site.end);
-        let threshold = site.newborn + self.strengthening(site.number, site.newborn);
+        let stretch = site.fresh + (drive - site.end);
+        let threshold = site.fresh + self.strengthening(site.number, site.fresh);
         let rate = self.thermal.map_or(0.0, |thermal| thermal.rate(stretch, threshold));
         if self.velocity == 0.0 && rate == 0.0 {
             return SETTLED * self.evolution.time_scale();
@@ -412,9 +412,9 @@ impl ClocksState {
 impl Timekeeping for Clocks {
     #[inline]
     fn jump(&mut self, place: usize, end: f64, drive: f64, contact: impl FnOnce() -> (usize, f64)) -> f64 {
-        let (number, newborn) = contact();
-        self.change(Site { place, number, newborn, end }, drive);
-        self.strengthening(number, newborn)
+        let (number, fresh) = contact();
+        self.change(Site { place, number, fresh, end }, drive);
+        self.strengthening(number, fresh)
     }
 
     #[inline]

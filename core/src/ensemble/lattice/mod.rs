@@ -173,7 +173,7 @@ impl Lattice {
         let mean = ensemble.contacts.thresholds.mean();
         let grid = ContactGrid::new(coupling);
         let births = LatticeBirths::new(&ensemble);
-        let (ends, born) = newborn(&births, &grid, &Watch::new(monitor))?;
+        let (ends, born) = fresh(&births, &grid, &Watch::new(monitor))?;
         let mut lattice = Self {
             alpha: coupling.alpha(),
             dissipated: coupling.dissipated(),
@@ -406,7 +406,7 @@ fn stiffness(contacts: &Contacts) -> Result<f64> {
 }
 
 /// Contacts as they are at X = 0: where they break, and what they were born with.
-fn newborn(
+fn fresh(
     births: &LatticeBirths,
     grid: &ContactGrid,
     watch: &Watch<'_>,

@@ -236,7 +236,7 @@ pub(super) fn site(
     place: u32,
 ) -> Site {
     let (place, number) = (place as usize, grid.number(place as usize));
-    Site { place, number, newborn: births.threshold(born, number), end: ends[place] }
+    Site { place, number, fresh: births.threshold(born, number), end: ends[place] }
 }
 
 fn no_time(key: &str, found: f64) -> Error {

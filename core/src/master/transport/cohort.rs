@@ -105,7 +105,7 @@ impl Cohort {
     pub(super) fn born(model: &CohortModel, seed: &Seed, mass: f64, watch: &Watch<'_>) -> Self {
         let &Seed { stretch, below, above, number, .. } = seed;
         let place = Place { stretch, below, above, age: 0.0 };
-        let state = model.newborn(seed, watch);
+        let state = model.fresh(seed, watch);
         let mut cohort = Self { mass, place, seed: number, state, left: 1.0, stiffness: 0.0, spread: 0.0 };
         cohort.update(model, watch);
         cohort

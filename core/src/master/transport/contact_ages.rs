@@ -118,7 +118,7 @@ impl SharedStep<'_> {
 
 impl ContactAges {
     /// Contacts of age 0.
-    pub(super) fn newborn(fraction: f64) -> Self {
+    pub(super) fn fresh(fraction: f64) -> Self {
         Self(vec![AgeGroup { age: 0.0, fraction }])
     }
 

@@ -25,8 +25,8 @@ pub(super) struct Diffusing {
     levels: [MovingGrid; LEVELS],
     temperature: Option<Temperature>,
     stiffness: Stiffness,
-    /// Newborn contacts where they re-form, in the order of their stretches.
-    newborn: Vec<ThresholdMasses>,
+    /// Fresh contacts where they re-form, in the order of their stretches.
+    fresh: Vec<ThresholdMasses>,
     /// The shortest time in which fresh thresholds change much.
     time: f64,
     /// Longest coarse step of a cohort, as a fraction of its age (plus that time).
@@ -161,13 +161,13 @@ impl Diffusing {
             time: scale * scale / maturing.diffusion,
             age_fraction: (SHARE * coarser).min(0.5),
             reach: REACH * coarser * scale,
-            newborn: Vec::new(),
+            fresh: Vec::new(),
             maturing,
         };
         let watch = Watch::new(monitor);
-        diffusing.newborn = seeds.iter().map(|seed| diffusing.above(seed.stretch, &watch)).collect();
+        diffusing.fresh = seeds.iter().map(|seed| diffusing.above(seed.stretch, &watch)).collect();
         watch.check()?;
-        sort_by_number(&mut diffusing.newborn, |item| item.stretch);
+        sort_by_number(&mut diffusing.fresh, |item| item.stretch);
         Ok(Some(diffusing))
     }
 
@@ -183,9 +183,9 @@ impl Diffusing {
     }
 
     /// P_ci above the stretch of a seed.
-    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> ThresholdMasses {
-        let found = self.newborn.binary_search_by(|masses| masses.stretch.total_cmp(&seed.stretch));
-        found.map_or_else(|_| self.above(seed.stretch, watch), |place| self.newborn[place].clone())
+    pub(super) fn fresh(&self, seed: &Seed, watch: &Watch<'_>) -> ThresholdMasses {
+        let found = self.fresh.binary_search_by(|masses| masses.stretch.total_cmp(&seed.stretch));
+        found.map_or_else(|_| self.above(seed.stretch, watch), |place| self.fresh[place].clone())
     }
 
     /// P_ci above a stretch.
@@ -195,7 +195,7 @@ impl Diffusing {
             let middles: Vec<f64> = level.middles(floor, ceiling).collect();
             let mut masses = self
                 .maturing
-                .newborn(&middles, stretch.abs(), &mut &*watch)
+                .fresh(&middles, stretch.abs(), &mut &*watch)
                 .unwrap_or_else(|_| vec![0.0; middles.len()]);
             let whole: f64 = masses.iter().sum();
             // Both levels start with the mass 1, so that extrapolation does not change it.

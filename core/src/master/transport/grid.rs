@@ -110,8 +110,8 @@ impl GridPanel {
 
     /// One of its labels.
     pub(super) fn label(&self, mark: usize) -> Label<'_> {
-        let (newborn, rank) = &self.marks[mark];
-        Label { newborn: *newborn, rank: rank.as_ref() }
+        let (fresh, rank) = &self.marks[mark];
+        Label { fresh: *fresh, rank: rank.as_ref() }
     }
 
     /// Thresholds in the panel above `met`, weighted by their fraction of fresh contacts, and e^{−A} there from A at the Gauss

@@ -26,7 +26,7 @@ use crate::{Error, Result};
 pub(super) fn table(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Arc<MaturingTable>> {
     if let Some(atom) = contacts.thresholds.atoms().first() {
         let expected =
-            "a law without point masses, where thresholds shared by mean_field are followed in time";
+            "a distribution without point masses, where thresholds shared by mean_field are followed in time";
         return Err(Error::invalid("thresholds", expected, format!("one at {}", atom.position)));
     }
     contacts.have_equal_stiffness()?;

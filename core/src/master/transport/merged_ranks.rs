@@ -18,7 +18,7 @@ pub(super) struct MergedPart<'a> {
 impl MergedPart<'_> {
     /// The number of fresh contacts of which those above the stretch of formation are the group.
     fn fresh(&self) -> f64 {
-        self.mass / self.left.newborn
+        self.mass / self.left.fresh
     }
 }
 
@@ -58,7 +58,7 @@ impl RankedThresholds {
             met,
             atoms: lefts[0].atoms.iter().zip(&lefts[1].atoms).map(both).collect(),
             band: self.merged_band(lefts, parts, met),
-            newborn: lefts[0].newborn,
+            fresh: lefts[0].fresh,
         }
     }
 
@@ -133,7 +133,7 @@ mod tests {
                 };
                 let group = |start: f64, hold: f64| {
                     let seed = Seed { stretch: start, weight: 1.0, below: 0.0, above: 0.0, number: None };
-                    let mut left = ranks.newborn(&seed);
+                    let mut left = ranks.fresh(&seed);
                     step(&mut left, start, 0.7 - start, hold);
                     left
                 };

@@ -96,7 +96,7 @@ use trial::StepAttempt;
 ///     Piece { velocity: 0.0, duration: 10.0 },
 /// ])?;
 /// let trace = Transport::new(contacts.clone(), &Initial::default())?.follow(&motion, &[4.0, 14.0])?;
-/// // Contacts without temperature and ageing do not know time.
+/// // These contacts do not depend on time.
 /// let pull = MasterEquation::new(contacts, &Initial::default())?.pull(2.0)?;
 /// assert!((trace.force[0] - pull.force(2.0)).abs() < 1e-5);
 /// assert_eq!(trace.force[0], trace.force[1]);
@@ -125,7 +125,7 @@ pub struct Transport {
     cohorts: Arc<Vec<Cohort>>,
     broken: Broken,
     dropped: f64,
-    /// ∫(the fraction of free contacts) dX.
+    /// ∫(the fraction of free contacts) |dX|, a length.
     slid: f64,
     /// Energies since the start, in units of the total stiffness.
     spent: EnergyChange,
@@ -205,7 +205,7 @@ impl Transport {
         };
         let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
-        transport.ages = transport.model.table().map(|_| ContactAges::newborn(held));
+        transport.ages = transport.model.table().map(|_| ContactAges::fresh(held));
         transport.cohorts = Arc::new(transport.formed(&first, monitor)?);
         if initial.start == Start::Relaxed {
             transport.broken.add_simultaneous(0.0, 1.0 - held);

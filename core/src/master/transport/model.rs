@@ -46,11 +46,11 @@ impl CohortThresholds {
 
 impl CohortModel {
     /// The thresholds of contacts that form at a seed.
-    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
+    pub(super) fn fresh(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
         match self {
-            Self::Ranked(ranks) => CohortThresholds::Ranked(ranks.newborn(seed)),
-            Self::Diffusing(diffusing) => CohortThresholds::Diffusing(diffusing.newborn(seed, watch)),
-            Self::Shared(_) => CohortThresholds::Shared(SurvivingFraction::newborn(seed.stretch)),
+            Self::Ranked(ranks) => CohortThresholds::Ranked(ranks.fresh(seed)),
+            Self::Diffusing(diffusing) => CohortThresholds::Diffusing(diffusing.fresh(seed, watch)),
+            Self::Shared(_) => CohortThresholds::Shared(SurvivingFraction::fresh(seed.stretch)),
         }
     }
 

@@ -63,7 +63,7 @@ pub(super) struct SurvivingRanks {
     /// `None` without thermal breaking.
     pub(super) band: Option<Band>,
     /// The fraction of P_ci above the stretch at formation.
-    pub(super) newborn: f64,
+    pub(super) fresh: f64,
 }
 
 /// Thresholds at which some contacts survive and some do not; empty until any have broken thermally.
@@ -197,12 +197,12 @@ impl RankedThresholds {
             return Some(None);
         }
         let (stretch, aged) = passage.at(ends.1);
-        let met = aged.newborn(stretch);
+        let met = aged.fresh(stretch);
         if met <= left.met {
             return Some(None);
         }
         left.met = met;
-        Some(Some(self.survival(met).max(0.0) / left.newborn))
+        Some(Some(self.survival(met).max(0.0) / left.fresh))
     }
 
     /// Whether contacts break thermally.
@@ -234,13 +234,13 @@ impl RankedThresholds {
     }
 
     /// The first panel that reaches above a fresh threshold.
-    pub(super) fn panel_above(&self, newborn: f64) -> u64 {
-        self.thermal.as_ref().map_or(0, |(_, grid)| grid.above(newborn))
+    pub(super) fn panel_above(&self, fresh: f64) -> u64 {
+        self.thermal.as_ref().map_or(0, |(_, grid)| grid.above(fresh))
     }
 
     /// S(h_0).
-    fn survival(&self, newborn: f64) -> f64 {
-        self.table.as_ref().map_or_else(|| self.law.survival(newborn), |table| table.value(newborn))
+    fn survival(&self, fresh: f64) -> f64 {
+        self.table.as_ref().map_or_else(|| self.law.survival(fresh), |table| table.value(fresh))
     }
 
     /// Approximate amount of work of a step of a cohort.
@@ -251,12 +251,12 @@ impl RankedThresholds {
         1 + self.atoms.len() + band
     }
 
-    pub(super) fn newborn(&self, seed: &Seed) -> SurvivingRanks {
+    pub(super) fn fresh(&self, seed: &Seed) -> SurvivingRanks {
         let above = |atom: &Atom| (uncovered(atom.position, seed.stretch, seed.below, seed.above), 0.0);
         let atoms = self.atoms.iter().map(above).collect();
         let band = self.thermal.as_ref().map(|_| Band::default());
-        let mut left = SurvivingRanks { met: seed.stretch.abs(), atoms, band, newborn: 1.0 };
-        left.newborn = self.count(&left);
+        let mut left = SurvivingRanks { met: seed.stretch.abs(), atoms, band, fresh: 1.0 };
+        left.fresh = self.count(&left);
         left
     }
 
@@ -308,7 +308,7 @@ impl RankedThresholds {
         let passage =
             StepPassage { evolution: &self.evolution, stretch: place.stretch, age: place.age, path, ends };
         let (stretch, aged) = passage.at(ends.1);
-        left.met = left.met.max(aged.newborn(stretch)).max(self.met_between(&passage));
+        left.met = left.met.max(aged.fresh(stretch)).max(self.met_between(&passage));
         let (below, above) = (place.below, place.above);
         for ((fraction, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             *fraction = fraction.min(uncovered(aged.threshold(atom.position), stretch, below, above));
@@ -332,7 +332,7 @@ impl RankedThresholds {
         let ages: Vec<f64> = std::iter::once(age).chain(between).chain([older]).collect();
         let below = |age_then: f64| {
             let (stretch, aged) = passage.at(from + (age_then - age) / path.duration);
-            -aged.newborn(stretch)
+            -aged.fresh(stretch)
         };
         if ages.len() < 3 {
             return f64::NEG_INFINITY;
@@ -440,7 +440,7 @@ impl RankedThresholds {
     ) {
         for (((fraction, exponent), atom), rank) in left.atoms.iter_mut().zip(&self.atoms).zip(&self.ranks) {
             if *fraction > 0.0 {
-                *exponent += thermal.added_in(passage, Label { newborn: atom.position, rank: rank.as_ref() });
+                *exponent += thermal.added_in(passage, Label { fresh: atom.position, rank: rank.as_ref() });
             }
         }
     }
@@ -450,9 +450,9 @@ impl RankedThresholds {
         let top = self.top(left);
         let aged = (!self.stiffness.is_equal()).then(|| self.evolution.at(age));
         let touched = self.touched(left, aged.as_ref(), watch);
-        let count = (self.untouched(left, top) + touched[0]) / left.newborn;
+        let count = (self.untouched(left, top) + touched[0]) / left.fresh;
         let stiffness = if aged.is_some() {
-            (touched[1] + self.untouched_stiffness(left, top, age)) / left.newborn
+            (touched[1] + self.untouched_stiffness(left, top, age)) / left.fresh
         } else {
             count
         };
@@ -642,7 +642,7 @@ mod tests {
         let ranks = RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts).unwrap(), 1e-6);
         let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
-        let mut left = ranks.newborn(&seed);
+        let mut left = ranks.fresh(&seed);
         let mut bands = Vec::new();
         for (by, duration) in [(0.9, 1.0), (0.01, 1e3), (0.0, 1e6), (0.01, 1.0), (0.0, 1e9), (0.1, 1e3)] {
             let path = Path { duration, by };
@@ -671,7 +671,7 @@ mod tests {
             let ranks = ranks(&contacts(attempts * thermal.nothing * (-grid.folds()).exp()));
             let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
             let place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
-            let mut left = ranks.newborn(&seed);
+            let mut left = ranks.fresh(&seed);
             let (path, monitor) = (Path { duration: 1.0, by: stretch }, &mut ());
             let watch = Watch::new(monitor);
             ranks.advance(place, &mut left, &path, (0.0, 1.0), &watch);

@@ -31,7 +31,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 
 impl SurvivingFraction {
     /// Contacts that form at a stretch, all of which hold.
-    pub(super) fn newborn(stretch: f64) -> Self {
+    pub(super) fn fresh(stretch: f64) -> Self {
         Self { left: 1.0, met: stretch.abs() }
     }
 

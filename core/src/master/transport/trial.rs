@@ -141,7 +141,7 @@ impl StepAttempt<'_> {
         cohorts.extend_from_slice(&existing[numbers.start.min(old)..numbers.end.min(old)]);
         for i in numbers.start.max(old)..numbers.end {
             let seed = &self.seeds[(i - old) % self.seeds.len()];
-            cohorts.push(self.newborn(seed, path, GAUSS[node(i)], context.watch));
+            cohorts.push(self.fresh(seed, path, GAUSS[node(i)], context.watch));
         }
         // Thresholds on panels are computed where they are first met, which may take a tenth of a second for one cohort, but mostly
         // takes no longer than to ask.
@@ -194,7 +194,7 @@ impl StepAttempt<'_> {
     }
 
     /// Contacts that form at the fraction s of a step, with a mass of 1 for all seeds.
-    fn newborn(&self, seed: &Seed, path: &Path, s: f64, watch: &Watch<'_>) -> Cohort {
+    fn fresh(&self, seed: &Seed, path: &Path, s: f64, watch: &Watch<'_>) -> Cohort {
         let cell = if s < 0.5 { (0.0, 0.5) } else { (0.5, 1.0) };
         let spread = Seed {
             above: seed.above + path.advance(cell.0, s).abs(),
