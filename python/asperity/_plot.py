@@ -282,7 +282,7 @@ def velocity_step(step: "VelocityStep", ax: "Axes | None" = None, **style: Any) 
     (line,) = ax.plot(position[~after], fitted[~after], **{"label": "fit", **style})
     ax.plot(position[after], fitted[after], **{**style, "label": None, "color": line.get_color()})
     if len(step.unused_position):
-        unused: dict[str, Any] = {"markersize": 3, "color": muted(), "alpha": 0.4}
+        unused: dict[str, Any] = {"markersize": 3, "color": ink(), "alpha": 0.7}
         ax.plot(step.unused_position, step.unused_force, "x", **unused, label="not fitted")
     edge: dict[str, Any] = {"linestyle": ":", "linewidth": 1.0, "color": ink()}
     ax.axvline(step.peak, **edge, label="$X_p$, where the fit starts")
