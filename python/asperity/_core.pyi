@@ -2008,6 +2008,10 @@ class Healing:
     def residual(self, /) -> float:
         """The root-mean-square residual of the fit, a force."""
 
+    @property
+    def warnings(self, /) -> list[str]:
+        """Sentences about numbers that do not mean what they seem to; empty if there is nothing to say."""
+
 @final
 class Inertial(Description):
     """The slip of a slider with mass, MẌ = K(X_T - X) - F - γẊ, from the loss of stability to the first arrest.
@@ -4809,7 +4813,7 @@ class Temperature(Description):
 
     @property
     def hazard(self, /) -> Literal["joint", "additive"]:
-        """The rate of thermal breaking, "joint" or "additive"."""
+        """Which contacts break thermally, "joint" or "additive"."""
 
 @final
 class ThresholdResponse:
@@ -5181,7 +5185,7 @@ class VelocityStep:
 
     @property
     def fitted(self, /) -> _Array:
-        """The fitted forces there, shape (n,)."""
+        """The fitted forces at the positions that were fitted, shape (n,)."""
 
     @property
     def force(self, /) -> _Array:
@@ -5230,6 +5234,20 @@ class VelocityStep:
     @property
     def trend(self, /) -> Estimate | None:
         """The slope of the force, a force per length; None without trend."""
+
+    @property
+    def unused_force(self, /) -> _Array:
+        """The measured forces there, shape (m,)."""
+
+    @property
+    def unused_position(self, /) -> _Array:
+        """The positions that were not fitted, shape (m,), a length: between the step and the peak, and before the step where
+        the force there was given.
+        """
+
+    @property
+    def warnings(self, /) -> list[str]:
+        """Sentences about numbers that are not to be trusted; empty if there is nothing to say."""
 
     @property
     def whiteness(self, /) -> float | None:
@@ -5384,6 +5402,7 @@ def fit(
     velocity: _Number | None = None,
     noise: Literal["contacts", "white"] = "contacts",
     reading: _Number | None = None,
+    position_error: _Number | None = None,
     drift: _Number | None = None,
     compliance: _Number | Literal["free"] = 0.0,
     offset: _Number = 0.0,
@@ -5423,6 +5442,9 @@ def fit(
         cannot both be free.
     reading
         The standard deviation of the independent error of a reading, after averaging; estimated if None.
+    position_error
+        The standard deviation of the independent error of a position, a length, with noise "white": the error of a force
+        is then larger by it times the slope of the curve. Exact positions if None.
     drift
         The longest correlation length of a slow drift of the force, below a quarter of the range of positions; its
         size and its length are then estimated. No drift if None.
@@ -5458,7 +5480,7 @@ def fit(
         above 0, an unknown name in laws, a first value that is not above 0 where it has to be, lists of different
         lengths or with numbers that are not finite, positions that do not rise, fewer readings than free numbers and
         two, a constant force, forces of the other sign, positions in another unit than lengths of the contacts, an
-        average of 0, a reading or a drift that is not above 0, a drift of a quarter of the range of positions or more,
+        average of 0, a reading, a position_error or a drift that is not above 0, a drift of a quarter of the range of positions or more, a position_error with the noise of contacts,
         another word as noise, and numbers that the curve does not determine. A search that does not converge is no
         error: see Estimates.converged.
 

@@ -175,7 +175,7 @@ def test_errors_of_positions_are_weights_of_least_squares() -> None:
     )
     for name, value, variance in zip(found.params, values, np.diag(covariance), strict=True):
         one = found.params[name]
-        # The weights are renewed until no estimate moves by a tenth of its error, which changes them by less than that.
+        # The weights are renewed until no estimate moves by a tenth of its error, which changes them by less.
         assert abs(one.value - value) < 0.02 * one.error, name
         assert one.error == pytest.approx(np.sqrt(variance), rel=0.01), name
     np.testing.assert_allclose(found.readings["std"], sigma, rtol=0.02)

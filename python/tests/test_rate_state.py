@@ -166,7 +166,8 @@ def test_plots() -> None:
     assert repr(falling).endswith("\nStatic friction falls with the hold time: this is no healing.")
     assert "no healing" in falling.plot().get_title(loc="left")
     axes = asp.read_healing(hold, [0.6, 0.61, 0.622, 0.641, 0.66]).plot()
-    assert len(axes.lines) == 2 and not axes.get_title(loc="left")
+    assert len(axes.lines) == 2
+    assert not axes.get_title(loc="left")
     assert axes.get_xscale() == "log"
 
 
