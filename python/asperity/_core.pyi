@@ -4813,7 +4813,7 @@ class Temperature(Description):
 
     @property
     def hazard(self, /) -> Literal["joint", "additive"]:
-        """Which contacts break thermally, "joint" or "additive"."""
+        """The rate of thermal breaking, "joint" or "additive"."""
 
 @final
 class ThresholdResponse:
