@@ -62,17 +62,23 @@ rust:
 	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
 	$(PYTHON) .ci/rust_tests.py $(tested)
 
-# Results as users open them: every shipped scenario is run and read back with xarray. A quarter of a million cells are made fewer
-# here; `make fingerprint` runs them all.
-results: $(venv)/ready
+# Every shipped scenario, with its pictures, in $$folder. A quarter of a million cells are made fewer here; `make fingerprint` runs
+# them all.
+define shipped
 	cargo build --release --locked --quiet
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	for scenario in scenarios/*.toml; do \
 	  command=$$(grep -q '^\[sweep' "$$scenario" && echo sweep || echo run); \
 	  smaller=$$([[ "$$scenario" != */half-space-512.toml ]] || echo --set interface.cells=[128,128]); \
 	  $(target)/release/asperity $$command "$$scenario" --quiet $$smaller -o "$$folder/$$(basename "$$scenario" .toml)"; \
-	done; \
-	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*/
+	done
+endef
+
+# Results as users open them: every shipped scenario is read back with xarray, and the pictures of the pages are those that it draws.
+results: $(venv)/ready
+	$(shipped); \
+	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*/; \
+	$(PYTHON) .ci/figures.py check "$$folder"
 
 package := target/package
 stubs := $(package)/stubs/asperity/_core.pyi
@@ -105,9 +111,10 @@ $(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-notebook $(ve
 stubs: $(venv)/installed $(stubs)
 	$(venv)/bin/python -P python/tests/stubs.py $(stubs)
 
-# What the extension says of itself where it is compiled with the feature `stubs`.
+# What the extension says of itself where it is compiled with the feature `stubs`; it is not run, and so not optimised.
 $(stubs): $(package)/wheel
-	$(venv)/bin/maturin generate-stubs --profile release --features stubs --out $(package)/stubs
+	$(venv)/bin/maturin generate-stubs --profile release --config 'profile.release.package.asperity-python.opt-level=0' \
+	  --features stubs --out $(package)/stubs
 
 # A wheel for any Linux since 2014.
 wheel: $(venv)-wheel/ready
@@ -167,31 +174,10 @@ docs: $(venv)-docs/installed $(if $(wasm_library),$(page))
 $(venv)-docs/ready: docs/requirements.txt
 	$(environment)
 
-# The pictures of the README and of the pages. Tests compare them with what is drawn.
+# The pictures of the README and of the pages. `make results` compares them with what is drawn.
 figures: $(venv)/installed
-	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
-	draw() { \
-	  command=$$(grep -q '^\[sweep' "scenarios/$$1.toml" && echo sweep || echo run); \
-	  cargo run --release --locked --quiet -- $$command "scenarios/$$1.toml" --quiet -o "$$folder/$$2"; \
-	  for name in "$${@:3}"; do cp "$$folder/$$2/$$name.svg" "docs/figures/$$2-$$name.svg"; done; \
-	}; \
-	draw fig2 fig2 force evolution; \
-	draw stick-slip-overdamped stick-slip stick_slip equilibrium; \
-	draw velocity-curve-thermal thermal velocity_curve; \
-	draw velocity-curve-delay delay velocity_curve; \
-	draw slow-slip slow stick_slip; \
-	draw velocity-curve-ageing ageing velocity_curve; \
-	draw precursors-edge precursors space_time; \
-	draw unequal-cells unequal space_time; \
-	draw healing healing hold_curve; \
-	draw creep creep creep_rate static_fatigue; \
-	draw velocity-step step velocity_step; \
-	draw stick-slip-ageing aged stick_slip; \
-	draw spectrum noise spectrum; \
-	draw stability map stability; \
-	draw stability-contacts simulations stick_slip_scatter; \
-	draw sweep-stability regimes regime; \
-	draw sweep-critical-stiffness critical critical_stiffness_sliding; \
+	$(shipped); \
+	$(PYTHON) .ci/figures.py write "$$folder"; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents")
 

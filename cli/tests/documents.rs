@@ -1,4 +1,4 @@
-//! What the documents show is run: every scenario, command, output, key, picture and link.
+//! What the documents show is run: every scenario, command, output, key and link.
 //!
 //! Code blocks have a language. `toml` is a valid scenario; one that begins with `# NAME` is kept under that
 //! name for the commands after it. `console` is commands (`$ …`) and what they print, to the letter; with `fails` behind
@@ -273,41 +273,7 @@ fn the_table_of_laws_is_complete() {
     assert_eq!(shown, known);
 }
 
-#[test]
-fn pictures_are_those_that_the_program_draws() {
-    let folder = folder();
-    for (scenario, short, names) in [
-        ("fig2", "fig2", &["force", "evolution"][..]),
-        ("stick-slip-overdamped", "stick-slip", &["stick_slip", "equilibrium"]),
-        ("velocity-curve-thermal", "thermal", &["velocity_curve"]),
-        ("velocity-curve-delay", "delay", &["velocity_curve"]),
-        ("slow-slip", "slow", &["stick_slip"]),
-        ("precursors-edge", "precursors", &["space_time"]),
-        ("unequal-cells", "unequal", &["space_time"]),
-        ("healing", "healing", &["hold_curve"]),
-        ("creep", "creep", &["creep_rate", "static_fatigue"]),
-        ("velocity-step", "step", &["velocity_step"]),
-        ("stick-slip-ageing", "aged", &["stick_slip"]),
-        ("spectrum", "noise", &["spectrum"]),
-        ("stability", "map", &["stability"]),
-        ("stability-contacts", "simulations", &["stick_slip_scatter"]),
-        ("sweep-stability", "regimes", &["regime"]),
-        ("sweep-critical-stiffness", "critical", &["critical_stiffness_sliding"]),
-    ] {
-        let command = if scenario.starts_with("sweep") { "sweep" } else { "run" };
-        folder.succeed(&[command, &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
-        for name in names {
-            let kept = document(&format!("docs/figures/{short}-{name}.svg"));
-            let drawn = std::fs::read_to_string(folder.path().join(format!("{short}/{name}.svg"))).unwrap();
-            assert!(
-                looks_like(&kept, &drawn),
-                "docs/figures/{short}-{name}.svg is out of date: make figures"
-            );
-        }
-    }
-}
-
-/// Those of the page of validation, too, which a test cannot draw anew.
+/// `.ci/figures.py` compares those that scenarios draw.
 #[test]
 fn pictures_of_pages_can_be_scaled_and_are_typeset() {
     for folder in ["docs/figures/", "docs/validation/"] {
@@ -328,27 +294,4 @@ fn pictures_of_pages_can_be_scaled_and_are_typeset() {
             }
         }
     }
-}
-
-/// Whether two drawings are the same to a tenth of a dot.
-fn looks_like(one: &str, other: &str) -> bool {
-    let (one, other) = (words(one), words(other));
-    let near = |(a, b): (&&str, &&str)| match (a.parse::<f64>(), b.parse::<f64>()) {
-        (Ok(a), Ok(b)) => (a - b).abs() <= 0.1,
-        _ => a == b,
-    };
-    one.len() == other.len() && one.iter().zip(&other).all(near)
-}
-
-/// Numbers, and what stands between them.
-fn words(text: &str) -> Vec<&str> {
-    let numeric = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
-    let mut words = Vec::new();
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let end = rest.find(|c| numeric(c) != numeric(first)).unwrap_or(rest.len());
-        words.push(&rest[..end]);
-        rest = &rest[end..];
-    }
-    words
 }

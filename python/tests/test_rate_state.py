@@ -315,7 +315,7 @@ def test_numbers_that_do_not_mean_what_they_seem_to_have_a_warning() -> None:
     assert says.startswith(f"X_p is {15.0 / late.distance.value:.1f} D_c after the step: a and b hold there")
     # The ratio of the velocities before and after the step turns the signs of a and b.
     (turned,) = asp.read_velocity_step(POSITION, measured(8), 1.0 / RATIO, peak=0.0).warnings
-    assert turned.startswith("a is negative")
+    assert turned.startswith("the direct effect a is negative")
 
 
 def test_a_drift_longer_than_the_record_suggests_a_trend() -> None:

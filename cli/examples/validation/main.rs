@@ -62,7 +62,7 @@ fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
     let page = lattice::section(scatter::section(stability::section(page, false), false), false);
-    let page = fault::section(interface::section(renormalised::section(page, false)));
+    let page = fault::section(interface::section(renormalised::section(page, false)), false);
     let page = speed::section(time::section(page, false));
     page.write(&folder())
 }
@@ -109,7 +109,7 @@ mod tests {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
         let page = lattice::section(scatter::section(stability::section(page, true), true), true);
-        let page = fault::section(interface::section(renormalised::section(page, true)));
+        let page = fault::section(interface::section(renormalised::section(page, true)), true);
         let page = time::section(page, true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();

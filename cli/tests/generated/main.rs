@@ -162,7 +162,7 @@ fn campaign() {
 }
 
 /// Of the grid of distributions, tasks, temperatures and rules of ageing, so many, spread evenly.
-const OF_THE_GRID: usize = 40;
+const OF_THE_GRID: usize = 20;
 /// Seconds of the processor after which they are asked to stop: the first word of progress comes after 10 s.
 const SOON: f64 = 12.0;
 /// The same where there is more time.

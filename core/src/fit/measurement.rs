@@ -47,7 +47,7 @@ pub struct ErrorModel {
     pub reading: Option<f64>,
     /// The longest correlation length of a drift; without it there is no drift.
     pub drift: Option<f64>,
-    /// Standard deviation of the independent error of a position, without the noise of contacts; without it positions are exact.
+    /// Standard deviation of the independent error of a position, where `contacts` is false; `None` for exact positions.
     pub position: Option<f64>,
 }
 

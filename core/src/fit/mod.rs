@@ -217,8 +217,9 @@ impl Fit {
     /// whose size is not known; fewer readings than parameters + 2; more than 4000 with the noise of contacts or a drift;
     /// positions that do not rise; forces that are all equal, or below 0 on average with a known zero; positions up to less than a
     /// fiftieth of the first mean threshold, or forces that rise over more than twenty of them; the noise of contacts for contacts
-    /// of different stiffness; count and stiffness both free without the noise of contacts; numbers that the data do not
-    /// determine, with the direction; those of [`crate::master::Pull::covariance`] and [`crate::master::Pull::gradients`].
+    /// of different stiffness, or beside errors of the positions; count and stiffness both free without the noise of contacts; numbers
+    /// that the data do not determine, with the direction; those of [`crate::master::Pull::covariance`] and
+    /// [`crate::master::Pull::gradients`].
     pub fn run(&self) -> Result<Estimates> {
         self.run_with(&mut ())
     }

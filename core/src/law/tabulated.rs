@@ -198,7 +198,7 @@ impl TableNode {
 }
 
 impl Tabulated {
-    /// The lower end of the support: the first position with a mass there or above it.
+    /// The lower end of the support: the first position with a point mass, or from which on the density is above 0.
     fn lower_end(&self) -> f64 {
         let has_mass = |node: &&TableNode| node.atom > 0.0 || node.start > 0.0 || node.end > 0.0;
         self.nodes.iter().find(has_mass).map_or(0.0, |node| node.position)

@@ -125,7 +125,7 @@ impl MeasuredVelocityStep {
                 self.peak / self.distance.value
             ));
         } else if self.direct.high.is_some_and(|high| high < 0.0) {
-            found.push("a is negative: the ratio is that of the velocities after and before the step".into());
+            found.push("the direct effect a is negative: the ratio must be the velocity after the step over that before".into());
         }
         found
     }

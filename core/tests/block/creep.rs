@@ -218,7 +218,7 @@ fn failure_comes_exponentially_later_under_smaller_forces_and_not_under_the_smal
 #[test]
 fn a_slider_that_slides_steadily_does_so_to_the_end_at_no_cost() {
     let hot = contacts(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), 1e6);
-    let found = creep(hot, 0.1, 1e10, 1e-5);
+    let found = creep(hot, 0.1, 1e10, 1e-3);
     assert_eq!(found.failure_time(), None);
     let last = found.last();
     // Of the contacts of all ages, e^{−h/(Ẋ/ω)} reach a threshold h: Ẋ/ω − F is of the order of e^{−1/F} = 5e-5 of F.
@@ -229,15 +229,15 @@ fn a_slider_that_slides_steadily_does_so_to_the_end_at_no_cost() {
         last.velocity(),
     );
     let friction = steady.unwrap().steady_state().kinetic_friction();
-    // The tolerance of forces.
+    // The tolerance, 1e-3, is one of what changes: steady sliding is known far better.
     assert!((friction - 0.1).abs() < 3e-5, "{last:?} {friction}");
 }
 
 #[test]
 fn the_failure_time_converges_with_the_tolerance_and_does_not_depend_on_fast_loading() {
-    let [rough, fine, best] = [1e-4, 1e-5, 1e-6]
+    let [rough, fine, best] = [1e-4, 1e-5, 3e-6]
         .map(|tolerance| creep(gaussian(ENERGY), 0.65, 1e3, tolerance).failure_time().unwrap());
-    // Errors are proportional to the tolerance; a factor of 3 instead of 10 allows for rounding to steps.
+    // Errors are proportional to the tolerance; a factor of 3 instead of 14 allows for rounding to steps.
     assert!((fine - best).abs() < (rough - best).abs() / 3.0, "{rough} {fine} {best}");
     // 1e-4 of the time to failure at the default tolerance of the task.
     assert!((fine / best - 1.0).abs() < 1e-4, "{fine} {best}");
@@ -252,7 +252,7 @@ fn the_failure_time_converges_with_the_tolerance_and_does_not_depend_on_fast_loa
 /// At failure t(X) is a parabola, so that t_f − t ∝ (X_f − X)², and 1/Ẋ² is proportional to t_f − t.
 #[test]
 fn the_velocity_diverges_with_the_square_root_of_the_time_to_failure() {
-    let found = creep(gaussian(ENERGY), 0.65, 1e3, 1e-6);
+    let found = creep(gaussian(ENERGY), 0.65, 1e3, 1e-5);
     let (failure, end) = (found.failure_time().unwrap(), found.last().position);
     let near = found.states.iter().filter(|state| (0.005..0.03).contains(&(end - state.position)));
     let ratios: Vec<f64> = near.map(|state| state.slowness.powi(2) / (failure - state.time)).collect();

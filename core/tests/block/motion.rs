@@ -11,7 +11,8 @@ use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::rate_dependent::RateDependentContacts;
 
-const TOLERANCE: f64 = 1e-4;
+/// Runs are compared bit for bit, at whatever tolerance.
+const TOLERANCE: f64 = 1e-3;
 const VELOCITY: f64 = 0.1;
 
 /// Contacts that strengthen with age, under a spring so soft that they stick and slip.
@@ -73,14 +74,15 @@ fn it_moves_as_along_a_history() {
 
 #[test]
 fn energies_are_in_balance_at_every_stop() {
+    const FINE: f64 = 1e-4;
     let [contacts, _] = moved();
-    let mut slider = block(DAMPED).motion_with(contacts.as_ref(), TOLERANCE).unwrap();
+    let mut slider = block(DAMPED).motion_with(contacts.as_ref(), FINE).unwrap();
     for stop in 1..=20 {
         let drive = 0.2 * f64::from(stop);
         slips(&mut slider, drive);
         assert_eq!(slider.moment().drive, drive);
         // The error of steps, tolerance times the stiffness of spring and contacts, 1.5, of hundreds of steps with both signs.
-        near(slider.energy().imbalance(), 0.0, 20.0 * TOLERANCE);
+        near(slider.energy().imbalance(), 0.0, 20.0 * FINE);
         let inside: f64 = slider.stretches().iter().map(|interval| interval.fraction).sum();
         // All contacts are attached, to the accuracy of the cohorts.
         near(inside, 1.0, 1e-9);

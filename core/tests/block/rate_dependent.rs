@@ -148,7 +148,7 @@ fn the_ensemble_moved_alike_feels_the_same_force() {
     let free = Contacts { rules, ..contacts(&gaussian(1.0, 0.2), &point(0.0)) };
     // So much damped that it does not swing back, γ² > 4M(K + N⟨k⟩): histories go forward only.
     let inertial = Slip::Inertial { mass: 0.01, damping: 0.5 };
-    feels_the_same_force(&logarithmic(), Slip::Damped { damping: 0.1 }, 400, 100_000);
+    feels_the_same_force(&logarithmic(), Slip::Damped { damping: 0.1 }, 400, 30_000);
     // Contacts form again after a time, not after a way: more moments follow the slider as it becomes faster before a slip.
     feels_the_same_force(&free, inertial, 1600, 20_000);
 }

@@ -36,12 +36,12 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 
 /// Contacts whose force forgets a step as −e^{−t}: F̂ = −s/(1 + s).
 fn forgetting() -> StepResponse {
-    let time: Vec<f64> = (0..=8000).map(|k| f64::from(k) * 5e-3).collect();
+    let time: Vec<f64> = (0..=2500).map(|k| f64::from(k) * 8e-3).collect();
     let response = time.iter().map(|t| -(-t).exp()).collect();
     StepResponse::new(1.0, time, response)
 }
 
-/// What straight lines between the times are off in `forgetting`: h²/8 of the response, h = 5e-3.
+/// What straight lines between the times are off in `forgetting`: h²/8 of the response, h = 8e-3. At the last time 2e-9 are left.
 const STRAIGHT: f64 = 1e-5;
 
 #[test]
@@ -195,11 +195,14 @@ fn the_critical_stiffness_with_a_delay_is_that_of_the_renewal_equation() {
         let found = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
         // Digits of the reference.
         near(found.0 / expected, 1.0, 5e-4);
-        let renewal = DynamicStiffness::new(&contacts, velocity).unwrap();
-        let critical = renewal.critical_stiffness(&mut ()).unwrap().unwrap();
-        // What the trapezoidal rule of its ages is off.
-        near(critical.0 / found.0, 1.0, 1e-3);
-        near(critical.1 / found.1, 1.0, 1e-3);
+        // The renewal equation takes seconds at the higher velocities, at which its code is the same.
+        if velocity < 1.0 {
+            let renewal = DynamicStiffness::new(&contacts, velocity).unwrap();
+            let critical = renewal.critical_stiffness(&mut ()).unwrap().unwrap();
+            // What the trapezoidal rule of its ages is off.
+            near(critical.0 / found.0, 1.0, 1e-3);
+            near(critical.1 / found.1, 1.0, 1e-3);
+        }
     }
 }
 
@@ -343,25 +346,32 @@ fn the_response_in_closed_form_integrates_to_the_slope_of_kinetic_friction() {
     let components = vec![(0.6, point(0.0)), (0.4, point(0.3))];
     let two: SharedLaw = Arc::new(Mixture::new(components).unwrap());
     let mut cases = Vec::new();
-    for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+    let (slow, fast): (&[f64], &[f64]) = (&[1e-4], &[0.3]);
+    let both: &[f64] = &[1e-4, 0.3];
+    // Barriers differ by a function of threshold and stretch: one of them at both velocities.
+    for (barrier, velocities) in
+        [(Barrier::Elastic, both), (Barrier::Bell, slow), (Barrier::Catastrophe, fast)]
+    {
         for law in [&narrow, &medium, &broad, &point(1.0)] {
-            cases.push(thermal(law, &point(0.0), barrier, 0.02));
+            cases.push((thermal(law, &point(0.0), barrier, 0.02), velocities));
         }
-        cases.push(thermal(&narrow, &two, barrier, 0.1));
+        cases.push((thermal(&narrow, &two, barrier, 0.1), velocities));
         let stiffness = Stiffness::PerThreshold(2.0);
-        cases.push(Contacts { stiffness, ..thermal(&medium, &point(0.0), barrier, 0.1) });
+        let per_threshold = Contacts { stiffness, ..thermal(&medium, &point(0.0), barrier, 0.1) };
+        cases.push((per_threshold, velocities));
     }
-    // Contacts that re-form over a range, in part above weak thresholds.
+    // Contacts that re-form over a range, in part above weak thresholds. Where these are slow, sums are long: two cases of them.
     let stiffness = Stiffness::PerThreshold(2.0);
-    cases.push(Contacts { stiffness, ..thermal(&medium, &rectangular(0.0, 0.3), Barrier::Bell, 0.1) });
-    cases.push(thermal(&rectangular(0.5, 1.5), &rectangular(0.1, 0.3), Barrier::Catastrophe, 0.1));
+    let weak = Contacts { stiffness, ..thermal(&medium, &rectangular(0.0, 0.3), Barrier::Bell, 0.1) };
+    cases.push((weak, fast));
+    cases.push((thermal(&rectangular(0.5, 1.5), &rectangular(0.1, 0.3), Barrier::Catastrophe, 0.1), both));
     let partly: SharedLaw =
         Arc::new(Mixture::new(vec![(0.4, rectangular(0.1, 0.5)), (0.6, point(0.3))]).unwrap());
-    cases.push(thermal(&point(1.0), &partly, Barrier::Elastic, 0.02));
-    cases.push(thermal(&narrow, &partly, Barrier::Elastic, 0.02));
-    cases.push(thermal(&broad, &gaussian(0.1, 0.1), Barrier::Elastic, 0.1));
-    for contacts in cases {
-        for velocity in [1e-4, 0.3] {
+    cases.push((thermal(&point(1.0), &partly, Barrier::Elastic, 0.02), both));
+    cases.push((thermal(&narrow, &partly, Barrier::Elastic, 0.02), fast));
+    cases.push((thermal(&broad, &gaussian(0.1, 0.1), Barrier::Elastic, 0.1), fast));
+    for (contacts, velocities) in cases {
+        for &velocity in velocities {
             let kinetic = |velocity: f64| {
                 MasterEquation::at(contacts.clone(), &Initial::default(), velocity)
                     .unwrap()
@@ -420,19 +430,20 @@ fn the_response_in_closed_form_is_that_of_quadrature_and_of_the_motion_in_time()
         let closed = respond(&of(&point(0.0), None));
         let little = Some(Ageing::Logarithmic { growth: 1e-12, time: 1.0 });
         let quadrature = DynamicStiffness::new(&of(&point(0.0), little.clone()), velocity).unwrap();
-        let [spread, followed] = [None, little].map(|ageing| respond(&of(&rectangular(0.0, 0.3), ageing)));
+        // The motion in time takes seconds: without a delay, and with one that is distributed.
+        let in_time = !matches!(delay, FreeTime::Fixed(time) if time > 0.0);
+        let in_time =
+            in_time.then(|| [None, little].map(|ageing| respond(&of(&rectangular(0.0, 0.3), ageing))));
         for frequency in [0.003, 0.03, 0.1, 0.3, 1.0] {
             let s = Complex64::new(0.0, frequency);
             // Trapezoids over a two-thousandth of the life, in which the phase changes by up to 0.005.
             let apart = (closed.at(s) - quadrature.at(s)).norm();
             assert!(apart < 5e-5, "{s}: {} {}", closed.at(s), quadrature.at(s));
             // Forces of steps are known to some 1e-3 of the stiffness of the contacts.
-            assert!(
-                (spread.at(s) - followed.at(s)).norm() < 5e-3,
-                "{s}: {} {}",
-                spread.at(s),
-                followed.at(s)
-            );
+            if let Some([spread, followed]) = &in_time {
+                let [spread, followed] = [spread.at(s), followed.at(s)];
+                assert!((spread - followed).norm() < 5e-3, "{s}: {spread} {followed}");
+            }
         }
         let thermal = DynamicStiffness::new(&of(&point(0.0), None), velocity).unwrap();
         near(thermal.instantaneous(), quadrature.instantaneous(), 5e-5);

@@ -198,7 +198,7 @@ fn thresholds_of_any_size_that_mature_slide_as_single_contacts_do() {
         let start = initial(&point(0.0));
         let equation = MasterEquation::at_with(contacts.clone(), &start, 0.1, &mut Impatient(QUESTIONS));
         let expected = equation.unwrap().steady_state().kinetic_friction();
-        let ensemble = Ensemble::new(contacts, start, 20_000, 1, Disorder::Annealed).unwrap();
+        let ensemble = Ensemble::new(contacts, start, 3000, 1, Disorder::Annealed).unwrap();
         let slide = History::new(vec![Piece { velocity: 0.1, duration: 300.0 }]).unwrap();
         let trace = ensemble.follow(&slide, &[300.0]).unwrap();
         let errors = (trace.force[0] - expected).abs() / trace.error[0];

@@ -374,7 +374,7 @@ fn parameters_can_be_replaced_one_by_one() {
 
 #[test]
 fn draws_follow_the_law() {
-    const DRAWS: usize = 200_000;
+    const DRAWS: usize = 50_000;
     // Kolmogorov: P(√n D > 2.69) = 1e-6 a law, 2e-5 for the family; smaller still with point masses.
     const LIMIT: f64 = 2.69;
     for (index, law) in family().into_iter().enumerate() {

@@ -130,42 +130,39 @@ fn the_error_beside_a_pole_is_what_forces_feel_of_it() {
     let fresh = Arc::new(Gamma::new(mean, mean * std::f64::consts::SQRT_2).unwrap());
     // Flat, and so far up that hardly any come to the upper end.
     let contacts = contacts(fresh, Arc::new(Rectangular::new(0.0, 12.0).unwrap()), diffusion);
-    for velocity in [0.3, 3.0] {
-        let life = life(&contacts, velocity);
-        let mut worst = 0.0_f64;
-        for x in [1e-6, 1e-4, 1e-2, 0.1, 0.2, 0.3, 0.5, 0.8, 1.5, 3.0] {
-            let spread = (2.0 * diffusion * x / velocity).sqrt();
-            // e^{vh/D} Φ(−(h + x)/spread), the exponents of which add up to that of the Gaussian at h − x.
-            let reflected =
-                |h: f64| scaled_tail((h + x) / spread) * (-0.5 * ((h - x) / spread).powi(2)).exp();
-            let left = |h: f64| phi((h - x) / spread) - reflected(h);
-            // With h = s² the density of shape ½ and scale 0.6 has no pole.
-            let weight = |s: f64| 2.0 * (-s * s / 0.6).exp() / (std::f64::consts::PI * 0.6).sqrt();
-            let (middle, width) = (x.sqrt(), 12.0 * spread);
-            // Gauss points on pieces that are as narrow as the steepest change.
-            let ends = [0.0, (x - width).max(0.0).sqrt(), middle, (x + width).sqrt(), 12.0_f64.sqrt()];
-            let mut exact = 0.0;
-            for pair in ends.windows(2) {
-                let piece = (pair[1] - pair[0]) / 400.0;
-                let point = |k: u32, t: f64| pair[0] + piece * (f64::from(k) + 0.5 + 0.5 * t);
-                // The three-point rule: its error on 400 pieces is far below rounding of survival.
-                for k in 0..400 {
-                    for (t, w) in
-                        [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)]
-                    {
-                        let s = point(k, t);
-                        exact += piece * w * weight(s) * left(s * s);
-                    }
+    let velocity = 0.3;
+    let life = life(&contacts, velocity);
+    let mut worst = 0.0_f64;
+    for x in [1e-6, 1e-4, 1e-2, 0.1, 0.2, 0.3, 0.5, 0.8, 1.5, 3.0] {
+        let spread = (2.0 * diffusion * x / velocity).sqrt();
+        // e^{vh/D} Φ(−(h + x)/spread), the exponents of which add up to that of the Gaussian at h − x.
+        let reflected = |h: f64| scaled_tail((h + x) / spread) * (-0.5 * ((h - x) / spread).powi(2)).exp();
+        let left = |h: f64| phi((h - x) / spread) - reflected(h);
+        // With h = s² the density of shape ½ and scale 0.6 has no pole.
+        let weight = |s: f64| 2.0 * (-s * s / 0.6).exp() / (std::f64::consts::PI * 0.6).sqrt();
+        let (middle, width) = (x.sqrt(), 12.0 * spread);
+        // Gauss points on pieces that are as narrow as the steepest change.
+        let ends = [0.0, (x - width).max(0.0).sqrt(), middle, (x + width).sqrt(), 12.0_f64.sqrt()];
+        let mut exact = 0.0;
+        for pair in ends.windows(2) {
+            let piece = (pair[1] - pair[0]) / 400.0;
+            let point = |k: u32, t: f64| pair[0] + piece * (f64::from(k) + 0.5 + 0.5 * t);
+            // The three-point rule: its error on 400 pieces is far below rounding of survival.
+            for k in 0..400 {
+                for (t, w) in [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)]
+                {
+                    let s = point(k, t);
+                    exact += piece * w * weight(s) * left(s * s);
                 }
             }
-            let apart = (life.survival().curve().value(x) - exact).abs();
-            worst = worst.max((x / mean).min(1.0) * apart);
         }
-        // What is reported is an upper limit, no more than a hundred times what is found, and 1e-12 of rounding.
-        let reported = life.error();
-        assert!(worst <= reported, "{velocity}: {worst:e}, reported {reported:e}");
-        assert!(reported < 100.0 * worst + 1e-12, "{velocity}: {worst:e}, reported {reported:e}");
+        let apart = (life.survival().curve().value(x) - exact).abs();
+        worst = worst.max((x / mean).min(1.0) * apart);
     }
+    // What is reported is an upper limit, no more than a hundred times what is found, and 1e-12 of rounding.
+    let reported = life.error();
+    assert!(worst <= reported, "{velocity}: {worst:e}, reported {reported:e}");
+    assert!(reported < 100.0 * worst + 1e-12, "{velocity}: {worst:e}, reported {reported:e}");
 }
 
 #[test]
@@ -267,42 +264,46 @@ fn warm_edges(barrier: Barrier, diffusion: f64) -> Contacts {
 /// followed, too; where it is not elements resolve it, and none are left below the stretch.
 #[test]
 fn thin_layers_go_on_from_layers_that_are_resolved_at_a_temperature() {
-    for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
-        let limit = 2e-5 * 0.2;
-        let lives = [0.95, 1.05, 1.15, 1.25].map(|part| life(&warm_edges(barrier, part * limit), 1.0));
-        let [thin, first, second, third] = &lives;
-        let reported = lives.iter().map(Life::error).fold(0.0, f64::max);
-        // Elements miss 3e-12 of the density at each of some hundred steps.
-        assert!(reported < 2e-9, "{barrier:?} {reported:e}");
-        for x in (1..70).map(|k| 0.01 * f64::from(k)) {
-            let left = |life: &Life| life.survival().curve().value(x);
-            let expected = 3.0 * (left(first) - left(second)) + left(third);
-            let apart = (left(thin) - expected).abs();
-            // Seven times what resolved ones are off by, and the third difference of what diffusion changes: 1e-3 of it at an
-            // edge, where it is 2√D/v = 4e-3 at most, and falls within ten of these lengths.
-            let curved = if (x - 0.4).abs().min((x - 0.6).abs()) < 0.045 { 4e-6 } else { 0.0 };
-            assert!(apart < 7.0 * reported + curved, "{barrier:?} {x}: {apart:e}");
-        }
+    // Barriers differ in the rates at the nodes only, which thin and resolved layers share.
+    let barrier = Barrier::Bell;
+    let limit = 2e-5 * 0.2;
+    let lives = [0.95, 1.05, 1.15, 1.25].map(|part| life(&warm_edges(barrier, part * limit), 1.0));
+    let [thin, first, second, third] = &lives;
+    let reported = lives.iter().map(Life::error).fold(0.0, f64::max);
+    // Elements miss 3e-12 of the density at each of some hundred steps.
+    assert!(reported < 2e-9, "{barrier:?} {reported:e}");
+    for x in (1..70).map(|k| 0.01 * f64::from(k)) {
+        let left = |life: &Life| life.survival().curve().value(x);
+        let expected = 3.0 * (left(first) - left(second)) + left(third);
+        let apart = (left(thin) - expected).abs();
+        // Seven times what resolved ones are off by, and the third difference of what diffusion changes: 1e-3 of it at an
+        // edge, where it is 2√D/v = 4e-3 at most, and falls within ten of these lengths.
+        let curved = if (x - 0.4).abs().min((x - 0.6).abs()) < 0.045 { 4e-6 } else { 0.0 };
+        assert!(apart < 7.0 * reported + curved, "{barrier:?} {x}: {apart:e}");
     }
 }
 
 #[test]
 fn edges_that_hardly_diffuse_break_as_those_that_do_not_age_at_a_temperature() {
-    for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+    // The half power of the last barrier takes ten times as long; one of the other two is in the tests beside this one.
+    for (barrier, smaller) in [(Barrier::Elastic, &[1e-9, 1e-12][..]), (Barrier::Catastrophe, &[])] {
         let mut still = warm_edges(barrier, 1.0);
         still.rules.ageing = None;
         let still = life(&still, 1.0).mean();
-        let [first, second, third] = [1e-7, 1e-9, 1e-12].map(|diffusion| {
+        let changed = |diffusion: f64| {
             let life = life(&warm_edges(barrier, diffusion), 1.0);
             // Elements miss 3e-12 of the density at each of some hundred steps.
             assert!(life.error() < 1e-9, "{barrier:?} {diffusion}: {:e}", life.error());
             life.mean() - still
-        });
+        };
         // What diffusion changes of the mean is of its first order: U' of 6 on average, and a layer of D/v.
+        let first = changed(1e-7);
         assert!(first.abs() < 10.0 * 1e-7 && first.abs() > 1e-8, "{barrier:?}: {first:e}");
-        // The error reported, twice over, and the next order, which edges make the power 3/2.
-        assert!((second - 1e-2 * first).abs() < 2e-10, "{barrier:?}: {first:e} {second:e}");
-        assert!(third.abs() < 2e-10, "{barrier:?}: {third:e}");
+        for &diffusion in smaller {
+            // The error reported, twice over, and the next order, which edges make the power 3/2.
+            let (found, expected) = (changed(diffusion), diffusion / 1e-7 * first);
+            assert!((found - expected).abs() < 2e-10, "{barrier:?}: {found:e} {expected:e}");
+        }
     }
 }
 
@@ -311,34 +312,33 @@ fn edges_that_hardly_diffuse_break_as_those_that_do_not_age_at_a_temperature() {
 #[test]
 fn warm_edges_break_as_those_of_cells_at_rest() {
     let (velocity, cells) = (1.0, 4000);
-    for barrier in [Barrier::Elastic, Barrier::Bell] {
-        let contacts = warm_edges(barrier, 5e-6);
-        let life = life(&contacts, velocity);
-        let temperature = contacts.rules.temperature.unwrap();
-        let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
-        let maturing = ThresholdFokkerPlanck::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
-        let operator = Arc::new(Diffusion::of(&maturing, cells));
-        let middles: Vec<f64> = operator.middles();
-        let mut masses = maturing.fresh(&middles, 0.0, &mut ()).unwrap();
-        let (time, mut work) = (operator.width() / velocity, Work::default());
-        let step = DiffusionStep::new(&operator, time);
-        let burn = |masses: &mut [f64], stretch: f64| {
-            for (mass, h) in masses.iter_mut().zip(&middles) {
-                *mass *= (-0.5 * time * temperature.rate(stretch, *h, 1.0)).exp();
-            }
-        };
-        let mut worst = 0.0_f64;
-        for cell in 0..cells {
-            let floor = (operator.edge(cell), operator.edge(cell + 1));
-            burn(&mut masses, floor.0 + 0.25 * operator.width());
-            step.advance(&mut masses, floor, &mut work);
-            burn(&mut masses, floor.0 + 0.75 * operator.width());
-            let left: f64 = masses.iter().sum();
-            worst = worst.max((left - life.survival().curve().value(floor.1)).abs());
+    let barrier = Barrier::Bell;
+    let contacts = warm_edges(barrier, 5e-6);
+    let life = life(&contacts, velocity);
+    let temperature = contacts.rules.temperature.unwrap();
+    let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
+    let maturing = ThresholdFokkerPlanck::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
+    let operator = Arc::new(Diffusion::of(&maturing, cells));
+    let middles: Vec<f64> = operator.middles();
+    let mut masses = maturing.fresh(&middles, 0.0, &mut ()).unwrap();
+    let (time, mut work) = (operator.width() / velocity, Work::default());
+    let step = DiffusionStep::new(&operator, time);
+    let burn = |masses: &mut [f64], stretch: f64| {
+        for (mass, h) in masses.iter_mut().zip(&middles) {
+            *mass *= (-0.5 * time * temperature.rate(stretch, *h, 1.0)).exp();
         }
-        // Cells of width 5e-4, of a density of 5, are of first order where edges and the stretch cross them.
-        assert!(worst < 3e-3, "{barrier:?} {worst:e}");
+    };
+    let mut worst = 0.0_f64;
+    for cell in 0..cells {
+        let floor = (operator.edge(cell), operator.edge(cell + 1));
+        burn(&mut masses, floor.0 + 0.25 * operator.width());
+        step.advance(&mut masses, floor, &mut work);
+        burn(&mut masses, floor.0 + 0.75 * operator.width());
+        let left: f64 = masses.iter().sum();
+        worst = worst.max((left - life.survival().curve().value(floor.1)).abs());
     }
+    // Cells of width 5e-4, of a density of 5, are of first order where edges and the stretch cross them.
+    assert!(worst < 3e-3, "{barrier:?} {worst:e}");
 }
 
 #[test]

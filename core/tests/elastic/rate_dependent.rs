@@ -295,7 +295,7 @@ fn the_work_is_found_again() {
 
 #[test]
 fn cells_of_single_contacts_slip_alike() {
-    let (size, samples) = (2000, 4);
+    let (size, samples) = (500, 8);
     // By which drives at slips scatter, N^{−2/3}, a tenth.
     let tolerance = 0.1 * (size as f64).powf(-2.0 / 3.0);
     let first = |contacts: Vec<Box<dyn RateDependentContacts>>, setting: RateDependentInterfaceParameters| {

@@ -34,11 +34,13 @@ struct Sample {
 /// while.
 fn samples() -> Vec<Sample> {
     let slow = |name: &str| ["logarithmic", "frozen_rank"].contains(&name);
-    let of = |kind: Kind| Sample {
-        drive: if slow(kind.name) { (12.0, 1e-2) } else { (5.0, 0.3) },
-        name: kind.name,
-        contacts: kind.contacts,
+    // Thresholds that diffuse take most of the time: they are driven no farther than to a first slip.
+    let way = |name: &str| match name {
+        "smoluchowski" => (3.5, 0.3),
+        name if slow(name) => (8.0, 1e-2),
+        _ => (5.0, 0.3),
     };
+    let of = |kind: Kind| Sample { drive: way(kind.name), name: kind.name, contacts: kind.contacts };
     let other = |name: &str| !["elastic barrier", "bell barrier", "catastrophe barrier"].contains(&name);
     let mut samples: Vec<Sample> = kinds().into_iter().filter(|kind| other(kind.name)).map(of).collect();
     let strengthening = samples.iter().find(|sample| sample.name == "logarithmic").unwrap().clone();

@@ -37,7 +37,7 @@ fn equal_cells_are_one_block_on_any_slider() {
     for (slip, of_block) in rules {
         let slips = pull(&mut gaussian(STD), CONNECTION, of_block, &[DRIVE]);
         let last = slips.trace.last().unwrap();
-        for stiffness in [1e8, 1e12, 1e18] {
+        for stiffness in [1e8, 1e18] {
             for slider in sliders(stiffness) {
                 let mut cells = cells(slider, None, slip);
                 let found = events(&mut cells, DRIVE);

@@ -40,23 +40,23 @@ fn fit(readings: usize, average: usize, seed: u64) -> Fit {
 /// ten show 2700 contacts in place of 2000: their differences have two thirds of the variance.
 #[test]
 fn the_number_of_contacts_is_found_from_means() {
-    const CURVES: u64 = 60;
-    for (readings, average) in [(2500, 10), (1000, 4)] {
+    const CURVES: u64 = 40;
+    for (readings, average) in [(1500, 10), (600, 4)] {
         let found: Vec<Estimates> =
             (0..CURVES).into_par_iter().map(|seed| fitted(readings, average, seed)).collect();
         let logarithm = |found: &Estimates| (found.estimate("count").unwrap().value / COUNT).ln();
         let bias = found.iter().map(logarithm).sum::<f64>() / CURVES as f64;
-        // The error of ln N is 0.1 for one curve, 0.013 for the mean; the bias of maximum likelihood is of the order of 1/n for each
-        // number that is fitted, 0.016 here.
-        assert!(bias.abs() < 0.06, "{bias}");
+        // The error of ln N is 0.12 for one curve of 150 means, 0.018 for the mean of 40; the bias of maximum likelihood is of
+        // the order of 1/n for each number that is fitted, 0.027 here.
+        assert!(bias.abs() < 0.1, "{bias}");
         let covered = TRUE.map(|(name, value)| {
             let holds = |found: &&Estimates| {
                 found.estimate(name).is_some_and(|n| n.interval[0] <= value && value <= n.interval[1])
             };
             found.iter().filter(holds).count()
         });
-        // 57 of 60, with a standard deviation of 1.7.
-        assert!(covered.iter().all(|covered| *covered >= 51), "{average} of {readings}: {covered:?}");
+        // 38 of 40; fewer than 32 have a probability of 1e-4.
+        assert!(covered.iter().all(|covered| *covered >= 32), "{average} of {readings}: {covered:?}");
     }
 }
 
@@ -86,13 +86,13 @@ fn the_variance_of_a_mean_is_that_of_its_readings() {
 /// Means over a twelfth of the mean threshold show less of a peak than single readings, and as much as the means of the curve.
 #[test]
 fn means_do_not_bias_the_width_of_the_thresholds() {
-    const CURVES: u64 = 60;
+    const CURVES: u64 = 40;
     let names = ["thresholds.mean", "thresholds.std", "stiffness"];
     let positions: Vec<f64> = (1..=600).map(|i| 5.0 * f64::from(i) / 600.0).collect();
     let curve =
         MasterEquation::new(contacts(1.0, [1.0, 0.15]), &Initial::default()).unwrap().pull(6.0).unwrap();
     let white = ErrorModel { contacts: false, ..ErrorModel::default() };
-    for average in [2, 10, 20] {
+    for average in [10, 20] {
         let fit = |seed: u64| {
             let mut stream = Stream::new(seed, Purpose::Sample, 0);
             // Sum of twelve uniform numbers: variance 1.
@@ -107,9 +107,9 @@ fn means_do_not_bias_the_width_of_the_thresholds() {
             let [low, high] = found.estimate("thresholds.std").unwrap().interval;
             low <= 0.15 && 0.15 <= high
         };
-        // 57 of 60, with a standard deviation of 1.7.
+        // 38 of 40; fewer than 32 have a probability of 1e-4.
         let covered = found.iter().filter(holds).count();
-        assert!(covered >= 51, "{average}: {covered}");
+        assert!(covered >= 32, "{average}: {covered}");
     }
 }
 
@@ -120,7 +120,7 @@ fn long_means_have_a_covariance() {
         // Twenty means tell count and stiffness apart for some contacts only.
         let fitted =
             |seed: u64| fit(600, average, seed).free(["thresholds.mean", "thresholds.std", "count"]).run();
-        (0..20).into_par_iter().map(fitted).for_each(|found| {
+        (0..8).into_par_iter().map(fitted).for_each(|found| {
             let found = found.unwrap();
             let mean = found.estimate("thresholds.mean").unwrap();
             // Five errors.

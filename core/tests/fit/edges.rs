@@ -11,7 +11,8 @@ use asperity::master::{MasterEquation, Pull};
 /// Weights of central differences of sixth order, which are Richardson extrapolations of those of second order.
 const SIXTH_ORDER: [f64; 3] = [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0];
 
-const LENGTH: f64 = 3.0;
+/// Up to the second breaks of the contacts: edges of first lives at 0.5 to 1.5, of second ones from 1 on.
+const LENGTH: f64 = 2.0;
 
 /// F_s, F_k, X* and K_c, and the pull.
 type Solved = ([f64; 4], Pull);
@@ -27,18 +28,19 @@ fn friction(pull: &Pull, equation: &MasterEquation) -> [f64; 4] {
 }
 
 /// The largest difference between the derivative of the force and central differences of the force, relative to the largest
-/// derivative, and those of the derivatives of F_s, F_k, X* and K_c, relative to them or to 1.
+/// derivative, and, with friction, those of the derivatives of F_s, F_k, X* and K_c, relative to them or to 1.
 ///
 /// Where an edge of the force passes a position between the steps, differences of second and of fourth order disagree; those
 /// positions are left out, and no more than a fifth of all.
-fn apart(equation: &MasterEquation, name: &str, step: f64) -> [f64; 5] {
+fn apart(equation: &MasterEquation, name: &str, step: f64, with_friction: bool) -> [f64; 5] {
     let base = equation.pull(LENGTH).unwrap();
     let value = base.parameters().into_iter().find(|known| known.name == name).unwrap().value;
     let step = step * value.max(0.1);
     let at = |k: f64| {
         let varied = equation.with_parameters(&[(name, value + k * step)], &mut ()).unwrap();
         let pull = varied.pull(LENGTH).unwrap();
-        (friction(&pull, &varied), pull)
+        let scalars = if with_friction { friction(&pull, &varied) } else { [0.0; 4] };
+        (scalars, pull)
     };
     let pairs = [1.0, 2.0, 3.0].map(|k| [at(k), at(-k)]);
     let difference = |of: &dyn Fn(&Solved) -> f64| -> f64 {
@@ -46,7 +48,7 @@ fn apart(equation: &MasterEquation, name: &str, step: f64) -> [f64; 5] {
         SIXTH_ORDER.into_iter().zip(&pairs).map(term).sum()
     };
     let gradient = base.gradient(name).unwrap();
-    let positions: Vec<f64> = (1..=40).map(|k| 0.0737 * f64::from(k)).collect();
+    let positions: Vec<f64> = (1..=40).map(|k| 0.0487 * f64::from(k)).collect();
     let largest = positions.iter().map(|&x| difference(&|at| at.1.force(x)).abs()).fold(0.0, f64::max);
     let bent = |x: f64| {
         let [inner, outer] =
@@ -57,6 +59,9 @@ fn apart(equation: &MasterEquation, name: &str, step: f64) -> [f64; 5] {
     assert!(5 * smooth.len() >= 4 * positions.len(), "{name}: {} of {}", smooth.len(), positions.len());
     let off = |&x: &f64| (gradient.at(x) - difference(&|at| at.1.force(x))).abs();
     let force = smooth.iter().map(off).fold(0.0, f64::max) / largest;
+    if !with_friction {
+        return [force, 0.0, 0.0, 0.0, 0.0];
+    }
     let found = base.friction_gradient(name).unwrap();
     let found = [
         found.static_friction.unwrap_or(f64::NAN),
@@ -95,11 +100,13 @@ fn of(law: &SharedLaw, starts: &SharedLaw, rules: Rules) -> Contacts {
 /// reference is 1e-9. K_c is a slope of the force, the reference of which has lost three further digits.
 const CLOSE: [f64; 3] = [1e-8, 1e-9, 1e-6];
 
+/// The derivatives of F_s, F_k, X* and K_c follow from the same derivatives of lives as that of the force, and take as long
+/// again. They are compared for the first name of each case only.
 fn agree(cases: &[Case<'_>], step: f64, [force, friction, stiffness]: [f64; 3]) {
     for (case, contacts, velocity, names) in cases {
         let equation = at(contacts.clone(), *velocity);
-        for name in *names {
-            let found = apart(&equation, name, step);
+        for (i, name) in names.iter().enumerate() {
+            let found = apart(&equation, name, step, i == 0);
             let allowed = [force, friction, friction, friction, stiffness];
             let close = found.iter().zip(allowed).all(|(found, allowed)| *found < allowed);
             assert!(close, "{case}, {name}: {found:?}");
@@ -111,26 +118,25 @@ fn agree(cases: &[Case<'_>], step: f64, [force, friction, stiffness]: [f64; 3]) 
 #[test]
 fn edges_of_thresholds_with_temperature_move() {
     let (edged, zero) = (rectangular(0.5, 1.5), point(0.0));
-    let both: &[&str] = &["thresholds.max", "thresholds.min"];
+    let [highest, lowest]: [&[&str]; 2] = [&["thresholds.max"], &["thresholds.min"]];
     let mixed = mixture(&[(0.4, gaussian(0.9, 0.05)), (0.6, edged.clone())]);
     let elastic = || warm(Barrier::Elastic, Hazard::Joint);
     let all: &[&str] = &["thresholds.max", "thresholds.min", "temperature.energy", "velocity", "stiffness"];
-    let of_mixture: &[&str] =
-        &["thresholds.1.max", "thresholds.1.min", "thresholds.0.mean", "thresholds.0.weight"];
+    let of_mixture: &[&str] = &["thresholds.1.min", "thresholds.0.mean", "thresholds.0.weight"];
     let cases = [
         ("elastic", of(&edged, &zero, elastic()), 0.01, all),
-        ("bell", of(&edged, &zero, warm(Barrier::Bell, Hazard::Joint)), 0.01, both),
-        ("catastrophe", of(&edged, &zero, warm(Barrier::Catastrophe, Hazard::Joint)), 0.01, both),
-        ("additive", of(&edged, &zero, warm(Barrier::Elastic, Hazard::Additive)), 0.01, both),
-        ("additive, bell", of(&edged, &zero, warm(Barrier::Bell, Hazard::Additive)), 0.01, both),
+        ("bell", of(&edged, &zero, warm(Barrier::Bell, Hazard::Joint)), 0.01, highest),
+        ("catastrophe", of(&edged, &zero, warm(Barrier::Catastrophe, Hazard::Joint)), 0.01, lowest),
+        ("additive", of(&edged, &zero, warm(Barrier::Elastic, Hazard::Additive)), 0.01, lowest),
+        ("additive, bell", of(&edged, &zero, warm(Barrier::Bell, Hazard::Additive)), 0.01, highest),
         ("mixture", of(&mixed, &zero, elastic()), 0.01, of_mixture),
-        ("slow", of(&edged, &zero, elastic()), 1e-4, both),
+        ("slow", of(&edged, &zero, elastic()), 1e-4, highest),
     ];
     agree(&cases, 1e-3, CLOSE);
     let mut cold = elastic();
     cold.temperature = Some(Temperature::new(0.002, 1.0));
     // The force bends over the length T/k x̄ = 0.002 before the edge: shorter steps, which cost K_c one digit more.
-    agree(&[("cold", of(&edged, &zero, cold), 0.01, both)], 1e-4, [1e-8, 1e-9, 1e-5]);
+    agree(&[("cold", of(&edged, &zero, cold), 0.01, highest)], 1e-4, [1e-8, 1e-9, 1e-5]);
 }
 
 /// Edges of the starting stretches, and those of thresholds where starts blur them.
@@ -141,13 +147,14 @@ fn edges_of_starting_stretches_move() {
     let mut strong = of(&edged, &starts, Rules::default());
     strong.stiffness = Stiffness::PerThreshold(1.2);
     let cases = [
-        ("joint", of(&edged, &starts, warm(Barrier::Elastic, Hazard::Joint)), 0.01, names),
+        // Where thresholds are spread, too, lives are sums over both.
+        ("joint", of(&edged, &starts, warm(Barrier::Elastic, Hazard::Joint)), 0.1, &names[1..]),
         ("additive", of(&edged, &starts, warm(Barrier::Elastic, Hazard::Additive)), 0.01, names),
         (
             "blurred",
             of(&edged, &gaussian(0.1, 0.02), warm(Barrier::Elastic, Hazard::Additive)),
             0.01,
-            &["thresholds.max", "reforming.std"],
+            &names[..1],
         ),
     ];
     agree(&cases, 1e-3, CLOSE);
@@ -170,20 +177,27 @@ fn edges_that_age_or_wait_move() {
     let by_age: &[&str] = &["thresholds.max", "ageing.growth", "ageing.time", "velocity"];
     let cases = [
         ("logarithmic", of(&edged, &zero, athermal), 0.1, by_age),
-        ("logarithmic, warm", of(&edged, &zero, warm(Some(strengthening), none())), 0.1, by_age),
+        (
+            "logarithmic, warm",
+            of(&edged, &zero, warm(Some(strengthening), none())),
+            0.1,
+            &["thresholds.max", "velocity"],
+        ),
         ("delay", of(&edged, &zero, warm(None, 5.0.into())), 0.03, &["thresholds.max", "delay", "velocity"]),
         (
             "delays",
             of(&edged, &zero, warm(None, rectangular(2.0, 6.0).into())),
             0.03,
-            &["thresholds.max", "delay.max", "delay.min", "velocity"],
+            &["delay.max", "velocity"],
         ),
     ];
     agree(&cases, 1e-3, CLOSE);
-    let ranked = AgeingRule::FrozenRank { mature: rectangular(0.4, 2.0), time: 5.0 };
-    let ranked = of(&edged, &zero, warm(Some(ranked), none()));
-    // Ranks are interpolated, which has errors of 1e-10 and more near edges: a thousandth is the step of the reference.
-    agree(&[("frozen_rank", ranked, 0.1, &["thresholds.max"])], 1e-3, [1e-5, 1e-6, 1e-5]);
+    let ranked = AgeingRule::FrozenRank { mature: rectangular(0.4, 2.0), time: 1.0 };
+    let ranked = of(&edged, &zero, Rules { ageing: Some(ranked), ..Rules::default() });
+    // Every solution tabulates the ranks first, so that what follows from the same derivatives of lives is left out. Ranks are
+    // interpolated, which has errors of 1e-10 and more near edges: a thousandth is the step of the reference.
+    let found = apart(&at(ranked, 0.1), "thresholds.max", 1e-3, false)[0];
+    assert!(found < 1e-5, "frozen_rank: {found}");
 }
 
 /// Two edges at one place that move differently: no coordinate moves with both, and steps are so short that none passes a point

@@ -73,7 +73,9 @@ fn missed(count: u32, seeds: u64) -> usize {
 
 #[test]
 fn first_values_off_by_a_factor_of_four_are_good_enough() {
-    assert_eq!([15, 30, 100].map(|count| missed(count, 40)), [0, 0, 0]);
+    // Of 36 searches; if one in ten ended elsewhere, 2 % of such sets would not show it.
+    assert_eq!([15, 30, 100].map(|count| missed(count, 12)), [0, 0, 0]);
     // At ten readings, 0.55 apart, thresholds between two of them fit half as well: of a few starts the search ends there.
-    assert!(missed(10, 40) <= 8);
+    let missed = missed(10, 12);
+    assert!(missed <= 5, "{missed}");
 }

@@ -10,7 +10,11 @@ use asperity::law::SharedLaw;
 use asperity::master::{MasterEquation, Pull};
 
 fn pull(thresholds: &SharedLaw, reforming: &SharedLaw, initial: &SharedLaw, start: Start) -> Pull {
-    equation(thresholds, reforming, initial, start).pull_with(6.0, None, &mut ()).unwrap()
+    pull_to(6.0, [thresholds, reforming, initial], start)
+}
+
+fn pull_to(distance: f64, [thresholds, reforming, initial]: [&SharedLaw; 3], start: Start) -> Pull {
+    equation(thresholds, reforming, initial, start).pull_with(distance, None, &mut ()).unwrap()
 }
 
 /// Points and weights of ∫ over [low, high], which is cut into `parts`, by the three-point Gauss rule.
@@ -125,36 +129,40 @@ fn the_response_is_a_derivative_of_the_force() {
         (&pointed, &zero, &zero, held),
         (&pointed, &wide, &apart, held),
     ] {
-        for xi in [0.21, 0.73, 1.02, 1.7] {
+        let thresholds_added = [0.21, 0.73, 1.02, 1.7];
+        let found = apart_from_differences(thresholds_added, [thresholds, reforming, initial], start);
+        for (xi, apart) in thresholds_added.into_iter().zip(found) {
             // A threshold among starting stretches, with a point mass of thresholds: the limit that is documented.
             let limited = xi < 0.3 && Arc::ptr_eq(thresholds, &pointed) && !Arc::ptr_eq(reforming, &zero);
-            let apart = apart_from_differences(xi, [thresholds, reforming, initial], start);
             let tolerance = if limited { 5e-6 } else { 1e-8 };
             assert!(apart < tolerance, "{xi} {thresholds:?} {reforming:?} {initial:?} {start:?}: {apart:e}");
         }
     }
 }
 
-/// The largest distance of the response from differences, without what follows from the estimated errors of F.
-fn apart_from_differences(xi: f64, laws: [&SharedLaw; 3], start: Start) -> f64 {
+/// For each threshold, the largest distance of the response from differences, less what the estimated errors of F explain.
+fn apart_from_differences(added: [f64; 4], laws: [&SharedLaw; 3], start: Start) -> [f64; 4] {
+    /// Just beyond the last position.
+    const DISTANCE: f64 = 2.6;
     let step = 2e-3;
     let [thresholds, reforming, initial] = laws;
-    let mixed = |k: f64| {
-        let law = mixture(&[(1.0 - k * step, thresholds.clone()), (k * step, point(xi))]);
-        pull(&law, reforming, initial, start)
-    };
-    let base = pull(thresholds, reforming, initial, start);
-    let others = [1.0, 2.0, 3.0, 4.0].map(mixed);
+    let base = pull_to(DISTANCE, laws, start);
+    let response = base.threshold_response(&added).unwrap();
     let weights: [f64; 4] = [4.0, -3.0, 4.0 / 3.0, -0.25];
-    let errors: f64 = weights.iter().zip(&others).map(|(w, pull)| w.abs() * pull.error_estimate()).sum();
-    let response = base.threshold_response(&[xi]).unwrap();
-    let apart = |k: u32| {
-        let x = 0.0637 * f64::from(k);
-        let difference: f64 =
-            weights.iter().zip(&others).map(|(w, pull)| w * (pull.force(x) - base.force(x))).sum();
-        (response.at(0, x) - difference / step).abs()
-    };
-    (1..=40).map(apart).fold(0.0, f64::max) - (errors + 25.0 / 12.0 * base.error_estimate()) / step
+    std::array::from_fn(|i| {
+        let others = [1.0, 2.0, 3.0, 4.0].map(|k| {
+            let law = mixture(&[(1.0 - k * step, thresholds.clone()), (k * step, point(added[i]))]);
+            pull_to(DISTANCE, [&law, reforming, initial], start)
+        });
+        let errors: f64 = weights.iter().zip(&others).map(|(w, pull)| w.abs() * pull.error_estimate()).sum();
+        let apart = |k: u32| {
+            let x = 0.0637 * f64::from(k);
+            let difference: f64 =
+                weights.iter().zip(&others).map(|(w, pull)| w * (pull.force(x) - base.force(x))).sum();
+            (response.at(i, x) - difference / step).abs()
+        };
+        (1..=40).map(apart).fold(0.0, f64::max) - (errors + 25.0 / 12.0 * base.error_estimate()) / step
+    })
 }
 
 /// The adjoint against λ(u) = Σ w_i [δ(u − X_i) + Γ(X_i − u)], the renewal equation read backwards, integrated with h_ξ − F

@@ -190,7 +190,7 @@ fn far_first_times_are_found() {
         MeasuredVelocityCurve { velocities: velocities.clone(), forces, errors: Some(vec![0.05; 10]) }
     };
     // At a thousandfold time the first values are flat over the measured velocities.
-    for factor in [1e-3, 1.0, 1e3] {
+    for factor in [1e-3, 1e3] {
         let truth = ageing(0.1, 3.0);
         let guess = Contacts { count: 30.0, ..ageing(0.07, 3.0 * factor) };
         let names = ["count", "ageing.growth", "ageing.time"];
@@ -204,16 +204,15 @@ fn far_first_times_are_found() {
             );
         }
     }
-    for factor in [1e-3, 1e3] {
-        let truth = heated(0.02, 1.0);
-        let guess = Contacts { count: 40.0, ..heated(0.03, factor) };
-        let names = ["count", "temperature.energy", "temperature.attempt_rate"];
-        let found = VelocityCurveFit::new(guess, curve(&truth)).free(names).run().unwrap();
-        assert!(found.converged && !found.misfit.is_unlikely(), "{factor}: {:?}", found.misfit);
-        for (name, value) in names.into_iter().zip([50.0, 0.02, 1.0]) {
-            let (found, error) = estimate(&found, name);
-            assert!((found - value).abs() < 4.0 * error, "{factor} {name}: {found} ± {error}");
-        }
+    // At a thousandth of the attempt rate there are no thermal breaks.
+    let truth = heated(0.02, 1.0);
+    let guess = Contacts { count: 40.0, ..heated(0.03, 1e-3) };
+    let names = ["count", "temperature.energy", "temperature.attempt_rate"];
+    let found = VelocityCurveFit::new(guess, curve(&truth)).free(names).run().unwrap();
+    assert!(found.converged && !found.misfit.is_unlikely(), "{:?}", found.misfit);
+    for (name, value) in names.into_iter().zip([50.0, 0.02, 1.0]) {
+        let (found, error) = estimate(&found, name);
+        assert!((found - value).abs() < 4.0 * error, "{name}: {found} ± {error}");
     }
 }
 

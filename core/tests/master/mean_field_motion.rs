@@ -46,12 +46,12 @@ struct Differences {
 
 impl Differences {
     fn new(reforming: f64, delayed: usize) -> Self {
-        let width = 1.0 / 400.0;
+        let width = 1.0 / 200.0;
         let bell = |j: usize| {
             let z = ((j as f64 + 0.5) * width - NEWBORN.0) / NEWBORN.1;
             (-0.5 * z * z).exp()
         };
-        let fresh: Vec<f64> = (0..640).map(bell).collect();
+        let fresh: Vec<f64> = (0..320).map(bell).collect();
         let mass: f64 = fresh.iter().sum::<f64>() * width;
         let fresh: Vec<f64> = fresh.iter().map(|p| p / mass).collect();
         Self {
@@ -71,7 +71,7 @@ impl Differences {
             let z = ((j as f64 + 0.5) * self.width - NEWBORN.0) / NEWBORN.1;
             (-0.5 * z * z).exp()
         };
-        let fresh: Vec<f64> = (0..640 * finer).map(bell).collect();
+        let fresh: Vec<f64> = (0..320 * finer).map(bell).collect();
         let mass: f64 = fresh.iter().sum::<f64>() * self.width;
         self.fresh = fresh.iter().map(|p| p / mass).collect();
         self.density = self.fresh.clone();
@@ -174,7 +174,7 @@ impl Differences {
     fn forces(mut self, pieces: &[(f64, f64)], finer: usize) -> Vec<f64> {
         let mut forces = Vec::new();
         for &(velocity, length) in pieces {
-            let steps = ((if velocity > 0.0 { 200.0 } else { 40.0 }) * length).round() as usize * finer;
+            let steps = ((if velocity > 0.0 { 100.0 } else { 20.0 }) * length).round() as usize * finer;
             for _ in 0..steps {
                 let part = length / steps as f64;
                 if velocity > 0.0 { self.step(part, part / velocity) } else { self.step(0.0, part) }
@@ -183,6 +183,13 @@ impl Differences {
         }
         forces
     }
+}
+
+/// The limit of solutions on cells so many times as narrow: errors of second and fourth order drop out.
+fn extrapolated(finer: [usize; 3], found: [f64; 3]) -> f64 {
+    let squares = finer.map(|finer| (finer * finer) as f64);
+    let factor = |i: usize, j: usize| if i == j { 1.0 } else { squares[i] / (squares[i] - squares[j]) };
+    (0..3).map(|i| (0..3).map(|j| factor(i, j)).product::<f64>() * found[i]).sum()
 }
 
 fn history(pieces: &[(f64, f64)]) -> (History, Vec<f64>) {
@@ -210,17 +217,18 @@ fn followed(contacts: Contacts, pieces: &[(f64, f64)], tolerance: f64) -> (Vec<f
 #[test]
 fn motion_is_that_of_the_coupled_equations_in_finite_differences() {
     // Velocity steps up and down, and a hold.
-    let pieces = [(1.0, 0.5), (1.0, 0.4), (0.1, 0.5), (2.0, 0.8), (0.0, 1.0), (0.5, 0.7), (0.5, 0.6)];
+    let pieces = [(1.0, 0.7), (0.1, 0.4), (2.0, 0.6), (0.0, 1.0), (0.5, 0.7)];
     let forces = |finer: usize| Differences::new(0.0, 0).refined(finer).forces(&pieces, finer);
-    let [coarse, middle, fine] = [1, 2, 4].map(forces);
-    let (found, error) = followed(contacts(point(0.0), 0.0), &pieces, 1e-8);
-    assert!(error < 1e-8, "{error:e}");
+    let finer = [2, 3, 4];
+    let [coarse, middle, fine] = finer.map(forces);
+    let (found, error) = followed(contacts(point(0.0), 0.0), &pieces, 1e-7);
+    assert!(error < 1e-7, "{error:e}");
     for (k, found) in found.iter().enumerate() {
-        // Differences are of second order: halving the steps divides their errors by four.
+        // Differences are of second order: the changes are as 1/4 − 1/9 to 1/9 − 1/16.
         let ratio = (coarse[k] - middle[k]) / (middle[k] - fine[k]);
-        assert!((ratio - 4.0).abs() < 0.1, "{k}: {ratio}");
-        let expected = (4.0 * fine[k] - middle[k]) / 3.0;
-        // A sixteenth of the change of the extrapolated force, 3e-8, when the steps were halved, and the error of the transport.
+        assert!((ratio - 20.0 / 7.0).abs() < 0.1, "{k}: {ratio}");
+        let expected = extrapolated(finer, [coarse[k], middle[k], fine[k]]);
+        // The extrapolated error of sixth order is below 1e-9; what the transport is off by is a tenth of its tolerance or less.
         assert!((found - expected).abs() < 4e-9, "{k}: {found} {expected}");
     }
 }
@@ -231,14 +239,15 @@ fn contacts_that_reform_stretched_and_late_follow_the_same_equations() {
     let at_once: &[(f64, f64)] = &[(1.0, 0.8), (0.2, 0.9)];
     let late: &[(f64, f64)] = &[(0.8, 0.8), (0.8, 0.7), (0.8, 1.4)];
     for (reforming, delay, pieces) in [(0.2, 0.0, at_once), (0.1, 0.25_f64, late)] {
-        let delayed = (200.0 * delay * pieces[0].0).round() as usize;
+        let delayed = (100.0 * delay * pieces[0].0).round() as usize;
         let forces =
             |finer: usize| Differences::new(reforming, delayed * finer).refined(finer).forces(pieces, finer);
-        let [coarse, fine] = [1, 2].map(forces);
-        let (found, _) = followed(contacts(point(reforming), delay), pieces, 1e-8);
+        let finer = [1, 2, 3];
+        let [coarse, middle, fine] = finer.map(forces);
+        let (found, _) = followed(contacts(point(reforming), delay), pieces, 1e-7);
         for (k, found) in found.iter().enumerate() {
-            let expected = (4.0 * fine[k] - coarse[k]) / 3.0;
-            // The extrapolated error of fourth order, as in the test above.
+            let expected = extrapolated(finer, [coarse[k], middle[k], fine[k]]);
+            // What the tolerance of the transport allows; the extrapolated error of sixth order is some 3e-9.
             assert!((found - expected).abs() < 5e-8, "{reforming} {k}: {found} {expected}");
         }
     }
@@ -263,37 +272,38 @@ fn long_sliding_has_the_force_of_the_steady_closure() {
     let lognormal = |mean, std| Arc::new(Lognormal::new(mean, std).unwrap()) as SharedLaw;
     let heavy = aged(lognormal(0.7, 0.3), lognormal(1.2, 0.4), wide(0.0, 0.3), 0.0);
     let edged = aged(wide(0.4, 0.9), gaussian(1.0, 0.2), point(0.0), 0.0);
-    // Contacts whose thresholds jump are followed to second order in time: the tolerance is larger.
-    for (contacts, tolerance) in [
-        (between(point(0.0), 0.0), 1e-7),
-        (between(wide(0.1, 0.5), 0.0), 1e-6),
-        (between(point(0.1), 0.3), 1e-7),
-        (edged, 1e-4),
-        (heavy, 1e-6),
+    // Contacts whose thresholds jump are followed to second order in time: the tolerance is larger, the way shorter.
+    for (contacts, velocity, tolerance, way) in [
+        (between(point(0.0), 0.0), 0.1, 1e-6, 15.0),
+        (between(point(0.0), 0.0), 1.0, 1e-6, 15.0),
+        (between(wide(0.1, 0.5), 0.0), 1.0, 1e-6, 15.0),
+        (between(point(0.1), 0.3), 1.0, 1e-6, 15.0),
+        (edged, 1.0, 3e-4, 8.0),
+        (heavy, 0.1, 1e-6, 15.0),
     ] {
-        for velocity in [0.1, 1.0] {
-            // Fifteen lives at least, in which deviations decay to less than the tolerance.
-            let (found, _) =
-                followed(contacts.clone(), &[(5.0 * velocity, 1.0), (velocity, 15.0)], tolerance);
-            let expected = kinetic_friction(&contacts, velocity);
-            // Twice the tolerance: contacts with a delay form in steps of it, at the larger velocity 80 of them.
-            assert!((found[1] - expected).abs() < 2.0 * tolerance, "{velocity}: {:e}", found[1] - expected);
-        }
+        // So many lives that deviations decay to less than the tolerance.
+        let (found, _) = followed(contacts.clone(), &[(5.0 * velocity, 1.0), (velocity, way)], tolerance);
+        let expected = kinetic_friction(&contacts, velocity);
+        // The finer of two solutions, of which the coarser is held to the tolerance, is off by less than a tenth of it.
+        assert!((found[1] - expected).abs() < 0.2 * tolerance, "{velocity}: {:e}", found[1] - expected);
     }
 }
 
 #[test]
 fn a_steady_start_stays() {
     let wide: SharedLaw = Arc::new(Rectangular::new(0.1, 0.5).unwrap());
-    for (contacts, velocity) in
-        [(contacts(point(0.0), 0.0), 0.1), (contacts(wide, 0.0), 1.0), (contacts(point(0.0), 0.5), 1.0)]
-    {
+    // One or two lives at least; what is not steady shows within one.
+    for (contacts, velocity, distance) in [
+        (contacts(point(0.0), 0.0), 0.1, 2.0),
+        (contacts(wide, 0.0), 1.0, 1.0),
+        (contacts(point(0.0), 0.5), 1.0, 2.0),
+    ] {
         let tolerance = 1e-7;
         let mut transport = Transport::steady_with(&contacts, velocity, tolerance, &mut ()).unwrap();
         let expected = kinetic_friction(&contacts, velocity);
         assert!((transport.force() - expected).abs() < tolerance, "{:e}", transport.force() - expected);
-        let (motion, _) = history(&[(velocity, 5.0)]);
-        let times: Vec<f64> = (1..=50).map(|k| f64::from(k) * 0.1 / velocity).collect();
+        let (motion, _) = history(&[(velocity, distance)]);
+        let times: Vec<f64> = (1..=20).map(|k| f64::from(k) * 0.05 * distance / velocity).collect();
         for force in transport.follow(&motion, &times).unwrap().force {
             // What the tolerance allows.
             assert!((force - expected).abs() < tolerance, "{:e}", force - expected);
@@ -305,12 +315,12 @@ fn a_steady_start_stays() {
 fn thresholds_that_hardly_diffuse_give_the_pull_of_contacts_that_do_not_age() {
     let mut slow = contacts(point(0.0), 0.0);
     slow.rules.ageing = Some(Ageing::MeanField { mature: gaussian(1.0, 0.1), diffusion: 1e-14 });
-    let (motion, _) = history(&[(1.0, 3.0)]);
-    let times: Vec<f64> = (1..=60).map(|k| 0.05 * f64::from(k)).collect();
+    let (motion, _) = history(&[(1.0, 1.5)]);
+    let times: Vec<f64> = (1..=30).map(|k| 0.05 * f64::from(k)).collect();
     let mut transport = Transport::new_with(slow, &Initial::default(), 1e-8, &mut ()).unwrap();
     let found = transport.follow(&motion, &times).unwrap().force;
     let bare = Contacts::new(gaussian(NEWBORN.0, NEWBORN.1), point(0.0));
-    let pull = MasterEquation::new(bare, &Initial::default()).unwrap().pull(3.0).unwrap();
+    let pull = MasterEquation::new(bare, &Initial::default()).unwrap().pull(1.5).unwrap();
     for (x, found) in times.iter().zip(found) {
         // The tolerance; readings lie inside steps.
         assert!((found - pull.force(*x)).abs() < 1e-8, "{x}: {:e}", found - pull.force(*x));
@@ -319,8 +329,9 @@ fn thresholds_that_hardly_diffuse_give_the_pull_of_contacts_that_do_not_age() {
 
 #[test]
 fn errors_fall_with_the_tolerance_and_are_estimated() {
-    let pieces = [(1.0, 1.3), (0.01, 0.8), (0.0, 100.0), (1.0, 0.7), (1.0, 0.6)];
-    let (exact, _) = followed(contacts(point(0.0), 0.0), &pieces, 1e-8);
+    let pieces = [(1.0, 0.9), (0.01, 0.6), (0.0, 100.0), (1.0, 0.7)];
+    // A tenth of the smallest tolerance below, or less.
+    let (exact, _) = followed(contacts(point(0.0), 0.0), &pieces, 1e-7);
     for tolerance in [1e-4, 1e-5, 1e-6] {
         let (found, error) = followed(contacts(point(0.0), 0.0), &pieces, tolerance);
         let off = found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -332,13 +343,13 @@ fn errors_fall_with_the_tolerance_and_are_estimated() {
 #[test]
 fn a_block_moves_as_in_finite_differences() {
     let (stiffness, damping, velocity) = (8.0, 2.0, 0.5_f64);
-    let (driven, held) = (2.4_f64, 1.5_f64);
+    let (driven, held) = (1.4_f64, 0.8_f64);
     // X by the implicit midpoint rule: γ by/dt = K(X_T − X) − F at the middle of the step.
     let follow = |finer: usize| {
         let mut slider = Differences::new(0.0, 0).refined(finer);
         let (mut position, mut drive, mut found) = (0.0, 0.0, Vec::new());
         for (moving, duration) in [(velocity, driven / velocity), (0.0_f64, held)] {
-            let steps = (160.0 * duration).round() as usize * finer;
+            let steps = (80.0 * duration).round() as usize * finer;
             let during = duration / steps as f64;
             for _ in 0..steps {
                 let (mut by, force) = (0.5 * during * velocity, slider.force());

@@ -11,7 +11,7 @@ fn a_pull_that_ends_among_breaks_sees_them() {
     for variation in [1e-4, 1e-3, 1e-2] {
         let equation = master(&gaussian(1.0, variation), &point(0.0), &point(0.0));
         let closed = exact::Gaussian::new(1.0, variation);
-        for cycles in 1..=5_u32 {
+        for cycles in [1, 2, 5_u32] {
             // Standard deviations of the place of a last break from its mean.
             for k in [-2, 0, 5_i32] {
                 let spread = f64::from(cycles).sqrt() * variation;

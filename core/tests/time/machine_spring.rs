@@ -165,7 +165,7 @@ fn slow_deviations_follow_the_velocity_curve() {
 /// The largest difference of the force from its linear response to a step of the velocity by 1 + `change`, and the largest
 /// change of the force.
 fn nonlinear(contacts: &Contacts, stiffness: f64, change: f64, tolerance: f64) -> (f64, f64) {
-    let drive = moving(&[(VELOCITY * (1.0 + change), 5.0 / VELOCITY)]);
+    let drive = moving(&[(VELOCITY * (1.0 + change), 3.0 / VELOCITY)]);
     let wanted = times(&drive, 50);
     let linear = response(contacts).after_velocity_change(stiffness, &wanted, &mut ()).unwrap();
     let block = Block::new(Loading::Spring(stiffness), Slip::Reset, None).unwrap();
@@ -198,21 +198,22 @@ fn swings_decay_above_the_critical_stiffness_and_grow_below_it() {
     let contacts = warm();
     let (critical, frequency) = critical_stiffness(&contacts);
     let period = 2.0 * std::f64::consts::PI / frequency;
-    // Swings of the force in the third period after a step of 2 %, and in the fifth.
+    // Swings of the force in the second period after a step of 2 %, and in the third: some 0.003 to 0.013.
     let swings = |stiffness: f64| {
-        let drive = moving(&[(1.02 * VELOCITY, 5.0 * period / VELOCITY)]);
-        let run = follow(&contacts, stiffness, &drive, &times(&drive, 200), 1e-4);
+        let drive = moving(&[(1.02 * VELOCITY, 3.0 * period / VELOCITY)]);
+        let run = follow(&contacts, stiffness, &drive, &times(&drive, 120), 3e-4);
         let swing = |points: std::ops::Range<usize>| {
             let forces = || run.trace[points.clone()].iter().map(|moment| moment.force);
             forces().fold(f64::NEG_INFINITY, f64::max) - forces().fold(f64::INFINITY, f64::min)
         };
-        [swing(80..120), swing(160..200)]
+        [swing(40..80), swing(80..120)]
     };
     let [below, above] = [0.9, 1.1].map(|factor| swings(factor * critical));
     println!("K_c {critical} at {frequency}: {below:?} {above:?}");
     assert!(frequency.is_finite());
-    assert!(below[1] > 1.05 * below[0], "{below:?}");
-    assert!(above[1] < above[0] / 1.05, "{above:?}");
+    // By a factor of 1.4 to 1.5 per period.
+    assert!(below[1] > 1.2 * below[0], "{below:?}");
+    assert!(above[1] < above[0] / 1.2, "{above:?}");
 }
 
 #[test]
@@ -236,10 +237,10 @@ fn steps_are_of_second_order() {
 
 #[test]
 fn contacts_followed_one_by_one_feel_the_same_spring() {
-    const SIZE: usize = 1000;
+    const SIZE: usize = 500;
     const RUNS: u64 = 8;
-    // Stiffer than the first pull of relaxed contacts requires.
-    let (contacts, stiffness) = (warm(), 3.0);
+    // Stiffer than the first pull of relaxed contacts requires, also of so few of them.
+    let (contacts, stiffness) = (warm(), 4.0);
     let drive = moving(&[(0.1, 20.0), (0.0, 100.0)]);
     let wanted: Vec<f64> = (1..=10).map(|k| 2.0 * f64::from(k)).chain([30.0, drive.duration()]).collect();
     let block = Block::new(Loading::Spring(stiffness), Slip::Reset, None).unwrap();

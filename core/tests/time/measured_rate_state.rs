@@ -4,8 +4,13 @@
 use asperity::random::{Purpose, Stream};
 use asperity::rate_state::{MeasuredHealing, MeasuredValue, MeasuredVelocityStep, StepReading};
 
-/// Number of records.
+/// Number of records …
 const RECORDS: u64 = 100;
+/// … and of those that take long. Of 50 intervals that hold the truth with probability 0.95, fewer than 43 do so once in 310
+/// trials. Of intervals that are too small by a factor of 1.5, 81 % hold it, and fewer than 43 of 50 do so in three of four trials.
+const FEWER: u64 = 50;
+/// What 43 of these are.
+const LEAST: f64 = 0.86 - 1e-9;
 
 /// Normal numbers, by the transform of G. E. P. Box and M. E. Muller.
 struct Normal(Stream);
@@ -77,15 +82,15 @@ impl Noisy<'_> {
 }
 
 /// The fractions of intervals that hold F₀, a, b, a − b and D_c.
-fn coverage(noisy: &Noisy<'_>, truth: Truth, reading: StepReading) -> [f64; 5] {
+fn coverage(noisy: &Noisy<'_>, truth: Truth, reading: StepReading, records: u64) -> [f64; 5] {
     let known = [truth.before, truth.a, truth.b, truth.a - truth.b, truth.distance];
     let mut held = [0.0; 5];
-    for seed in 0..RECORDS {
+    for seed in 0..records {
         let (position, force) = noisy.record(truth, seed);
         let read = MeasuredVelocityStep::read(&position, &force, RATIO, &reading, &mut ()).unwrap();
         let values = [read.before, read.direct, read.evolution, read.steady, read.distance];
         for ((held, value), known) in held.iter_mut().zip(values).zip(known) {
-            *held += f64::from(holds(value, known)) / RECORDS as f64;
+            *held += f64::from(holds(value, known)) / records as f64;
         }
     }
     held
@@ -103,8 +108,8 @@ const KNOWN_PEAK: StepReading =
 #[test]
 fn intervals_hold_the_truth_in_drift_and_white_noise() {
     let noisy = Noisy { white: 4e-4, drift: &[(5e-4, 25.0)] };
-    let drift = coverage(&noisy, TRUTH, KNOWN_PEAK);
-    let white = coverage(&noisy, TRUTH, StepReading { drift: false, ..KNOWN_PEAK });
+    let drift = coverage(&noisy, TRUTH, KNOWN_PEAK, RECORDS);
+    let white = coverage(&noisy, TRUTH, StepReading { drift: false, ..KNOWN_PEAK }, RECORDS);
     println!("F0, a, b, a - b, D_c: {drift:.2?}, with white noise {white:.2?}");
     assert!(drift[1..].iter().all(|held| (0.88..=0.99).contains(held)), "{drift:?}");
     // The interval of F₀ may be too wide: lengths of drift that the record hardly excludes move it most. It holds the
@@ -122,7 +127,7 @@ fn intervals_hold_the_truth_where_the_peak_is_hidden_in_the_noise() {
     // Of intervals that hold a, b and a − b at X_p.
     let coverage = |truth: Truth, peak: Option<f64>| {
         let mut held = [0.0; 3];
-        for seed in 0..RECORDS {
+        for seed in 0..FEWER {
             let (position, force) = noisy.record(truth, seed);
             let reading = StepReading { peak, ..KNOWN_PEAK };
             let read = MeasuredVelocityStep::read(&position, &force, RATIO, &reading, &mut ()).unwrap();
@@ -130,7 +135,7 @@ fn intervals_hold_the_truth_where_the_peak_is_hidden_in_the_noise() {
             let known = [truth.a - truth.b * fallen, truth.b * (1.0 - fallen), truth.a - truth.b];
             let values = [read.direct, read.evolution, read.steady];
             for ((held, value), known) in held.iter_mut().zip(values).zip(known) {
-                *held += f64::from(holds(value, known)) / RECORDS as f64;
+                *held += f64::from(holds(value, known)) / FEWER as f64;
             }
         }
         held
@@ -138,15 +143,14 @@ fn intervals_hold_the_truth_where_the_peak_is_hidden_in_the_noise() {
     for truth in [Truth { a: 0.01, b: 0.003, distance: 40.0, ..TRUTH }, TRUTH] {
         let held = coverage(truth, None);
         println!("a, b, a - b: {held:.2?}");
-        // As above.
-        assert!(held.iter().all(|held| *held >= 0.88), "{held:?}");
+        assert!(held.iter().all(|held| *held >= LEAST), "{held:?}");
     }
     // Where b is 0, no distance is determined, and intervals of a and b hold the truth less often. They do so as often as those for
-    // the true X_p: two counts of 100 that differ by 0.12 are 2.4 standard deviations apart.
+    // the true X_p: two counts of 50 that differ by 0.17 are 2.4 standard deviations apart.
     let flat = Truth { a: 0.01, b: 0.0, ..TRUTH };
     let (found, known) = (coverage(flat, None), coverage(flat, Some(PEAK)));
     println!("a, b, a - b: {found:.2?}, {known:.2?} for the true X_p");
-    assert!(found.iter().zip(&known).all(|(found, known)| *found > known - 0.12), "{found:?} {known:?}");
+    assert!(found.iter().zip(&known).all(|(found, known)| *found > known - 0.17), "{found:?} {known:?}");
 }
 
 /// The noise of an instrument that is correlated over some points, besides slow drift, and a slope.
@@ -154,7 +158,7 @@ fn intervals_hold_the_truth_where_the_peak_is_hidden_in_the_noise() {
 fn intervals_hold_the_truth_in_noise_of_two_correlation_lengths() {
     let noisy = Noisy { white: 2e-4, drift: &[(4e-4, 3.0), (5e-4, 60.0)] };
     let truth = Truth { slope: 1e-5, ..TRUTH };
-    let [_, a, b, _, distance] = coverage(&noisy, truth, StepReading { trend: true, ..KNOWN_PEAK });
+    let [_, a, b, _, distance] = coverage(&noisy, truth, StepReading { trend: true, ..KNOWN_PEAK }, RECORDS);
     println!("a, b, D_c: {a:.2} {b:.2} {distance:.2}");
     for held in [a, b, distance] {
         assert!((0.88..=0.99).contains(&held), "{held}");
@@ -167,7 +171,7 @@ fn intervals_hold_the_truth_in_noise_of_two_correlation_lengths() {
 fn white_noise_costs_little() {
     let noisy = Noisy { white: 4e-4, drift: &[] };
     let (mut drift, mut white) = ([0.0; 3], [0.0; 3]);
-    for seed in 0..RECORDS {
+    for seed in 0..FEWER {
         let (position, force) = noisy.record(TRUTH, seed);
         for (sums, drifts) in [(&mut drift, true), (&mut white, false)] {
             let reading = StepReading { drift: drifts, ..KNOWN_PEAK };
@@ -418,7 +422,7 @@ fn averages_have_the_same_parameters() {
 fn intervals_of_averages_over_half_of_the_distance_hold_the_truth() {
     let noisy = Noisy { white: 1e-4, drift: &[] };
     let reading = StepReading { average: 4, drift: false, ..KNOWN_PEAK };
-    let [_, a, b, _, distance] = coverage(&noisy, TRUTH, reading);
+    let [_, a, b, _, distance] = coverage(&noisy, TRUTH, reading, RECORDS);
     println!("a, b, D_c: {a:.2} {b:.2} {distance:.2}");
     for held in [a, b, distance] {
         assert!((0.88..=0.99).contains(&held), "{held}");

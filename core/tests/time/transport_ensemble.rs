@@ -5,8 +5,8 @@
 
 use crate::common::ways::kinds;
 
-/// Standard errors are 1e-3 or above; what transport is off by does not show beside them.
-const SIZE: usize = 20_000;
+/// Standard errors are 2e-3 or above; what transport is off by does not show beside them.
+const SIZE: usize = 5_000;
 const TOLERANCE: f64 = 1e-4;
 
 #[track_caller]
