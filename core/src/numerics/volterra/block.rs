@@ -4,7 +4,8 @@
 use std::collections::HashMap;
 
 use super::kernel::Kernel;
-use super::mesh::{Mesh, Resampled, SHORT_RUN};
+use super::leading::Leading;
+use super::mesh::{FAR, Mesh, Resampled, SHORT_RUN};
 use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments_at, dot_in_lanes, gauss_points, series_at};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::wide::vectorised;
@@ -38,8 +39,20 @@ fn by_position(target: (f64, f64), source: (f64, f64)) -> RelativePosition {
 /// Largest number of blocks cached between cells of different runs: 32 MB.
 const MOST_CACHED: usize = 1 << 14;
 
-/// The solution before a run on cells as wide as those of the run, once it is needed.
-pub(super) type Past = Option<Vec<Resampled>>;
+/// What is kept of a function before a run.
+#[derive(Default)]
+pub(super) struct Past {
+    /// The function on cells as wide as those of the run, once it is needed.
+    resampled: Option<Vec<Resampled>>,
+    leading: Leading,
+}
+
+impl Past {
+    /// Drops what belongs to the run before.
+    pub(super) fn start_run(&mut self) {
+        self.resampled = None;
+    }
+}
 
 /// A cell by its middle and half width, and the density at its Gauss points.
 pub(super) type FarCell = ((f64, f64), Nodal);
@@ -61,13 +74,25 @@ impl<'a> Blocks<'a> {
     /// Blocks for a convolution with an allowed error of some 1e-4 of `density`, per unit of the kernel.
     pub(super) fn new(kernel: &'a Kernel, density: f64) -> Self {
         let slack = 1e-4 * density * kernel.size();
-        Self { kernel, slack, cached: Vec::new(), by_position: HashMap::new(), run: u32::MAX, past: None }
+        Self {
+            kernel,
+            slack,
+            cached: Vec::new(),
+            by_position: HashMap::new(),
+            run: u32::MAX,
+            past: Past::default(),
+        }
     }
 
     pub(super) fn reset(&mut self, run: u32) {
         self.run = run;
         self.cached.clear();
-        self.past = None;
+        self.past.start_run();
+    }
+
+    /// The leading cells of the function whose history was added last, merged as far as was needed.
+    pub(super) fn leading(&self) -> &Leading {
+        &self.past.leading
     }
 
     /// Adds ∫ k(X_i − Y) g(Y) dY over all cells with known `values` at the Gauss points X_i of `cell`, which
@@ -83,13 +108,13 @@ impl<'a> Blocks<'a> {
         if mesh.run_of[cell] != self.run {
             self.reset(mesh.run_of[cell]);
         }
-        let mut past = self.past.take();
+        let mut past = std::mem::take(&mut self.past);
         self.add_history_of(mesh, cell, (values, density, &mut past), out);
         self.past = past;
     }
 
-    /// The same for one of several functions that share the blocks; each has a `past` of its own, `None` at the start of
-    /// a run.
+    /// The same for one of several functions that share the blocks; each has a `past` of its own, which
+    /// is told when a run starts.
     pub(super) fn add_history_of(
         &mut self,
         mesh: &Mesh,
@@ -124,17 +149,25 @@ impl<'a> Blocks<'a> {
                 apply(block, &values[source], out);
             }
         }
-        if past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
-            *past = Resampled::of(run, density, end);
+        if past.resampled.is_none() && ahead >= SHORT_RUN && run.first > 0 {
+            past.resampled = Resampled::of(run, density, end);
         }
         // Earlier runs have other widths. Resampled on the cells of this run they can use the same blocks, as
         // long as neither the density nor the kernel has structure that the resampling loses.
         let slack = self.slack;
-        let Some(past) = past else {
+        let Some(past) = &past.resampled else {
             let start = mesh.boundaries[cell];
             let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
-            for source in (0..run.first.min(values.len())).rev().take_while(near) {
+            let limit = (FAR * start).min(run.start);
+            past.leading.extend(density, limit);
+            let smooth = |reach: f64| self.kernel.is_smooth(start - reach, start + run.width, reach);
+            let merged = past.leading.until(&density.boundaries, limit).filter(|merged| smooth(merged.1));
+            let first = merged.map_or(0, |(cells, ..)| cells);
+            for source in (first..run.first.min(values.len())).rev().take_while(near) {
                 far(self, mesh.cell(source), &values[source], out);
+            }
+            if let Some((_, reach, values)) = merged {
+                far(self, (0.5 * reach, 0.5 * reach), values, out);
             }
             return;
         };
@@ -243,6 +276,9 @@ fn computed(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBl
         if high <= 0.0 || low >= kernel.curve().end() {
             continue;
         }
+        // Up to a distance of 0 the kernel may have many narrow cells.
+        let leading = if low == 0.0 { kernel.leading(high) } else { None };
+        let low = leading.map_or(low, |merged| merged.0);
         cuts.clear();
         cuts.push(low);
         kernel.splits(low, high, 2.0 * source.1, &mut cuts);
@@ -253,7 +289,7 @@ fn computed(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBl
             (0..NODES).for_each(|j| row[j] = source.1 * RULE.weights[j] * values[j]);
         } else {
             split = true;
-            row = split_row(kernel, offset, source.1, &cuts);
+            row = split_row(kernel, (offset, source.1), leading, &cuts);
         }
         for j in 0..NODES {
             out[j][i] = row[j];
@@ -266,23 +302,31 @@ fn computed(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBl
     LaggedBlock { block: (largest > width * negligible).then_some(out), roughness }
 }
 
-/// One row of a block whose integrand is smooth only between the `cuts` in u.
+/// One row of a block whose integrand is smooth only between the `cuts` in u; before the first, the kernel is `leading`.
 #[inline(always)]
-fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
+fn split_row(
+    kernel: &Kernel,
+    (offset, half): (f64, f64),
+    leading: Option<(f64, &Nodal)>,
+    cuts: &[f64],
+) -> Nodal {
     let (curve, mut moments) = (kernel.curve(), [0.0; NODES]);
+    let mut add = |places: &Nodal, part: f64, values: &Nodal| {
+        let t = std::array::from_fn(|i| ((offset - places[i]) / half).clamp(-1.0, 1.0));
+        let weighted = std::array::from_fn(|i| values[i] * (part * RULE.weights[i]));
+        add_moments_at(&t, &weighted, &mut moments);
+    };
+    if let Some((end, values)) = leading {
+        add(&gauss_points(0.5 * end, 0.5 * end), 0.5 * end, values);
+    }
     for pair in cuts.windows(2) {
         let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         let Some(cell) = curve.find(middle) else { continue };
         // One look-up serves the whole part if it lies in one cell.
         let inside = curve.boundaries[cell] <= pair[0] && pair[1] <= curve.boundaries[cell + 1];
         let places = gauss_points(middle, part);
-        let mut values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
-        let (weights, mut t) = (RULE.weights, places);
-        for i in 0..NODES {
-            t[i] = ((offset - t[i]) / half).clamp(-1.0, 1.0);
-            values[i] *= part * weights[i];
-        }
-        add_moments_at(&t, &values, &mut moments);
+        let values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
+        add(&places, part, &values);
     }
     RULE.functional(&moments)
 }

@@ -2,7 +2,9 @@
 
 use num_complex::Complex64;
 
+use super::leading::Leading;
 use crate::numerics::breakpoints::{Atom, Breakpoint, same_position};
+use crate::numerics::legendre::Nodal;
 use crate::numerics::order::sort_by_number;
 use crate::numerics::piecewise::Piecewise;
 
@@ -15,6 +17,7 @@ pub struct Kernel {
     at_breakpoint: Vec<bool>,
     /// For each cell of the curve: an upper bound of its magnitude.
     bounds: Vec<f64>,
+    leading: Leading,
     /// ∫ of the curve: the scale of what is negligible.
     size: f64,
 }
@@ -28,7 +31,8 @@ impl Kernel {
         // |P_n| ≤ 1 on the cell, so that the sum of the magnitudes of the coefficients is a bound.
         let bounds = curve.coefficients.iter().map(|c| c.iter().map(|c| c.abs()).sum()).collect();
         let size = curve.integral().abs();
-        Self { curve, breakpoints, at_breakpoint, bounds, size }
+        let leading = Leading::of(&curve);
+        Self { curve, breakpoints, at_breakpoint, bounds, leading, size }
     }
 
     /// The density.
@@ -71,6 +75,18 @@ impl Kernel {
                 out.push(edges[k]);
             }
         }
+    }
+
+    /// Whether a quadrature over cells of width `width` on [low, high] needs no splitting.
+    pub(super) fn is_smooth(&self, low: f64, high: f64, width: f64) -> bool {
+        let mut cuts = Vec::new();
+        self.splits(low, high, width, &mut cuts);
+        cuts.is_empty() && high <= self.curve.end()
+    }
+
+    /// The leading cells of the curve that end at or before `end`, merged: the end and the values. `None` for few.
+    pub(super) fn leading(&self, end: f64) -> Option<(f64, &Nodal)> {
+        self.leading.until(&self.curve.boundaries, end).map(|(_, end, values)| (end, values))
     }
 
     /// Cells of the curve that overlap [low, high].

@@ -2,6 +2,7 @@
 
 use super::block::{Blocks, ConvolutionBlock, apply, block, inverted};
 use super::kernel::Kernel;
+use super::leading::Leading;
 use super::mesh::{Mesh, Run};
 use super::response::own_inverse;
 use super::{Accuracy, Solution, convolve_atoms};
@@ -128,7 +129,8 @@ pub fn solve(
     let March { mesh, values, density, atoms, .. } = march;
     monitor.cost(Cost::VolterraCells, values.len());
     let breakpoints = breakpoints.into_iter().filter(|b| !b.is_atom()).collect();
-    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breakpoints })
+    let leading = Leading::of(&density);
+    Ok(Solution { resolved: accuracy.density, mesh, values, density, leading, atoms, breakpoints })
 }
 
 /// A lower bound of the number of cells that a solution needs between its bursts, where the kernel is 0 up to a position much
@@ -401,11 +403,10 @@ impl March<'_> {
     fn conserving(&self, cell: usize, values: &Nodal) -> Nodal {
         let (source, kernel) = self.conservation;
         let end = self.mesh.boundaries[cell + 1];
-        let part = |(cell, density): (usize, &Nodal)| self.mesh.convolve_cell(cell, density, kernel, end);
         let before = source.value(end)
             + convolve_atoms(kernel.curve(), &self.atoms, (end, 0.0))
-            + self.density.coefficients.iter().enumerate().map(part).sum::<f64>();
-        let held = part((cell, &RULE.coefficients(values)));
+            + self.mesh.convolve_at((&self.density, self.blocks.leading()), kernel, end);
+        let held = self.mesh.convolve_cell(cell, &RULE.coefficients(values), kernel, end);
         values.map(|value| value * (1.0 - before) / held)
     }
 
@@ -464,7 +465,7 @@ impl March<'_> {
         let end = middle + half * (1.0 - BEFORE);
         source.value(end)
             + convolve_atoms(kernel.curve(), &self.atoms, (end, 0.0))
-            + self.mesh.convolve_at(&self.density, kernel, end)
+            + self.mesh.convolve_at((&self.density, self.blocks.leading()), kernel, end)
     }
 
     /// Left-hand side of the conservation law at the Gauss points of a cell, from the cells that have values.

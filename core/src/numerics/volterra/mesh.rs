@@ -2,6 +2,7 @@
 //! run.
 
 use super::kernel::Kernel;
+use super::leading::Leading;
 use crate::numerics::legendre::{NODES, Nodal, RULE, series, series_at};
 use crate::numerics::piecewise::Piecewise;
 
@@ -22,10 +23,6 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    pub(super) fn cells(&self) -> usize {
-        self.run_of.len()
-    }
-
     /// Middle and half width; in a run, middles are exact multiples of the width apart.
     pub(super) fn cell(&self, cell: usize) -> (f64, f64) {
         let run = self.runs[self.run_of[cell] as usize];
@@ -39,28 +36,50 @@ impl Mesh {
         RULE.nodes.map(|t| (run.start, (middle + 0.5 * t) * run.width))
     }
 
-    /// ∫₀^x of kernel(x − Y) density(Y), cell by cell.
-    pub(super) fn convolve_at(&self, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
+    /// ∫₀^x of kernel(x − Y) density(Y) over the cells that have a density, one by one but for leading cells far from x.
+    pub(super) fn convolve_at(
+        &self,
+        (density, leading): (&Piecewise, &Leading),
+        kernel: &Kernel,
+        x: f64,
+    ) -> f64 {
         let low = x - kernel.curve().end();
         let first = self.boundaries.partition_point(|&b| b <= low).saturating_sub(1);
-        let cells = (first..self.cells()).take_while(|&cell| self.boundaries[cell] < x);
-        cells.map(|cell| self.convolve_cell(cell, &density.coefficients[cell], kernel, x)).sum()
+        let merged = leading.until(&density.boundaries, FAR * x);
+        let merged = merged.filter(|&(cells, end, _)| first < cells && kernel.is_smooth(x - end, x, end));
+        let far = merged.map_or(0.0, |(_, end, values)| {
+            let part = |i: usize| {
+                RULE.weights[i] * values[i] * kernel.curve().value(x - 0.5 * end * (1.0 + RULE.nodes[i]))
+            };
+            0.5 * end * (0..NODES).map(part).sum::<f64>()
+        });
+        let first = merged.map_or(first, |(cells, ..)| cells);
+        let cells = (first..density.coefficients.len()).take_while(|&cell| self.boundaries[cell] < x);
+        far + cells.map(|cell| self.convolve_cell(cell, &density.coefficients[cell], kernel, x)).sum::<f64>()
     }
 
     /// The part of that integral from a cell on which the density has the Legendre coefficients `density`.
     pub(super) fn convolve_cell(&self, cell: usize, density: &Nodal, kernel: &Kernel, x: f64) -> f64 {
         let (middle, half) = self.cell(cell);
         let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
+        // Down to a distance of 0 the kernel may have many narrow cells.
+        let leading = if low < 4.0 * f64::EPSILON * x { kernel.leading(high) } else { None };
+        let near = leading.map_or(0.0, |(end, values)| {
+            let t = RULE.nodes.map(|t| (x - 0.5 * end * (1.0 + t) - middle) / half);
+            let density = series_at(density, &t);
+            0.5 * end * (0..NODES).map(|i| RULE.weights[i] * values[i] * density[i]).sum::<f64>()
+        });
+        let low = leading.map_or(low, |(end, _)| end);
         let mut cuts = vec![low];
         kernel.splits(low, high, 2.0 * half, &mut cuts);
         cuts.push(high);
-        if cuts.len() == 2 && low > 0.0 {
+        if cuts.len() == 2 && low > 0.0 && leading.is_none() {
             // Far from a narrow cell, x − u would lose the digits of the position within the cell.
             let part = |t: f64| series(density, t) * kernel.curve().value(x - middle - half * t);
             return half * (0..NODES).map(|i| RULE.weights[i] * part(RULE.nodes[i])).sum::<f64>();
         }
         let integrand = |u: f64| series(density, (x - u - middle) / half) * kernel.curve().value(u);
-        cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
+        near + cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
     }
 }
 
@@ -75,6 +94,10 @@ pub(super) struct Resampled {
     /// Largest difference between density and fit.
     pub(super) roughness: f64,
 }
+
+/// Merged cells end at this fraction of a position that they are convolved to: a kernel with a singularity at 0 is resolved
+/// there as well as it is on its own cells, which double in width.
+pub(super) const FAR: f64 = 0.25;
 
 /// Longer runs resample the earlier solution.
 pub(super) const SHORT_RUN: usize = 3;

@@ -10,6 +10,7 @@
 
 mod block;
 mod kernel;
+mod leading;
 mod march;
 mod mesh;
 mod response;
@@ -18,6 +19,7 @@ pub use kernel::Kernel;
 pub use march::solve;
 
 use self::block::Blocks;
+use self::leading::Leading;
 use self::mesh::Mesh;
 use super::breakpoints::{Atom, Breakpoint};
 use super::legendre::{Nodal, RULE};
@@ -35,6 +37,7 @@ pub struct Solution {
     values: Vec<Nodal>,
     /// The density.
     pub density: Piecewise,
+    leading: Leading,
     /// The point masses, by rising position.
     pub atoms: Vec<Atom>,
     /// The breakpoints of the density that matter, by rising position.
@@ -96,6 +99,6 @@ impl Solution {
     pub fn convolve_at(&self, source: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
         source.value(x)
             + convolve_atoms(kernel.curve(), &self.atoms, (x, 0.0))
-            + self.mesh.convolve_at(&self.density, kernel, x)
+            + self.mesh.convolve_at((&self.density, &self.leading), kernel, x)
     }
 }

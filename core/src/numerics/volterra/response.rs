@@ -25,7 +25,7 @@ impl Solution {
         let present: Vec<&Kernel> = kernels.iter().copied().flatten().collect();
         let alike = present.windows(2).all(|pair| pair[0].has_cells_of(pair[1]));
         let mut blocks: Vec<_> = present.iter().map(|kernel| Blocks::new(kernel, self.resolved)).collect();
-        let mut pasts: Vec<Past> = present.iter().map(|_| None).collect();
+        let mut pasts: Vec<Past> = present.iter().map(|_| Past::default()).collect();
         let empty = Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients: Vec::new() };
         let mut out = vec![empty; kernels.len()];
         for cell in 0..self.values.len() {
@@ -76,7 +76,7 @@ impl Solution {
     ) -> Result<Vec<Piecewise>> {
         let (mut blocks, atoms) = (Blocks::new(kernel, self.resolved), kernel.atoms().collect::<Vec<_>>());
         let values: Vec<_> = functions.iter().map(|function| self.gauss_values(function)).collect();
-        let mut pasts: Vec<Past> = functions.iter().map(|_| None).collect();
+        let mut pasts: Vec<Past> = functions.iter().map(|_| Past::default()).collect();
         let empty = Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients: Vec::new() };
         let mut out = vec![empty; functions.len()];
         for cell in 0..self.values.len() {
@@ -104,7 +104,7 @@ impl Solution {
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Piecewise>> {
         let (mut blocks, atoms) = (Blocks::new(kernel, self.resolved), kernel.atoms().collect::<Vec<_>>());
-        let mut pasts: Vec<Past> = sources.iter().map(|_| None).collect();
+        let mut pasts: Vec<Past> = sources.iter().map(|_| Past::default()).collect();
         let mut values: Vec<Vec<Nodal>> = vec![Vec::new(); sources.len()];
         let empty = Piecewise { boundaries: vec![0.0], coefficients: Vec::new() };
         let mut out = vec![empty; sources.len()];
@@ -135,7 +135,7 @@ impl Solution {
     /// Drops the resampled functions of the run before, at the first cell of a run.
     fn forget(&self, cell: usize, pasts: &mut [Past]) {
         if self.mesh.runs[self.mesh.run_of[cell] as usize].first == cell {
-            pasts.iter_mut().for_each(|past| *past = None);
+            pasts.iter_mut().for_each(Past::start_run);
         }
     }
 
