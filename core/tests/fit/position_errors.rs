@@ -6,7 +6,7 @@ use asperity::master::MasterEquation;
 use asperity::random::{Purpose, Stream};
 use rayon::prelude::*;
 
-use crate::pulls::{contacts, off, positions, spread};
+use crate::pulls::{assert_gradient_is_slope, contacts, off, positions, spread};
 
 /// The standard deviation of a position, and that of a force.
 const STD: f64 = 0.006;
@@ -130,31 +130,6 @@ fn the_slope_of_the_likelihood_counts_errors_of_positions() {
         let errors = ErrorModel { contacts: false, position: Some(STD), drift, ..ErrorModel::default() };
         // Readings up to X = 2, where second contacts break.
         let found = Fit::new(truth(), measured(100, 3)).free(FREE.map(|number| number.0)).errors(errors);
-        let found = found.run().unwrap();
-        let values: Vec<f64> = found.parameters.iter().map(|estimate| 1.02 * estimate.value).collect();
-        let (_, gradient) = found.log_likelihood(&values, &mut ()).unwrap();
-        for k in 0..values.len() {
-            let at = |factor: f64| {
-                let mut moved = values.clone();
-                moved[k] *= factor;
-                found.log_likelihood(&moved, &mut ()).unwrap().0
-            };
-            let step = 1e-4;
-            let slope = (at(1.0 + step) - at(1.0 - step)) / (2.0 * step * values[k]);
-            // Rounding of ln L over the step, and its third derivative times the square of the step.
-            let size = gradient[k].abs().max(1.0 / values[k]);
-            let name = &found.parameters[k].name;
-            assert!((gradient[k] - slope).abs() < 1e-4 * size, "{name}: {} {slope}", gradient[k]);
-        }
+        assert_gradient_is_slope(&found.run().unwrap());
     }
-}
-
-#[test]
-fn errors_of_positions_are_above_zero_and_without_the_noise_of_contacts() {
-    let refused = |contacts: bool, position: f64| {
-        let errors = ErrorModel { contacts, position: Some(position), ..ErrorModel::default() };
-        Fit::new(truth(), measured(20, 1)).free(["count"]).errors(errors).check().unwrap_err().to_string()
-    };
-    assert!(refused(false, 0.0).starts_with("position_error: expected"), "{}", refused(false, 0.0));
-    assert!(refused(true, STD).contains("none beside noise = \"contacts\""), "{}", refused(true, STD));
 }

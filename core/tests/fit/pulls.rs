@@ -96,29 +96,29 @@ pub fn together((estimates, covariance): (&[Estimate], &[f64]), truth: &[(&str, 
 
 #[test]
 fn intervals_with_the_noise_of_contacts_hold_the_truth_and_white_ones_do_not() {
-    let (covered, found) = coverage(ErrorModel::default(), &TRUE.map(|number| number.0), 60..100);
+    let (covered, found) = coverage(ErrorModel::default(), &TRUE.map(|number| number.0), 0..100);
     let mean = |of: &dyn Fn(&Estimates) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
     let count = mean(&|found| found.estimate("count").unwrap().value);
     let chi_squared = mean(&|found| found.misfit.unwrap().chi_squared);
-    let together = mean(&|found| together((&found.parameters, &found.covariance), &TRUE)) / 4.0;
+    let together = mean(&|found| together((&found.parameters, &found.covariance), &TRUE)) / 3.0;
     let off = TRUE.map(|number| off(&found, number));
     println!("covered {covered:?}, off {off:?}, {together}, mean count {count}, mean χ² {chi_squared}");
-    // 38 of 40; fewer than 32 have a probability of 1e-4.
-    assert!(covered.iter().all(|covered| *covered >= 32), "{covered:?}");
-    // χ²/40 of 40 degrees of freedom is below 0.37 or above 2.05 with 1e-4 each, χ²/160 of 160 below 0.63 or above 1.46. Errors
-    // off by 1.5 make 0.44 or 2.25 of 1.
-    assert!((0.63..1.46).contains(&together), "{together}");
-    assert!(off.iter().all(|off| (0.37..2.05).contains(off)), "{off:?}");
-    // The relative error of N is sqrt(2/300) = 8 %, that of the mean of 40 curves 1.3 %, and its bias of the order of 1/300 per
+    // 95 of 100, with a standard deviation of 2.2.
+    assert!(covered.iter().all(|covered| (90..=99).contains(covered)), "{covered:?}");
+    // χ²/100 of 100 degrees of freedom is below 0.55 or above 1.6 with 1e-4 each, χ²/300 of 300 below 0.72 or above 1.33. Errors
+    // off by 1.5 make 0.44 or 2.25 of 1. One of the four is known without error, N⟨k⟩, of readings before the first contact breaks.
+    assert!((0.72..1.33).contains(&together), "{together}");
+    assert!(off.iter().all(|off| (0.55..1.6).contains(off)), "{off:?}");
+    // The relative error of N is sqrt(2/300) = 8 %, that of the mean of 100 curves 0.8 %, and its bias of the order of 1/300 per
     // free number.
-    assert!((count / 2000.0 - 1.0).abs() < 0.05, "{count}");
+    assert!((count / 2000.0 - 1.0).abs() < 0.03, "{count}");
     // N makes χ² the number of readings with noise, less three of the curve. Up to X = 0.44, 22 readings, fewer than one in a hundred
     // curves has a broken contact: residuals are 0, and the smallest error of a reading that is tried, 0.02 of the roughness of the
     // residuals, is above the noise. In the next readings the error takes a part of the noise, in each curve of one reading or two.
     let noisy = 300.0 - 22.0 - 3.0;
     assert!((chi_squared - noisy).abs() < 4.0, "{chi_squared}");
     let white = ErrorModel { contacts: false, ..ErrorModel::default() };
-    let (covered, _) = coverage(white, &["thresholds.mean", "thresholds.std", "count"], 60..80);
+    let (covered, _) = coverage(white, &["thresholds.mean", "thresholds.std", "count"], 0..20);
     println!("of white noise {covered:?}");
     assert!(covered[..3].iter().all(|covered| *covered < 16), "{covered:?}");
 }
@@ -577,10 +577,8 @@ fn units_do_not_matter() {
     }
 }
 
-#[test]
-fn the_gradient_of_the_likelihood_is_its_slope() {
-    let positions = positions(100, 4.0);
-    let found = fit(&positions, simulated(&positions, 9)).free(TRUE.map(|n| n.0)).run().unwrap();
+/// The derivatives of ln L by its parameters, 2 % off the estimates, are those of its values.
+pub fn assert_gradient_is_slope(found: &Estimates) {
     let values: Vec<f64> = found.parameters.iter().map(|estimate| 1.02 * estimate.value).collect();
     let (_, gradient) = found.log_likelihood(&values, &mut ()).unwrap();
     for k in 0..values.len() {
@@ -594,13 +592,16 @@ fn the_gradient_of_the_likelihood_is_its_slope() {
         let slope = (at(1.0 + step) - at(1.0 - step)) / (2.0 * step * values[k]);
         // Rounding of ln L over the step, and its third derivative times the square of the step.
         let size = gradient[k].abs().max(1.0 / values[k]);
-        assert!(
-            (gradient[k] - slope).abs() < 1e-4 * size,
-            "{}: {} {slope}",
-            found.parameters[k].name,
-            gradient[k]
-        );
+        let name = &found.parameters[k].name;
+        assert!((gradient[k] - slope).abs() < 1e-4 * size, "{name}: {} {slope}", gradient[k]);
     }
+}
+
+#[test]
+fn the_gradient_of_the_likelihood_is_its_slope() {
+    let positions = positions(100, 4.0);
+    let found = fit(&positions, simulated(&positions, 9)).free(TRUE.map(|n| n.0)).run().unwrap();
+    assert_gradient_is_slope(&found);
 }
 
 #[test]

@@ -44,6 +44,7 @@ const MOST_CACHED: usize = 1 << 14;
 pub(super) struct Past {
     /// The function on cells as wide as those of the run, once it is needed.
     resampled: Option<Vec<Resampled>>,
+    /// Its leading cells, merged as far as was needed.
     leading: Leading,
 }
 

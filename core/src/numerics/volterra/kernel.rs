@@ -17,6 +17,7 @@ pub struct Kernel {
     at_breakpoint: Vec<bool>,
     /// For each cell of the curve: an upper bound of its magnitude.
     bounds: Vec<f64>,
+    /// The leading cells of the curve, merged.
     leading: Leading,
     /// ∫ of the curve: the scale of what is negligible.
     size: f64,

@@ -37,6 +37,7 @@ pub struct Solution {
     values: Vec<Nodal>,
     /// The density.
     pub density: Piecewise,
+    /// Its leading cells, merged.
     leading: Leading,
     /// The point masses, by rising position.
     pub atoms: Vec<Atom>,
