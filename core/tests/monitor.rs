@@ -13,7 +13,7 @@ use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
 use asperity::law::{Series, SharedLaw, Tabulated, kernel_density_with, maximum_likelihood_with};
-use asperity::master::{DynamicStiffness, Limits, MasterEquation, Slider, StepResponse, Transport};
+use asperity::master::{DynamicStiffness, Limits, MasterEquation, Slider, Transport};
 use asperity::monitor::Monitor;
 use asperity::rate_state::MeasuredHealing;
 use asperity::shape::{Edges, Shape};
@@ -243,11 +243,11 @@ fn stability_asks_often_and_stops_at_once() {
         let time: Vec<f64> = (0..20_000).map(|k| 1e-3 * f64::from(k)).collect();
         // Strengthening at once, weakening later: unstable behind soft springs.
         let response = time.iter().map(|t| 2.0 * (-t / 0.1).exp() - (-t).exp()).collect();
-        let response = StepResponse::new(1.0, time, response);
-        let slider = Slider { stiffness: 1e-3, mass: 0.01, damping: 0.01 };
-        patient("critical stiffness", |monitor| response.critical_stiffness(0.01, 0.01, monitor).map(drop));
-        patient("roots", |monitor| response.unstable_roots(&slider, monitor).map(drop));
-        patient("growth", |monitor| response.growth(&slider, monitor).map(drop));
+        let response = DynamicStiffness::of_step_response(1.0, time, response);
+        let slider = Slider { mass: 0.01, damping: 0.01 };
+        patient("critical stiffness", |monitor| response.critical_stiffness(slider, monitor).map(drop));
+        patient("roots", |monitor| response.unstable_roots(slider, 1e-3, monitor).map(drop));
+        patient("growth", |monitor| response.growth(slider, 1e-3, monitor).map(drop));
     });
 }
 

@@ -1,5 +1,9 @@
-//! How thermal breaking at one advance and survival up to a later one are correlated, which the linear response of steady sliding
-//! follows from.
+//! What a small step of the slider changes of the survival of contacts with temperature and constant thresholds.
+//!
+//! A contact that formed at the stretch r has, after the advance u₀, the hazard ℓ(u₀) per length and the surviving fraction S(u₀).
+//! A step changes its cumulative hazard up to u by ℓ(u) − ℓ(u₀) per length, so that φ − D = ℓ(u₀) S(u) ([`super::StepCorrelation`]):
+//! C(u) = ⟨∫ ℓ(u₀) S(u₀ + u) du₀⟩ and C_x(u) = ⟨∫ ℓ(u₀) k (r + u₀ + u) S(u₀ + u) du₀⟩ say how thermal breaking at one advance and
+//! survival up to a later one are correlated.
 
 use super::cells::{BULK, with_atoms};
 use super::cohorts::Reach;
@@ -17,16 +21,6 @@ use crate::numerics::exponential::exp;
 use crate::numerics::legendre::{NODES, RULE, gauss_points};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::wide::vectorised;
-
-/// Two curves against an advance u. A contact that formed at the stretch r has, after the advance u₀, the hazard ℓ(u₀) per length
-/// and the surviving fraction S(u₀); k is its stiffness.
-#[derive(Debug, Clone)]
-pub(crate) struct HazardCorrelation {
-    /// C(u) = ⟨∫ ℓ(u₀) S(u₀ + u) du₀⟩, the mean over all contacts.
-    pub(crate) survival: Piecewise,
-    /// C_x(u) = ⟨∫ ℓ(u₀) k (r + u₀ + u) S(u₀ + u) du₀⟩, in the unit of [`super::Life::force`].
-    pub(crate) force: Piecewise,
-}
 
 /// Contacts with constant thresholds.
 struct Correlated<'a> {
@@ -85,37 +79,44 @@ const WIDE: f64 = 3.0;
 /// Ratio of the edges of panels in a tail.
 const LONGER: f64 = 1.4;
 
-impl HazardCorrelation {
-    /// Of contacts that slide at `velocity`; none if thresholds change, or if the hazard is additive.
-    ///
-    /// # Errors
-    /// Stopped by the monitor.
-    pub(crate) fn of(contacts: &Contacts, velocity: f64, watch: &Watch<'_>) -> Result<Option<Self>> {
-        let starts = Layer::placed(contacts, contacts.reforming.as_ref(), true, BULK);
-        let Some(correlated) = Correlated::new(contacts, velocity, &starts) else { return Ok(None) };
-        let edges = correlated.advances();
-        let end = edges[edges.len() - 1];
-        let both = |u: f64| {
-            watch.done(edges.partition_point(|edge| *edge <= u) as f64 / edges.len() as f64);
-            correlated.at(u, watch)
-        };
-        let tolerance = Resolution::Mean(TOLERANCE * contacts.thresholds.mean());
-        let ([survival, force], _) = Piecewise::resolve_all(both, &edges, end, tolerance);
-        watch.check().map(|()| Some(Self { survival, force }))
+/// C and C_x of contacts with `temperature` that slide at `velocity`; none if the hazard is additive, or with a table of stiffnesses.
+///
+/// # Errors
+/// Stopped by the monitor.
+pub(super) fn of(
+    contacts: &Contacts,
+    temperature: Temperature,
+    velocity: f64,
+    watch: &Watch<'_>,
+) -> Result<Option<[Piecewise; 2]>> {
+    if temperature.is_additive() || matches!(contacts.stiffness, Stiffness::Tabulated(_)) {
+        return Ok(None);
     }
+    let starts = Layer::placed(contacts, contacts.reforming.as_ref(), true, BULK);
+    let correlated = Correlated::new(contacts, temperature, velocity, &starts)?;
+    let edges = correlated.advances();
+    let end = edges[edges.len() - 1];
+    let both = |u: f64| {
+        watch.done(edges.partition_point(|edge| *edge <= u) as f64 / edges.len() as f64);
+        correlated.at(u, watch)
+    };
+    let tolerance = Resolution::Mean(TOLERANCE * contacts.thresholds.mean());
+    let (both, _) = Piecewise::resolve_all(both, &edges, end, tolerance);
+    watch.check().map(|()| Some(both))
 }
 
 impl<'a> Correlated<'a> {
-    fn new(contacts: &'a Contacts, velocity: f64, starts: &'a Layer) -> Option<Self> {
-        let temperature = contacts.rules.temperature.filter(|temperature| !temperature.is_additive())?;
-        if contacts.rules.ageing.is_some() || matches!(contacts.stiffness, Stiffness::Tabulated(_)) {
-            return None;
-        }
+    fn new(
+        contacts: &'a Contacts,
+        temperature: Temperature,
+        velocity: f64,
+        starts: &'a Layer,
+    ) -> Result<Self> {
         let law = contacts.thresholds.as_ref();
         let hazards = with_atoms(law);
         let panels = Reach::new(contacts, resolution(contacts, &hazards), true).panels(starts, LEFT_OUT);
         let breakpoints = hazards.iter().map(|b| b.position).filter(|at| *at > 0.0).collect();
-        let evolution = ThresholdEvolution::of(contacts).ok()?;
+        let evolution = ThresholdEvolution::of(contacts)?;
         let thermal = ThermalHazard::new(contacts, temperature, evolution, velocity);
         let highest = thermal.highest(law, NEGLIGIBLE);
         let (attempts, edges) = (temperature.attempt_rate / velocity, panels_of_thresholds(law, highest));
@@ -133,7 +134,7 @@ impl<'a> Correlated<'a> {
             highest,
         };
         correlated.divide();
-        Some(correlated)
+        Ok(correlated)
     }
 
     /// Sets the sections and their points.

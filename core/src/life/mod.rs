@@ -5,6 +5,7 @@
 
 mod additive;
 mod advance_map;
+mod ageing_correlation;
 mod athermal;
 mod births;
 mod breaking;
@@ -25,6 +26,7 @@ mod running_maximum;
 mod smoluchowski;
 mod start_quadrature;
 mod starts_below;
+mod step_correlation;
 mod thermal_hazard;
 mod timed;
 mod waits;
@@ -38,11 +40,11 @@ pub(crate) use cells::{ORDERS, threshold_atoms};
 use cohorts::Cohorts;
 pub(crate) use continuation::Continuation;
 pub(crate) use derivative::{LawDerivatives, LifeDerivative, LifePair, StartingContacts};
-pub(crate) use hazard_correlation::HazardCorrelation;
 pub(crate) use layer::Layer;
 use layer::PointMass;
 pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};
 pub use moving::moving;
+pub(crate) use step_correlation::StepCorrelation;
 
 use waits::DelayedLife;
 

@@ -50,6 +50,20 @@ impl RunningMaximum {
         self.pause(advance).map_or_else(|| self.fresh_and_slope(advance), |pause| (pause.value, 0.0))
     }
 
+    /// y and (∂h/∂t)/(v ∂h/∂h_0), the part of dy/du that ageing takes away; 0 in a pause.
+    pub(super) fn value_and_loss(&self, advance: f64) -> (f64, f64) {
+        if let Some(pause) = self.pause(advance) {
+            return (pause.value, 0.0);
+        }
+        let contact = self.evolution.at(advance / self.velocity).contact_at(self.start + advance);
+        (contact.fresh, contact.drift / (self.velocity * contact.spread))
+    }
+
+    /// The fresh thresholds between whose breaks there is a pause.
+    pub(super) fn interruptions(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pauses.iter().filter(|pause| pause.from > 0.0).map(|pause| pause.value)
+    }
+
     /// The advance at which a fresh threshold above the start is reached; `None` if that is beyond the range
     /// of numbers.
     pub(super) fn advance_to(&self, fresh: f64) -> Option<f64> {
@@ -67,7 +81,8 @@ impl RunningMaximum {
         // one below the threshold.
         let beyond = self.pauses.iter().filter(|pause| pause.value < fresh).map(|pause| pause.to);
         let low = beyond.fold(0.0, f64::max);
-        brent_root(|u| self.value(u) - fresh, low, high, 0.0)
+        // Rounding may put the end of a pause above the threshold.
+        Some(brent_root(|u| self.value(u) - fresh, low, high, 0.0).unwrap_or(low))
     }
 
     /// Advances at which a pause begins or ends.

@@ -31,7 +31,7 @@ mod unloading;
 
 pub use against_drive::AgainstDrive;
 pub use covariance::Covariance;
-pub use dynamic_stiffness::{DynamicStiffness, SpringResponse};
+pub use dynamic_stiffness::{DynamicStiffness, Slider, SpringResponse};
 pub use friction_gradient::FrictionGradient;
 pub use gradient::Gradient;
 pub use limits::{Limits, creep};
@@ -42,7 +42,7 @@ pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
 pub use threshold_response::ThresholdResponse;
 pub use tolerance::Tolerance;
-pub use transport::{Slider, StepResponse, Trace, Transport, as_required};
+pub use transport::{Trace, Transport, as_required};
 
 use std::sync::Arc;
 

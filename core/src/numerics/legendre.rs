@@ -101,6 +101,21 @@ impl GaussLegendre {
         out
     }
 
+    /// Gauss values on a cell of the polynomial that has the same integrals with all polynomials of its degree as parts of the cell,
+    /// each with its middle, half width and Gauss values: the least-squares fit to them.
+    pub fn projection(&self, parts: &[(f64, f64, Nodal)], (middle, half): (f64, f64)) -> Nodal {
+        let mut values = [0.0; NODES];
+        for (m, h, part) in parts {
+            for i in 0..NODES {
+                let cardinals = self.cardinals((m + h * self.nodes[i] - middle) / half);
+                let weight = h / half * self.weights[i] * part[i];
+                (0..NODES).for_each(|j| values[j] += weight * cardinals[j]);
+            }
+        }
+        (0..NODES).for_each(|j| values[j] /= self.weights[j]);
+        values
+    }
+
     /// Values at `t` of the 16 cardinal (Lagrange) polynomials, by the barycentric formula.
     pub fn cardinals(&self, t: f64) -> Nodal {
         let mut row = [0.0; NODES];

@@ -11,9 +11,19 @@ const MOST_STEPS: usize = 200;
 /// Returns `None` if `f(a)` and `f(b)` have the same sign or one of them is not a number. If `f` jumps across
 /// 0, returns the position of the jump.
 pub fn brent_root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> Option<f64> {
+    let ends = [(a, f(a)), (b, f(b))];
+    brent_root_between(f, ends, tolerance)
+}
+
+/// The same where the values at both ends are known.
+pub fn brent_root_between(
+    mut f: impl FnMut(f64) -> f64,
+    [(a, fa), (b, fb)]: [(f64, f64); 2],
+    tolerance: f64,
+) -> Option<f64> {
     // b is the best estimate, a the one before, [b, c] brackets the root.
     let (mut a, mut b, mut c) = (a, b, a);
-    let (mut fa, mut fb) = (f(a), f(b));
+    let (mut fa, mut fb) = (fa, fb);
     if fa.is_nan() || fb.is_nan() || (fa > 0.0) == (fb > 0.0) && fa != 0.0 && fb != 0.0 {
         return None;
     }

@@ -7,6 +7,7 @@ use crate::monitor::{Monitor, Part};
 use crate::scenario::{Model, TaskStart};
 
 /// How accurate the forces of a task are.
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ForceAccuracy {
     /// Estimated total error of F/(N_c⟨k⟩), a length.

@@ -3,13 +3,12 @@
 
 use super::drive::first_loading_distance;
 use super::in_time::finite_size_tolerance;
-use super::linear_stability::stability;
 use super::summary::{Extended, StickSlipNumbers};
 use crate::block::{Block, PersistenceLimit, Regime};
 use crate::contacts::Contacts;
 use crate::ensemble::Ensemble;
 use crate::error::positive;
-use crate::master::{DynamicStiffness, MasterEquation, Transport};
+use crate::master::{DynamicStiffness, MasterEquation, Slider, Transport};
 use crate::monitor::{Aside, Monitor, Part, report};
 use crate::population::Population;
 use crate::rate_dependent::RateDependentContacts;
@@ -336,18 +335,11 @@ fn critical_in_sliding(
     block: &scenario::Block,
     monitor: &mut dyn Monitor,
 ) -> Result<f64> {
-    // With temperature and without ageing the response to a step has a closed form at all frequencies.
-    let thermal = contacts.rules.temperature.is_some() && contacts.rules.ageing.is_none();
-    if thermal || block.slip.inertia_and_drag()? != (0.0, 0.0) {
-        return Ok(stability(contacts, velocity, Some(block), monitor)?.critical_stiffness);
-    }
-    // In closed form where thresholds follow from the age; otherwise from the response to a step.
-    let response = DynamicStiffness::new_with(contacts, velocity, &mut Part::new(monitor, 0.0, 0.0));
-    match response.and_then(|response| response.critical_stiffness(monitor)) {
-        Ok(critical) => Ok(critical.map_or(0.0, |found| found.0)),
-        Err(Error::Invalid { .. }) => Ok(stability(contacts, velocity, None, monitor)?.critical_stiffness),
-        Err(error) => Err(error),
-    }
+    let (mass, damping) = block.slip.inertia_and_drag()?;
+    let response = DynamicStiffness::new_with(contacts, velocity, monitor)?;
+    let aside = &mut Part::new(monitor, 1.0, 0.0);
+    let critical = response.critical_stiffness(Slider { mass, damping }, aside)?;
+    Ok(critical.map_or(0.0, |found| found.0))
 }
 
 #[cfg(test)]

@@ -98,64 +98,26 @@ pub(super) fn run(
 ) -> Result<Output<VelocityCurveNumbers>> {
     let velocities = task.velocities();
     let curves = curves(&model.contacts, task);
-    let (mut friction, mut slow, mut limits) = (Vec::new(), Slow::default(), Vec::new());
-    let (mut force, mut error) = (Vec::new(), Vec::new());
-    let mut critical = Critical::default();
-    let mut accuracy = ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean());
-    let points = (curves.len() * velocities.len()) as f64;
-    let measured = model.compare.as_ref().map_or(0, |curve| curve.points().0.len()) as f64;
-    let share = points / (points + measured);
+    let mut points = CurvePoints::new(model, task, curves.len() * velocities.len());
+    let measured = model.compare.as_ref().map_or(0, |curve| curve.points().0.len());
+    let share = points.count as f64 / (points.count + measured) as f64;
     let within = &mut Part::new(&mut *monitor, 0.0, share);
-    // The master equation, the ensemble, and the stability of steady sliding.
-    let jobs = 1.0 + f64::from(u8::from(model.ensemble.is_some()) + u8::from(task.stability));
+    let mut limits = Vec::new();
     for (temperature, contacts) in &curves {
-        let limit = Limits::of(contacts, &mut Part::new(within, friction.len() as f64 / points, 0.0))?;
+        let limit = Limits::of(contacts, &mut Part::new(within, points.done(), 0.0))?;
         limits.push(CurveLimits::new(*temperature, &limit, model.background));
         for &velocity in &velocities {
-            let begun = friction.len() as f64;
-            let start = |job: f64| (begun + job / jobs) / points;
-            let fraction = 1.0 / (jobs * points);
-            let steady = Steady::at(contacts, velocity, &mut Part::new(within, start(0.0), fraction))?;
-            friction.push(steady.friction);
-            accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
-            slow.push(contacts, velocity, limit.viscosity);
-            if let Some(ensemble) = &model.ensemble {
-                // Each point has contacts of its own, so that errors of points are independent.
-                let first = (force.len() * ensemble.size()) as u64;
-                let part = &mut Part::new(within, start(1.0), fraction);
-                let slid = slide(model, contacts, (ensemble, first), velocity, steady.distance, part)?;
-                force.push(slid.0);
-                error.push(slid.1);
-            }
-            if task.stability {
-                let part = &mut Part::new(within, start(jobs - 1.0), fraction);
-                let pulled = critical.push(contacts, model, velocity, part)?;
-                accuracy = accuracy.worse(ForceAccuracy::new(model, pulled, steady.life));
-            }
-            report(within, friction.len() as f64 / points)?;
+            points.add(contacts, velocity, limit.viscosity, within)?;
+            report(within, points.done())?;
         }
     }
     let mut record = Record::default();
     record.add(VELOCITY, velocities);
-    let along: &'static [&'static str] =
-        if task.temperatures.is_empty() { &["velocity"] } else { &["temperature", "velocity"] };
     if !task.temperatures.is_empty() {
         record.add(TEMPERATURE, task.temperatures.clone());
     }
-    let stability = critical.stability();
-    for (column, values) in [
-        (CRITICAL_STIFFNESS, critical.pulled),
-        (CRITICAL_STIFFNESS_SLIDING, critical.sliding),
-        (GROWTH_RATE, critical.rate),
-        (GROWTH_FREQUENCY, critical.frequency),
-        (KINETIC_FRICTION, friction),
-        (ENSEMBLE[0], force),
-        (ENSEMBLE[1], error),
-        (CREEP_FRICTION, slow.creep),
-        (VISCOUS_FRICTION, slow.viscous),
-    ] {
-        record.add_known(column.along(along), values);
-    }
+    let (stability, mut accuracy) = (points.critical.stability(), points.accuracy);
+    points.add_to(&mut record);
     let compare = match &model.compare {
         Some(curve) => {
             let (computed, reached) = at_measured(model, curve, &mut Part::new(monitor, share, 1.0 - share))?;
@@ -168,6 +130,94 @@ pub(super) fn run(
     model.add_background(&FORCES, &mut record);
     model.add_coefficient(KINETIC_FRICTION.name, &mut record);
     accuracy.of(model, "the friction force of steady sliding", Output::new(model, numbers, record))
+}
+
+/// The points of all curves, one curve after the other.
+struct CurvePoints<'a> {
+    model: &'a Model,
+    task: &'a scenario::VelocityCurve,
+    /// Their number in the end.
+    count: usize,
+    friction: Vec<f64>,
+    slow: Slow,
+    force: Vec<f64>,
+    error: Vec<f64>,
+    critical: Critical,
+    accuracy: ForceAccuracy,
+}
+
+impl<'a> CurvePoints<'a> {
+    fn new(model: &'a Model, task: &'a scenario::VelocityCurve, count: usize) -> Self {
+        Self {
+            model,
+            task,
+            count,
+            friction: Vec::new(),
+            slow: Slow::default(),
+            force: Vec::new(),
+            error: Vec::new(),
+            critical: Critical::default(),
+            accuracy: ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean()),
+        }
+    }
+
+    /// The fraction of the points that has been added.
+    fn done(&self) -> f64 {
+        self.friction.len() as f64 / self.count as f64
+    }
+
+    /// Adds steady sliding at a velocity: the master equation, the ensemble and the stability, as far as they are asked for.
+    fn add(
+        &mut self,
+        contacts: &Contacts,
+        velocity: f64,
+        viscosity: Option<f64>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
+        let model = self.model;
+        let jobs = 1 + usize::from(model.ensemble.is_some()) + usize::from(self.task.stability);
+        let (begun, share) = (self.done(), 1.0 / (jobs * self.count) as f64);
+        let job = |number: usize| (begun + number as f64 * share, share);
+        let (start, length) = job(0);
+        let steady = Steady::at(contacts, velocity, &mut Part::new(monitor, start, length))?;
+        self.friction.push(steady.friction);
+        self.accuracy = self.accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
+        self.slow.push(contacts, velocity, viscosity);
+        if let Some(ensemble) = &model.ensemble {
+            // Each point has contacts of its own, so that errors of points are independent.
+            let first = (self.force.len() * ensemble.size()) as u64;
+            let (start, length) = job(1);
+            let part = &mut Part::new(monitor, start, length);
+            let (force, error) = slide(model, contacts, (ensemble, first), velocity, steady.distance, part)?;
+            self.force.push(force);
+            self.error.push(error);
+        }
+        if self.task.stability {
+            let (start, length) = job(jobs - 1);
+            let part = &mut Part::new(monitor, start, length);
+            let pulled = self.critical.push(contacts, model, velocity, part)?;
+            self.accuracy = self.accuracy.worse(ForceAccuracy::new(model, pulled, steady.life));
+        }
+        Ok(())
+    }
+
+    fn add_to(self, record: &mut Record) {
+        let along: &'static [&'static str] =
+            if self.task.temperatures.is_empty() { &["velocity"] } else { &["temperature", "velocity"] };
+        for (column, values) in [
+            (CRITICAL_STIFFNESS, self.critical.pulled),
+            (CRITICAL_STIFFNESS_SLIDING, self.critical.sliding),
+            (GROWTH_RATE, self.critical.rate),
+            (GROWTH_FREQUENCY, self.critical.frequency),
+            (KINETIC_FRICTION, self.friction),
+            (ENSEMBLE[0], self.force),
+            (ENSEMBLE[1], self.error),
+            (CREEP_FRICTION, self.slow.creep),
+            (VISCOUS_FRICTION, self.slow.viscous),
+        ] {
+            record.add_known(column.along(along), values);
+        }
+    }
 }
 
 /// Kinetic friction at the measured velocities, with the background force, and its accuracy.

@@ -7,7 +7,7 @@ use asperity::contacts::{Ageing, Contacts, FreeFriction, Rules};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
-use asperity::master::{MasterEquation, Transport};
+use asperity::master::{DynamicStiffness, MasterEquation, Slider, Transport};
 use asperity::rate_dependent::PopulationInTime;
 use asperity::{Error, Result};
 
@@ -111,8 +111,8 @@ fn steps_are_of_second_order() {
 fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
     let fresh = ageing((0.5, 0.1), Ageing::FrozenRank { mature: gaussian(1.0, 0.2), time: 1.0 });
     for (contacts, velocity) in [(logarithmic(), 1e-3), (fresh, 0.7)] {
-        let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
-        let critical = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap().0;
+        let response = DynamicStiffness::new(&contacts, velocity).unwrap();
+        let critical = response.critical_stiffness(Slider::default(), &mut ()).unwrap().unwrap().0;
         let regime = |stiffness: f64| {
             let mut sliding = Transport::steady_with(&contacts, velocity, 1e-4, &mut ()).unwrap();
             // A stop of no length: the block starts at rest, which is the deviation that grows or decays.

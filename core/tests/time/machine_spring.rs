@@ -3,10 +3,10 @@
 
 use crate::common::{gaussian, point};
 use asperity::block::{Block, Loading, Slide, Slip};
-use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Temperature};
+use asperity::contacts::{Ageing, Barrier, Contacts, FreeFriction, Initial, Rules, Temperature};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
-use asperity::master::{DynamicStiffness, MasterEquation, Transport};
+use asperity::master::{DynamicStiffness, MasterEquation, Slider, Transport};
 use asperity::scenario;
 
 const VELOCITY: f64 = 0.01;
@@ -58,7 +58,8 @@ fn response(contacts: &Contacts) -> DynamicStiffness {
 
 /// The critical stiffness, and the angular frequency there per velocity.
 fn critical_stiffness(contacts: &Contacts) -> (f64, f64) {
-    let (stiffness, frequency) = response(contacts).critical_stiffness(&mut ()).unwrap().unwrap();
+    let (stiffness, frequency) =
+        response(contacts).critical_stiffness(Slider::default(), &mut ()).unwrap().unwrap();
     (stiffness, frequency / VELOCITY)
 }
 
@@ -314,9 +315,8 @@ fn contacts_without_a_linear_response_are_refused() {
         other => panic!("{other:?}"),
     };
     assert_eq!(key(&ageing(), 0.0), "velocity");
-    assert_eq!(key(&crate::common::contacts(&point(1.0), &point(0.0)), 1.0), "thresholds");
-    assert_eq!(key(&crate::common::contacts(&gaussian(1.0, 0.1), &point(0.1)), 1.0), "reforming");
-    let diffusing = Some(Ageing::Smoluchowski { mature: gaussian(1.0, 0.05), diffusion: 0.0025 });
-    assert_eq!(key(&contacts(Rules { ageing: diffusing, ..Rules::default() }), 1.0), "ageing");
+    let free_friction = FreeFriction { viscosity: 0.1, ..FreeFriction::default() };
+    let viscous = contacts(Rules { delay: 1.0.into(), free_friction, ..Rules::default() });
+    assert_eq!(key(&viscous, 1.0), "free_friction.viscosity");
     assert!(response(&ageing()).after_velocity_change(0.0, &[1.0], &mut ()).is_err());
 }

@@ -6,7 +6,7 @@ use crate::common::{gaussian, mixture, point, rectangular};
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::{Exponential, Gamma, SharedLaw};
-use asperity::master::{MasterEquation, Trace, Transport};
+use asperity::master::{DynamicStiffness, MasterEquation, Slider, Trace, Transport};
 use asperity::monitor::Monitor;
 
 fn conditional(law: SharedLaw) -> Initial {
@@ -398,7 +398,7 @@ fn the_same_bits_on_any_number_of_threads() {
 fn the_response_to_a_small_step_integrates_to_the_slope_of_kinetic_friction() {
     let strengthening = contacts(gaussian(1.0, 0.1), ageing(logarithmic()));
     let velocity = 0.1;
-    let response = Transport::step_response(&strengthening, velocity, 60.0, 1e-6, &mut ()).unwrap();
+    let response = DynamicStiffness::followed(&strengthening, velocity, 60.0, 1e-6, &mut ()).unwrap();
     let kinetic = |velocity| {
         let equation = MasterEquation::at(strengthening.clone(), &conditional(point(0.0)), velocity).unwrap();
         equation.steady_state().kinetic_friction()
@@ -406,7 +406,7 @@ fn the_response_to_a_small_step_integrates_to_the_slope_of_kinetic_friction() {
     let slope = (kinetic(1.01 * velocity) - kinetic(0.99 * velocity)) / (0.02 * velocity);
     // The step is a hundredth of the width of thresholds: its second order is that share of the response.
     assert!((response.integral() / slope - 1.0).abs() < 0.02, "{} {slope}", response.integral());
-    let (stiffness, frequency) = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
+    let (stiffness, frequency) = response.critical_stiffness(Slider::default(), &mut ()).unwrap().unwrap();
     assert!(stiffness > 0.0 && frequency > 0.0);
     // Where an oscillation sets in, the response is real.
     assert!(

@@ -2,15 +2,16 @@
 
 use super::CreepAccuracy;
 use crate::monitor::Monitor;
-use crate::numerics::roots::brent_root;
+use crate::numerics::roots::brent_root_between;
 use crate::rate_dependent::RateDependentContacts;
 use crate::{Error, Result};
 
-/// Ratio of the time of a step to that of the last one, per displacement, below which there is no balance.
-const LOST: f64 = 1e-6;
-/// Ratio between times of the search for a balance.
-const LONGER: f64 = 8.0;
-/// Accuracy of the force in balance, in tolerances.
+/// Times at which a balance earlier than expected is looked for, in units of that expected from the last step: mostly velocities
+/// change little. Before the last one there is no balance.
+const EARLIER: [f64; 3] = [0.95, 0.6, 1e-6];
+/// Ratios between times at which a later one is looked for, the last one repeated.
+const LATER: [f64; 3] = [1.05, 1.6, 8.0];
+/// Accuracy of the position in balance, in tolerances.
 const ACCURACY: f64 = 0.01;
 /// Accuracy of the position at the end of a ramp, relative to the slip: well below the first step of the next ramp.
 const AT_END: f64 = 1e-12;
@@ -42,6 +43,16 @@ pub(super) enum Balance {
     Lost,
 }
 
+/// Where the balance of contacts that advance by a given length is.
+enum Bracket {
+    /// Between two times, each with the force there less the imposed one.
+    Between([(f64, f64); 2]),
+    /// After the end of the ramp.
+    Later,
+    /// Nowhere.
+    Lost,
+}
+
 /// Contacts that carry an imposed force.
 pub(super) struct CreepBalance<'a> {
     pub ramp: ForceRamp,
@@ -60,29 +71,63 @@ impl CreepBalance<'_> {
         by: f64,
         slowness: f64,
     ) -> Result<Balance> {
+        let ends = match self.bracket(contacts, time, by, slowness)? {
+            Bracket::Between(ends) => ends,
+            Bracket::Later => return Ok(Balance::Later),
+            Bracket::Lost => return Ok(Balance::Lost),
+        };
+        let exact = ACCURACY * self.accuracy.tolerance * self.scale;
+        let balanced = exact * contacts.tangent().max(0.0);
+        let mut last = None;
+        let duration = self.root(ends, (exact / by).min(0.1) * ends[1].0, |own, during| {
+            let moved = own.moved(contacts, by, during)?;
+            let excess = own.excess(moved.as_ref(), time + during);
+            last = Some((during, moved));
+            Ok(if excess.abs() <= balanced { 0.0 } else { excess })
+        })?;
+        let contacts = match last {
+            Some((during, moved)) if during == duration => moved,
+            _ => self.moved(contacts, by, duration)?,
+        };
+        Ok(Balance::Found { duration, contacts })
+    }
+
+    /// Times around that of the balance.
+    fn bracket(
+        &mut self,
+        contacts: &dyn RateDependentContacts,
+        time: f64,
+        by: f64,
+        slowness: f64,
+    ) -> Result<Bracket> {
         let left = self.ramp.end - time;
         let usual = (slowness * by).min(left);
-        let (mut low, mut high) = (LOST * usual, usual);
-        if self.excess(contacts, time, by, high)? < 0.0 {
-            if self.excess(contacts, time, by, low)? < 0.0 {
-                return Ok(Balance::Lost);
-            }
-        } else {
-            loop {
-                if high >= left {
-                    return Ok(Balance::Later);
+        let mut at = |during: f64| -> Result<(f64, f64)> {
+            let moved = self.moved(contacts, by, during)?;
+            Ok((during, self.excess(moved.as_ref(), time + during)))
+        };
+        let mut low = at(usual)?;
+        if low.1 < 0.0 {
+            let mut high = low;
+            for part in EARLIER {
+                low = at(part * usual)?;
+                if low.1 >= 0.0 {
+                    return Ok(Bracket::Between([low, high]));
                 }
-                (low, high) = (high, (LONGER * high).min(left));
-                if self.excess(contacts, time, by, high)? < 0.0 {
-                    break;
-                }
+                high = low;
             }
+            return Ok(Bracket::Lost);
         }
-        let near = ACCURACY * self.accuracy.tolerance * self.scale / by;
-        let duration = self
-            .root((low, high), near.min(0.1) * high, |own, during| own.excess(contacts, time, by, during))?;
-        let contacts = self.moved(contacts, by, duration)?;
-        Ok(Balance::Found { duration, contacts })
+        let (mut ratio, mut ratios) = (LATER[0], LATER.into_iter());
+        while low.0 > 0.0 && low.0 < left {
+            ratio = ratios.next().unwrap_or(ratio);
+            let high = at((ratio * low.0).min(left))?;
+            if high.1 < 0.0 {
+                return Ok(Bracket::Between([low, high]));
+            }
+            low = high;
+        }
+        Ok(Bracket::Later)
     }
 
     /// The advance, up to `most`, at which `contacts` carry the force at the end of the ramp, `left` from now.
@@ -106,23 +151,18 @@ impl CreepBalance<'_> {
         if rest.force() >= force {
             return Ok((0.0, rest));
         }
-        let by = self.root((0.0, most), AT_END * self.scale, |own, by| {
+        let whole = self.moved(contacts, most, left)?.force() - force;
+        let ends = [(0.0, rest.force() - force), (most, whole)];
+        let by = self.root(ends, AT_END * self.scale, |own, by| {
             own.moved(contacts, by, left).map(|moved| moved.force() - force)
         })?;
         let moved = self.moved(contacts, by, left)?;
         Ok((by, moved))
     }
 
-    /// Force of contacts after a step, less the imposed one.
-    fn excess(
-        &mut self,
-        contacts: &dyn RateDependentContacts,
-        time: f64,
-        by: f64,
-        duration: f64,
-    ) -> Result<f64> {
-        let carried = self.moved(contacts, by, duration)?.force();
-        Ok(carried - self.ramp.at(time + duration))
+    /// Force of contacts at a time, less the imposed one.
+    fn excess(&self, contacts: &dyn RateDependentContacts, time: f64) -> f64 {
+        contacts.force() - self.ramp.at(time)
     }
 
     /// A copy of the contacts, moved.
@@ -137,10 +177,11 @@ impl CreepBalance<'_> {
         Ok(moved)
     }
 
-    /// A zero of `f`; the upper end if the signs at both ends are the same, which rounding makes them.
+    /// A zero of `f` between two positions with their values; the upper end if the signs at both ends are the same, which rounding
+    /// makes them.
     fn root(
         &mut self,
-        (low, high): (f64, f64),
+        ends: [(f64, f64); 2],
         accuracy: f64,
         mut f: impl FnMut(&mut Self, f64) -> Result<f64>,
     ) -> Result<f64> {
@@ -151,7 +192,7 @@ impl CreepBalance<'_> {
                 f64::NAN
             })
         };
-        let root = brent_root(value, low, high, accuracy);
-        failed.map_or(Ok(root.unwrap_or(high)), Err)
+        let root = brent_root_between(value, ends, accuracy);
+        failed.map_or(Ok(root.unwrap_or(ends[1].0)), Err)
     }
 }

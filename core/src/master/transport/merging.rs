@@ -81,15 +81,15 @@ mod tests {
 
     /// The same contacts with and without merging, after steps far shorter than they need, of which every fifth is ten
     /// times as slow; the merged ones keep their force and have few cohorts.
-    fn with_and_without_merging(contacts: &Contacts, tolerance: f64, count: i32) -> [Transport; 2] {
+    fn with_and_without_merging(contacts: &Contacts, tolerance: f64, by: f64, count: i32) -> [Transport; 2] {
         let start = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
         let mut whole = Transport::new_with(contacts.clone(), &start, tolerance, &mut ()).unwrap();
         whole.rough = None;
         let mut merged = whole.clone();
         for number in 0..count {
             let during = if number % 5 == 0 { 1.0 } else { 0.1 };
-            whole.step(2e-3, during, &mut ()).unwrap();
-            merged.step(2e-3, during, &mut ()).unwrap();
+            whole.step(by, during, &mut ()).unwrap();
+            merged.step(by, during, &mut ()).unwrap();
             let before = [merged.force(), merged.attached()];
             merged.merge_cohorts();
             let after = [merged.force(), merged.attached()];
@@ -118,7 +118,7 @@ mod tests {
         let ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
         let cold = contacts(Rules { ageing, ..Rules::default() });
         let [many, few] =
-            with_and_without_merging(&cold, 1e-4, 2000).map(|transport| transport.cohorts.len());
+            with_and_without_merging(&cold, 1e-4, 2e-3, 2000).map(|transport| transport.cohorts.len());
         assert!(2 * few < many, "{few} of {many}");
     }
 
@@ -127,7 +127,7 @@ mod tests {
         let temperature = Some(Temperature::new(0.05, 1.0));
         let thresholds: SharedLaw = Arc::new(Gaussian::new(1.0, 0.25).unwrap());
         let weak = Contacts { thresholds, ..contacts(Rules { temperature, ..Rules::default() }) };
-        with_and_without_merging(&weak, 1e-3, 200);
+        with_and_without_merging(&weak, 1e-3, 2e-3, 200);
     }
 
     #[test]
@@ -144,8 +144,8 @@ mod tests {
             let identical =
                 Contacts { thresholds: Arc::new(Point::new(1.0).unwrap()), ..contacts(warm.clone()) };
             for contacts in [contacts(warm), ages, stiffer, identical] {
-                let [many, few] =
-                    with_and_without_merging(&contacts, 1e-3, 800).map(|transport| transport.cohorts.len());
+                let [many, few] = with_and_without_merging(&contacts, 1e-3, 4e-3, 400)
+                    .map(|transport| transport.cohorts.len());
                 assert!(3 * few < 2 * many, "{energy}: {few} of {many}");
             }
         }
@@ -162,7 +162,7 @@ mod tests {
             let contacts =
                 Contacts { stiffness, ..contacts(Rules { ageing, temperature, ..Rules::default() }) };
             let [many, few] =
-                with_and_without_merging(&contacts, 1e-3, 400).map(|transport| transport.cohorts.len());
+                with_and_without_merging(&contacts, 1e-3, 2e-3, 400).map(|transport| transport.cohorts.len());
             assert!(3 * few < 2 * many, "{few} of {many}");
         }
     }
@@ -173,7 +173,7 @@ mod tests {
         for energy in [0.005, 0.1] {
             let rules = Rules { temperature: Some(Temperature::new(energy, 1.0)), ..Rules::default() };
             let spread = Contacts { reforming: reforming.clone(), ..contacts(rules) };
-            let [whole, merged] = with_and_without_merging(&spread, 1e-3, 800);
+            let [whole, merged] = with_and_without_merging(&spread, 1e-3, 3e-3, 533);
             // Fewer cohorts than contacts of a single stretch leave without merging, which have as many for each seed.
             let [few, many] = [&merged, &whole].map(|transport| transport.cohorts.len());
             assert!(few * whole.seeds.len() < many, "{few} of {many}");

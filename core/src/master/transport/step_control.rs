@@ -184,7 +184,7 @@ fn extrapolation_error(last: Option<(f64, BrokenFraction)>, duration: f64, fract
 }
 
 /// The length on which lives vary: that of the thresholds, and what temperature adds.
-pub(super) fn scale(contacts: &Contacts) -> f64 {
+pub(in crate::master) fn scale(contacts: &Contacts) -> f64 {
     blurred_by(contacts, 1.0)
 }
 

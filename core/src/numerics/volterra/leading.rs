@@ -1,6 +1,6 @@
 //! The leading cells of a curve on a mesh that is graded above a singularity at 0, merged into one cell.
 
-use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments_at, series_at};
+use crate::numerics::legendre::{Nodal, RULE, gauss_points};
 use crate::numerics::piecewise::Piecewise;
 
 /// Cells are merged as long as each ends at least this much farther from 0 than the one before.
@@ -31,17 +31,11 @@ impl Leading {
             if edges[0] != 0.0 || high < GROWTH * low || high > end {
                 return;
             }
-            let mut moments = [0.0; NODES];
-            let before = self.merged.last().map(|values| (0.0, low, *values));
-            let own = series_at(&curve.coefficients[cell], &RULE.nodes);
-            for (a, b, values) in before.into_iter().chain([(low, high, own)]) {
-                let share = (b - a) / high;
-                let places = RULE.nodes.map(|t| (a + b - high) / high + share * t);
-                let weights = std::array::from_fn(|i| share * RULE.weights[i] * values[i]);
-                add_moments_at(&places, &weights, &mut moments);
-            }
-            let series: Nodal = std::array::from_fn(|n| (n as f64 + 0.5) * moments[n]);
-            self.merged.push(series_at(&series, &RULE.nodes));
+            let (middle, half) = curve.cell(cell);
+            let own = (middle, half, curve.values_in(cell, &gauss_points(middle, half)));
+            let before = self.merged.last().map(|values| (0.5 * low, 0.5 * low, *values));
+            let parts: Vec<_> = before.into_iter().chain([own]).collect();
+            self.merged.push(RULE.projection(&parts, (0.5 * high, 0.5 * high)));
         }
     }
 
@@ -55,6 +49,7 @@ impl Leading {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::legendre::NODES;
 
     /// x^−0.6 on cells that double in width from 1e-9, each by its polynomial.
     fn pole() -> Piecewise {

@@ -48,10 +48,7 @@ impl Mesh {
         let merged = leading.until(&density.boundaries, FAR * x);
         let merged = merged.filter(|&(cells, end, _)| first < cells && kernel.is_smooth(x - end, x, end));
         let far = merged.map_or(0.0, |(_, end, values)| {
-            let part = |i: usize| {
-                RULE.weights[i] * values[i] * kernel.curve().value(x - 0.5 * end * (1.0 + RULE.nodes[i]))
-            };
-            0.5 * end * (0..NODES).map(part).sum::<f64>()
+            convolve_part((0.5 * end, 0.5 * end), &RULE.coefficients(values), kernel, x)
         });
         let first = merged.map_or(first, |(cells, ..)| cells);
         let cells = (first..density.coefficients.len()).take_while(|&cell| self.boundaries[cell] < x);
@@ -60,27 +57,31 @@ impl Mesh {
 
     /// The part of that integral from a cell on which the density has the Legendre coefficients `density`.
     pub(super) fn convolve_cell(&self, cell: usize, density: &Nodal, kernel: &Kernel, x: f64) -> f64 {
-        let (middle, half) = self.cell(cell);
-        let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
-        // Down to a distance of 0 the kernel may have many narrow cells.
-        let leading = if low < 4.0 * f64::EPSILON * x { kernel.leading(high) } else { None };
-        let near = leading.map_or(0.0, |(end, values)| {
-            let t = RULE.nodes.map(|t| (x - 0.5 * end * (1.0 + t) - middle) / half);
-            let density = series_at(density, &t);
-            0.5 * end * (0..NODES).map(|i| RULE.weights[i] * values[i] * density[i]).sum::<f64>()
-        });
-        let low = leading.map_or(low, |(end, _)| end);
-        let mut cuts = vec![low];
-        kernel.splits(low, high, 2.0 * half, &mut cuts);
-        cuts.push(high);
-        if cuts.len() == 2 && low > 0.0 && leading.is_none() {
-            // Far from a narrow cell, x − u would lose the digits of the position within the cell.
-            let part = |t: f64| series(density, t) * kernel.curve().value(x - middle - half * t);
-            return half * (0..NODES).map(|i| RULE.weights[i] * part(RULE.nodes[i])).sum::<f64>();
-        }
-        let integrand = |u: f64| series(density, (x - u - middle) / half) * kernel.curve().value(u);
-        near + cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
+        convolve_part(self.cell(cell), density, kernel, x)
     }
+}
+
+/// ∫ of kernel(x − Y) density(Y) over Y < x in a cell.
+fn convolve_part((middle, half): (f64, f64), density: &Nodal, kernel: &Kernel, x: f64) -> f64 {
+    let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
+    let density_at = |t: f64| series(density, t);
+    let density = |u: f64| density_at((x - u - middle) / half);
+    // Down to a distance of 0 the kernel may have many narrow cells.
+    let leading = if low < 4.0 * f64::EPSILON * x { kernel.leading(high) } else { None };
+    let (low, near) = leading.map_or((low, 0.0), |(end, values)| {
+        let part = |i: usize| RULE.weights[i] * values[i] * density(0.5 * end * (1.0 + RULE.nodes[i]));
+        (end, 0.5 * end * (0..NODES).map(part).sum::<f64>())
+    });
+    let mut cuts = vec![low];
+    kernel.splits(low, high, 2.0 * half, &mut cuts);
+    cuts.push(high);
+    if cuts.len() == 2 && low > 0.0 && leading.is_none() {
+        // Far from a narrow cell, x − u would lose the digits of the position within the cell.
+        let part = |t: f64| density_at(t) * kernel.curve().value(x - middle - half * t);
+        return half * (0..NODES).map(|i| RULE.weights[i] * part(RULE.nodes[i])).sum::<f64>();
+    }
+    let integrand = |u: f64| density(u) * kernel.curve().value(u);
+    near + cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
 }
 
 /// The solution before a run on one cell as wide as those of the run and aligned with them.
@@ -132,15 +133,7 @@ impl Resampled {
         if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
             return Self { values: parts[0].2, parts: Vec::new(), roughness: 0.0 };
         }
-        let mut values = [0.0; NODES];
-        for (m, h, part) in &parts {
-            for i in 0..NODES {
-                let cardinals = RULE.cardinals((m + h * RULE.nodes[i] - middle) / half);
-                let weight = h / half * RULE.weights[i] * part[i];
-                (0..NODES).for_each(|j| values[j] += weight * cardinals[j]);
-            }
-        }
-        (0..NODES).for_each(|j| values[j] /= RULE.weights[j]);
+        let values = RULE.projection(&parts, (middle, half));
         let fit = RULE.coefficients(&values);
         let missed = |(m, h, part): &(f64, f64, Nodal)| {
             let at = |i: usize| part[i] - series(&fit, (m + h * RULE.nodes[i] - middle) / half);

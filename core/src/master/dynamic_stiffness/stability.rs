@@ -6,7 +6,7 @@
 //!
 //! D(s) = M s² + γ s + K + F̂(s) = 0,
 //!
-//! F̂ being the dynamic stiffness of the contacts ([`StepResponse`]). Steady sliding is stable if no root has
+//! F̂ being the dynamic stiffness of the contacts ([`DynamicStiffness`]). Steady sliding is stable if no root has
 //! Re s > 0. Since K is real, roots on a line Re s = a occur only at the ω with Im[D(a + iω)] = 0, and only
 //! for K = K_j(a) = −Re[D(a + iω_j) − K]. By the argument principle (Nyquist's criterion for a = 0) the
 //! number of roots to the right of the line, conjugate ones both counted, is twice the number of K_j > K at
@@ -16,16 +16,14 @@
 
 use num_complex::Complex64;
 
-use super::StepResponse;
+use super::DynamicStiffness;
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::roots::brent_root;
 use crate::{Error, Float, Result};
 
-/// A slider behind its spring, for small deviations from steady sliding.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A slider; without mass and damping by default, so that its spring is in balance with the contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Slider {
-    /// K > 0, the stiffness of the spring.
-    pub stiffness: f64,
     /// M ≥ 0, the mass.
     pub mass: f64,
     /// γ ≥ 0, the damping, force per velocity.
@@ -60,11 +58,10 @@ impl RootCount {
     }
 }
 
-impl StepResponse {
-    /// K_c(v; M, γ) for a mass and a damping ≥ 0, above which steady sliding is stable, and the angular
-    /// frequency of the oscillation that sets in there. Infinite if no spring makes steady sliding stable, as
-    /// without damping whenever contacts feed high frequencies, Im F̂ < 0; its ω is then infinite, too.
-    /// `None` if steady sliding is stable for every K > 0.
+impl DynamicStiffness {
+    /// K_c(v; M, γ) of a slider, the stiffness of the spring above which steady sliding is stable, and the angular frequency of the
+    /// oscillation that sets in there. Infinite if no spring makes steady sliding stable, as without damping whenever contacts give
+    /// energy to high frequencies, Im F̂ < 0; its ω is then infinite, too. `None` if steady sliding is stable for every K > 0.
     ///
     /// Without mass and damping the limit −F̂ at ω → ∞ counts as well: there a step lowers the force by
     /// more than it relaxes the spring.
@@ -73,34 +70,37 @@ impl StepResponse {
     /// Free times so much longer than lives that the frequencies are too many; stopped by the monitor.
     pub fn critical_stiffness(
         &self,
-        mass: f64,
-        damping: f64,
+        slider: Slider,
         monitor: &mut dyn Monitor,
     ) -> Result<Option<(f64, f64)>> {
-        let slider = Slider { stiffness: 0.0, mass, damping };
         let watch = Watch::new(monitor);
-        let crossings = self.crossings(&slider, 0.0, &watch)?.into_iter().map(|c| (c.stiffness, c.frequency));
+        let crossings = self.crossings(slider, 0.0, &watch)?.into_iter().map(|c| (c.stiffness, c.frequency));
         let critical = crossings.filter(|crossing| crossing.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0));
         watch.check().map(|()| critical)
     }
 
-    /// How many roots of the characteristic equation have Re s > 0: 0 where steady sliding is stable.
+    /// How many roots of the characteristic equation with a spring K have Re s > 0: 0 where steady sliding is stable.
     ///
     /// # Errors
     /// As [`Self::critical_stiffness`].
-    pub fn unstable_roots(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<usize> {
+    pub fn unstable_roots(&self, slider: Slider, stiffness: f64, monitor: &mut dyn Monitor) -> Result<usize> {
         let watch = Watch::new(monitor);
-        let roots = self.count(slider, 0.0, &watch)?.roots.max(0) as usize;
+        let roots = self.count(slider, stiffness, 0.0, &watch)?.roots.max(0) as usize;
         watch.check().map(|()| roots)
     }
 
-    /// The root s = a + iω, ω ≥ 0, of the fastest growing deviation from steady sliding, which grows as
+    /// The root s = a + iω, ω ≥ 0, of the fastest growing deviation from steady sliding behind a spring K, which grows as
     /// e^{at}; `None` if steady sliding is stable.
     ///
     /// # Errors
     /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found; those of
     /// [`Self::critical_stiffness`].
-    pub fn growth(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<Option<Complex64>> {
+    pub fn growth(
+        &self,
+        slider: Slider,
+        stiffness: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Complex64>> {
         /// Largest number of lines Re s = a on which roots are counted.
         const LINES: usize = 60;
         /// Ratio of the rates at which the search for an upper limit asks.
@@ -109,19 +109,19 @@ impl StepResponse {
             return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
         }
         let watch = Watch::new(monitor);
-        let mut last = self.count(slider, 0.0, &watch)?;
+        let mut last = self.count(slider, stiffness, 0.0, &watch)?;
         if last.roots <= 0 {
             return Ok(None);
         }
         // Bisection for a line with one root on its right, or one and its conjugate. That is the root of the fastest growth, and
         // Newton's method has found it if it ends there.
-        let (mut high, mut next) = (f64::INFINITY, 1.0 / self.known());
+        let (mut high, mut next) = (f64::INFINITY, 1.0 / self.immediate.duration());
         for _ in 0..LINES {
-            let found = last.guess.and_then(|guess| self.polish(slider, guess));
+            let found = last.guess.and_then(|guess| self.polish(slider, stiffness, guess));
             if let Some(root) = found.filter(|root| last.has_alone(*root)) {
                 return Ok(Some(root));
             }
-            let count = self.count(slider, next, &watch)?;
+            let count = self.count(slider, stiffness, next, &watch)?;
             if count.roots > 0 {
                 last = count;
             } else {
@@ -135,23 +135,23 @@ impl StepResponse {
     }
 
     /// D(s) − K.
-    fn rest(&self, slider: &Slider, s: Complex64) -> Complex64 {
+    fn rest(&self, slider: Slider, s: Complex64) -> Complex64 {
         (slider.mass * s + slider.damping) * s + self.at(s)
     }
 
     /// How many roots have Re s > a.
-    fn count(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<RootCount> {
+    fn count(&self, slider: Slider, stiffness: f64, rate: f64, watch: &Watch<'_>) -> Result<RootCount> {
         let crossings = self.crossings(slider, rate, watch)?;
         watch.check()?;
-        let before = crossings.iter().filter(|crossing| crossing.stiffness > slider.stiffness);
+        let before = crossings.iter().filter(|crossing| crossing.stiffness > stiffness);
         let roots = before.map(|crossing| crossing.roots).sum();
-        let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
+        let off = |crossing: &Crossing| (crossing.stiffness - stiffness).abs();
         let nearest = crossings.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         Ok(RootCount { rate, roots, guess: nearest.map(|crossing| Complex64::new(rate, crossing.frequency)) })
     }
 
     /// The crossings of the line Re s = a ≥ 0.
-    fn crossings(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Result<Vec<Crossing>> {
+    fn crossings(&self, slider: Slider, rate: f64, watch: &Watch<'_>) -> Result<Vec<Crossing>> {
         let at = |frequency: f64| self.rest(slider, Complex64::new(rate, frequency));
         let imaginary = |frequency: f64| watch.value(|| at(frequency).im);
         let grid = self.frequencies()?;
@@ -175,11 +175,11 @@ impl StepResponse {
     }
 
     /// The crossing beyond the frequency `high`, up to which all are known. Contacts do not return in phase there.
-    fn beyond(&self, slider: &Slider, rate: f64, high: f64) -> Option<Crossing> {
+    fn beyond(&self, slider: Slider, rate: f64, high: f64) -> Option<Crossing> {
         let viscous = |s: Complex64| (slider.mass * s + slider.damping) * s;
         let edge = Complex64::new(rate, high);
         let last = (viscous(edge) + self.without_return(edge)).im;
-        let Slider { mass, damping, .. } = *slider;
+        let Slider { mass, damping } = slider;
         if mass == 0.0 && damping == 0.0 {
             let roots = if last > 0.0 { -1 } else { 1 };
             return Some(Crossing { frequency: f64::INFINITY, stiffness: -self.least_at_once(), roots });
@@ -201,13 +201,13 @@ impl StepResponse {
     }
 
     /// Newton's method for D(s) = 0, with D' by finite differences.
-    fn polish(&self, slider: &Slider, guess: Complex64) -> Option<Complex64> {
-        let value = |s| self.rest(slider, s) + slider.stiffness;
+    fn polish(&self, slider: Slider, stiffness: f64, guess: Complex64) -> Option<Complex64> {
+        let value = |s| self.rest(slider, s) + stiffness;
         let mut s = guess;
         for _ in 0..50 {
             // Central differences are right to the square of the step, and Newton's method needs
             // the slope to a few digits only.
-            let step = 1e-5 * s.norm().max(1.0 / self.known());
+            let step = 1e-5 * s.norm().max(1.0 / self.immediate.duration());
             let slope = (value(s + step) - value(s - step)) / (2.0 * step);
             let change = value(s) / slope;
             s -= change;

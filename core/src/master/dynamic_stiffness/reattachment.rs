@@ -11,8 +11,10 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
+use super::{PHASE, SHARP};
 use crate::contacts::{Contacts, FreeTime};
 use crate::master::MasterEquation;
+use crate::master::transport::length_of_lives;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
@@ -33,18 +35,14 @@ pub(super) struct Reattachment {
 
 /// Periods of the first resonance over which the slowest oscillations are resolved.
 const PERIODS: f64 = 30.0;
-/// Highest frequency in units of v over the width of lives. The transform of a Gaussian distribution is 1e-14 there.
-const SHARP: f64 = 8.0;
 /// Highest frequency times the mean free time, at which shorter lives than that have no influence.
 const SHORT: f64 = 40.0;
-/// Largest step of the phase of d̂ between frequencies, in radians.
-const PHASE: f64 = 0.25;
 /// Contacts that dephase over more mean lives than this are alike, to rounding.
 const IN_PHASE: f64 = 1e8;
 /// |d̂| below which its phase has no influence.
 const FADED: f64 = 1e-3;
-/// Most frequencies.
-const MOST: usize = 100_000;
+/// Steps over the swings of a single delay that are resolved.
+const SWINGS: f64 = 20_000.0;
 
 impl Reattachment {
     /// Of contacts that slide at `velocity`; `immediate` are the same that re-form at once.
@@ -67,7 +65,7 @@ impl Reattachment {
         }
         let held = steady.mean_life() / velocity;
         let friction = contacts.count * contacts.rules.free_friction.force;
-        let wide = SHARP * velocity / super::step_control::scale(contacts);
+        let wide = SHARP * velocity / length_of_lives(contacts);
         let highest = wide.max(SHORT / delay.mean());
         Ok(Self { equation, velocity, delay, friction, held, highest })
     }
@@ -75,6 +73,11 @@ impl Reattachment {
     /// Fraction of contacts that breaks per length in steady sliding, if they re-form at once.
     pub(super) fn breaks_per_length(&self) -> f64 {
         self.equation.steady_state().breaking_rate()
+    }
+
+    /// ⟨τ⟩.
+    pub(super) fn delay(&self) -> f64 {
+        self.delay.mean()
     }
 
     /// A, the attached fraction.
@@ -123,33 +126,35 @@ impl Reattachment {
         }
     }
 
-    /// Frequencies, from `low` to `high` or beyond, between which the dynamic stiffness is smooth, not farther apart than by this
-    /// factor.
-    ///
-    /// # Errors
-    /// More than can be computed.
-    pub(super) fn frequencies(&self, low: f64, high: f64, factor: f64) -> Result<Vec<f64>> {
-        let delay = self.delay.mean();
-        let mut frequency = low.min(TAU / (PERIODS * (self.held + delay)));
-        let high = high.max(self.highest);
-        let mut frequencies = vec![frequency];
-        while frequency < high {
-            let mut step = (factor - 1.0) * frequency;
-            if (1.0 - self.free(Complex64::new(0.0, frequency))).norm() > FADED {
-                step = step.min(PHASE / delay);
-            }
-            frequency = (frequency + step).min(high);
-            frequencies.push(frequency);
-            if frequencies.len() > MOST {
-                let expected = "one at which contacts are not free for very much longer than they hold, so that a hundred thousand frequencies resolve the response of steady sliding";
-                let found = format!(
-                    "{:e}, at which they hold for {} and are free for {delay}",
-                    self.velocity, self.held
-                );
-                return Err(Error::invalid("velocity", expected, found));
-            }
-        }
-        Ok(frequencies)
+    /// The frequency above which there are resonances: their slowest oscillations are resolved from there on.
+    pub(super) fn lowest(&self) -> f64 {
+        TAU / (PERIODS * (self.held + self.delay.mean()))
+    }
+
+    /// The frequency above which lives and free times have no more structure.
+    pub(super) fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    /// The longest step of a frequency over which d̂ is smooth. That of a single delay has no end: its swings are resolved up to some
+    /// thousand periods, or as long as contacts return in phase.
+    pub(super) fn longest_step(&self, frequency: f64) -> f64 {
+        let step = PHASE / self.delay.mean();
+        let resolved = self.highest.max(SWINGS * step);
+        let swings = (1.0 - self.free(Complex64::new(0.0, frequency))).norm() > FADED;
+        if frequency < resolved && swings { step } else { f64::INFINITY }
+    }
+
+    /// The velocity is so low that the frequencies are too many.
+    pub(super) fn too_slow(&self) -> Error {
+        let expected = "one at which contacts are not free for very much longer than they hold, so that a hundred thousand frequencies resolve the response of steady sliding";
+        let found = format!(
+            "{:e}, at which they hold for {} and are free for {}",
+            self.velocity,
+            self.held,
+            self.delay.mean()
+        );
+        Error::invalid("velocity", expected, found)
     }
 
     /// 1 − d̂(s), the transform of the fraction that is still free.

@@ -1,0 +1,304 @@
+//! The linear response of steady sliding by integrals over the ages and the thresholds of contacts, of contacts that re-form at once.
+//!
+//! A deviation δX e^{st} of the slider stretches a contact of age a, formed at t − a, by δx = (1 − e^{−sa}) δX e^{st} more. With S(a)
+//! the surviving fraction of contacts of one fresh threshold, w(x, h) their breaking rate, x = va their stretch, h(a) their threshold
+//! and a_b the age at which x reaches h, the fraction that survives changes by
+//!
+//! δS(a) = −[S(a) Q(a) + S(a_b) (1 − e^{−s a_b})/(v − h'(a_b)) δ(a − a_b)] δX e^{st}, Q(a) = ∫₀^a ∂w/∂x (1 − e^{−sa'}) e^{−s(a − a')} da'.
+//!
+//! The rate of formation Γ changes so that contacts stay as many: with ⟨·⟩ the mean over fresh thresholds and Γ_s = 1/⟨∫S da⟩,
+//!
+//! δΓ ⟨∫e^{−sa} S da⟩ = −Γ_s ⟨∫δS da⟩, F̂(s) = N_c {δΓ ⟨∫k x e^{−sa} S da⟩ + Γ_s ⟨∫k [x δS + (1 − e^{−sa}) S] da⟩}.
+
+use num_complex::Complex64;
+
+use super::{ImmediateResponse, LIVES, beyond};
+use crate::Result;
+use crate::contacts::{Ageing, Contacts, ThresholdEvolution};
+use crate::monitor::{Monitor, Part, report};
+use crate::numerics::legendre::{NODES, RULE};
+use crate::numerics::roots::brent_root;
+
+/// Contacts of all fresh thresholds.
+#[derive(Debug, Clone)]
+pub(super) struct AgeIntegrals {
+    count: f64,
+    /// Γ_s, per time.
+    rate: f64,
+    lives: Vec<ThresholdLife>,
+    /// Up to which frequency ages and thresholds resolve the response.
+    highest: f64,
+    /// Both responses transformed at this frequency.
+    at_highest: [Complex64; 2],
+    /// ∫r dt of both.
+    integrals: [f64; 2],
+}
+
+/// Contacts of one fresh threshold in steady sliding, at evenly spaced ages from 0 to the last one.
+#[derive(Debug, Clone)]
+struct ThresholdLife {
+    /// Fraction of all contacts.
+    weight: f64,
+    spacing: f64,
+    ages: Vec<AtAge>,
+    /// S(a_b)/(v − h'(a_b)).
+    lost: f64,
+}
+
+/// Contacts of one age.
+#[derive(Debug, Clone, Copy)]
+struct AtAge {
+    survival: f64,
+    /// ∂w/∂x.
+    slope: f64,
+    stiffness: f64,
+    stretch: f64,
+}
+
+/// Ages of a contact.
+const AGES: usize = 2000;
+/// Largest error of the trapezoidal rule of the ages, in units of N_c k. That over every second age errs by four times as much.
+const ERROR: f64 = 1e-4;
+/// −ln of the surviving fraction after which contacts are not followed.
+const GONE: f64 = 35.0;
+/// Panels of thresholds, with 16 Gauss points each.
+const PANELS: u32 = 6;
+/// Fraction of thresholds beyond the panels on either side.
+const BEYOND: f64 = 1e-10;
+/// Highest frequency that the ages resolve, in units of v over the mean threshold.
+const FINE: f64 = 300.0;
+/// Change of the phase of e^{−sa} over the lives of a panel that its Gauss points resolve, in radians.
+const PHASE: f64 = 25.0;
+/// Fraction of contacts in a panel whose phases are not resolved.
+const FEW: f64 = 1e-4;
+/// The frequency, in units of the highest one, at which limits for s → 0 are taken, and below which F̂ is s dF_k/dv: rounding of
+/// 1 − e^{−sa} and the next terms are 1e-5 of them or less.
+const SLOW: f64 = 1e-7;
+
+impl AgeIntegrals {
+    /// Of contacts that slide at `velocity`; none if they re-form stretched, if their thresholds have point masses or diffuse, or if
+    /// the ages do not resolve how they break.
+    ///
+    /// # Errors
+    /// Those of [`ThresholdEvolution::of`]; an additive hazard; stopped by the monitor.
+    pub(super) fn of(contacts: &Contacts, velocity: f64, monitor: &mut dyn Monitor) -> Result<Option<Self>> {
+        contacts.break_by_own_threshold()?;
+        let law = contacts.thresholds.as_ref();
+        let ageing = &contacts.rules.ageing;
+        let diffuse = matches!(ageing, Some(Ageing::Smoluchowski { .. } | Ageing::MeanField { .. }));
+        if contacts.reforming.upper_quantile(0.0) > 0.0 || !law.atoms().is_empty() || diffuse {
+            return Ok(None);
+        }
+        let evolution = ThresholdEvolution::of_with(contacts, &mut Part::new(monitor, 0.0, 0.5))?;
+        let of = |ages: usize, begun: f64, monitor: &mut dyn Monitor| {
+            let panels = panels(contacts);
+            let mut lives = Vec::new();
+            for (done, ends) in panels.windows(2).enumerate() {
+                report(monitor, begun + 0.25 * done as f64 / panels.len() as f64)?;
+                let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+                for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
+                    let fresh = middle + half * node;
+                    let weight = half * weight * law.density(fresh);
+                    let mut life = ThresholdLife::new(contacts, &evolution, velocity, fresh, ages);
+                    life.weight = weight;
+                    lives.push(life);
+                }
+            }
+            Ok::<_, crate::Error>(Self::of_lives(contacts.count, lives, FINE * velocity / law.mean()))
+        };
+        let whole = of(AGES, 0.5, monitor)?;
+        let coarse = of(AGES / 2, 0.75, monitor)?;
+        let unit = contacts.count * contacts.stiffness.of(law.mean());
+        let agree = [0.03, 0.3, 1.0].iter().all(|part| {
+            let s = Complex64::new(0.0, part * whole.highest);
+            (whole.sums(s)[0] - coarse.sums(s)[0]).norm() <= 3.0 * ERROR * unit
+        });
+        Ok(agree.then_some(whole))
+    }
+
+    /// Of contacts of all fresh thresholds, in panels, with ages that are resolved up to the frequency `finest`.
+    fn of_lives(count: f64, mut lives: Vec<ThresholdLife>, finest: f64) -> Self {
+        let all: f64 = lives.iter().map(|life| life.weight).sum();
+        lives.iter_mut().for_each(|life| life.weight /= all);
+        let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
+        let spread = |panel: &[ThresholdLife]| {
+            let weight: f64 = panel.iter().map(|life| life.weight).sum();
+            let ends = || panel.iter().map(ThresholdLife::end);
+            let spread = ends().fold(0.0, f64::max) - ends().fold(f64::INFINITY, f64::min);
+            if weight > FEW { spread } else { 0.0 }
+        };
+        let widest = lives.chunks(NODES).map(spread).fold(0.0, f64::max);
+        let highest = finest.min(PHASE / widest).max(1.0 / mean);
+        let zero = [Complex64::ZERO; 2];
+        let mut own = Self { count, rate: 1.0 / mean, lives, highest, at_highest: zero, integrals: [0.0; 2] };
+        own.at_highest = own.sums(Complex64::new(0.0, highest));
+        let [force, breaks] = own.sums(Complex64::new(0.0, own.slow()));
+        own.integrals = [force.im / own.slow(), breaks.re];
+        own
+    }
+
+    fn slow(&self) -> f64 {
+        SLOW * self.highest
+    }
+
+    /// Both responses transformed.
+    fn sums(&self, s: Complex64) -> [Complex64; 2] {
+        let [mut held, mut lost, mut pulls, mut force] = [Complex64::ZERO; 4];
+        for life in &self.lives {
+            let sums = life.response(s).map(|sum| life.weight * sum);
+            held += sums[0];
+            lost += sums[1];
+            pulls += sums[2];
+            force += sums[3];
+        }
+        let formed = -lost / held;
+        [self.count * self.rate * (force + formed * pulls), self.rate * formed / s]
+    }
+}
+
+/// Boundaries of panels of fresh thresholds.
+fn panels(contacts: &Contacts) -> Vec<f64> {
+    let law = contacts.thresholds.as_ref();
+    let (low, high) = (law.quantile(BEYOND), law.upper_quantile(BEYOND));
+    let mut borders: Vec<f64> =
+        (0..=PANELS).map(|i| low + (high - low) * f64::from(i) / f64::from(PANELS)).collect();
+    borders.extend(law.breakpoints().iter().map(|b| b.position).filter(|at| (low..high).contains(at)));
+    borders.sort_by(f64::total_cmp);
+    borders.dedup();
+    borders
+}
+
+impl ImmediateResponse for AgeIntegrals {
+    fn transforms(&self, s: Complex64) -> [Complex64; 2] {
+        if s.norm() < self.slow() {
+            let [force, breaks] = self.integrals;
+            return [s * force, breaks.into()];
+        }
+        if s.norm() <= self.highest {
+            return self.sums(s);
+        }
+        beyond(s, self.highest, self.at_once(), self.at_highest)
+    }
+
+    fn at_once(&self) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for life in &self.lives {
+            let last = life.last();
+            let stiffness = life.sum(|at| at.stiffness * at.survival);
+            sums[0] += life.weight * (stiffness - last.stiffness * last.stretch * life.lost);
+            sums[1] += life.weight * life.lost;
+        }
+        [self.count * self.rate * sums[0], self.rate * sums[1]]
+    }
+
+    fn integrals(&self) -> [f64; 2] {
+        self.integrals
+    }
+
+    fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    fn duration(&self) -> f64 {
+        LIVES / self.rate
+    }
+}
+
+impl ThresholdLife {
+    /// Contacts of a fresh threshold, without their weight, followed until they have reached their threshold or none are left.
+    fn new(
+        contacts: &Contacts,
+        evolution: &ThresholdEvolution,
+        velocity: f64,
+        fresh: f64,
+        ages: usize,
+    ) -> Self {
+        let ahead = |age: f64| velocity * age - evolution.threshold(fresh, age);
+        let mut end = fresh / velocity;
+        while ahead(end) < 0.0 {
+            end *= 2.0;
+        }
+        let reached = brent_root(ahead, 0.0, end, 0.0).unwrap_or(end);
+        let mut last = reached;
+        loop {
+            let spacing = last / ages as f64;
+            let (followed, hazard) = Self::followed(contacts, evolution, [velocity, fresh], spacing, ages);
+            // Half of the ages, or less, of which hardly any contacts are left.
+            let left = hazard.iter().position(|hazard| *hazard > GONE).unwrap_or(ages);
+            if 2 * left < ages {
+                last = spacing * (left + 1) as f64;
+                continue;
+            }
+            let speed = velocity - evolution.at(last).drift(fresh);
+            let lost = if last < reached { 0.0 } else { followed[ages].survival / speed };
+            return Self { weight: 0.0, spacing, ages: followed, lost };
+        }
+    }
+
+    /// The contacts at evenly spaced ages, and their cumulative hazard.
+    fn followed(
+        contacts: &Contacts,
+        evolution: &ThresholdEvolution,
+        [velocity, fresh]: [f64; 2],
+        spacing: f64,
+        ages: usize,
+    ) -> (Vec<AtAge>, Vec<f64>) {
+        let Contacts { stiffness, rules, .. } = contacts;
+        let (mut sum, mut before) = (0.0, 0.0);
+        let at = |i: usize| {
+            let age = spacing * i as f64;
+            let stretch = velocity * age;
+            let threshold = evolution.threshold(fresh, age).max(stretch);
+            let stiffness: f64 = stiffness.of(threshold);
+            let (rate, slope) = rules
+                .temperature
+                .map_or((0.0, 0.0), |temperature| temperature.rate_and_slope(stretch, threshold, stiffness));
+            sum += if i > 0 { 0.5 * spacing * (before + rate) } else { 0.0 };
+            before = rate;
+            (AtAge { survival: (-sum).exp(), slope, stiffness, stretch }, sum)
+        };
+        (0..=ages).map(at).unzip()
+    }
+
+    fn last(&self) -> &AtAge {
+        &self.ages[self.ages.len() - 1]
+    }
+
+    /// The last age.
+    fn end(&self) -> f64 {
+        self.spacing * (self.ages.len() - 1) as f64
+    }
+
+    /// ∫ over the ages by the trapezoidal rule.
+    fn sum(&self, value: impl Fn(&AtAge) -> f64) -> f64 {
+        let last = self.ages.len() - 1;
+        let ends = 0.5 * (value(&self.ages[0]) + value(&self.ages[last]));
+        self.spacing * (ends + self.ages[1..last].iter().map(value).sum::<f64>())
+    }
+
+    /// ∫e^{−sa} S, ∫δS, ∫k x e^{−sa} S and ∫k [x δS + (1 − e^{−sa}) S] over the ages a.
+    fn response(&self, s: Complex64) -> [Complex64; 4] {
+        let step = (-s * self.spacing).exp();
+        let (mut late, mut change, mut forcing) = (Complex64::from(1.0), Complex64::ZERO, Complex64::ZERO);
+        let mut sums = [Complex64::ZERO; 4];
+        for (i, at) in self.ages.iter().enumerate() {
+            if i > 0 {
+                late *= step;
+                let next = at.slope * (1.0 - late);
+                change = step * (change + 0.5 * self.spacing * forcing) + 0.5 * self.spacing * next;
+                forcing = next;
+            }
+            let weight = if i == 0 || i + 1 == self.ages.len() { 0.5 * self.spacing } else { self.spacing };
+            let held = weight * at.survival;
+            let pull = at.stiffness * at.stretch;
+            sums[0] += held * late;
+            sums[1] -= held * change;
+            sums[2] += held * pull * late;
+            sums[3] += held * (at.stiffness * (1.0 - late) - pull * change);
+        }
+        let (last, broken) = (self.last(), self.lost * (1.0 - late));
+        sums[1] -= broken;
+        sums[3] -= last.stiffness * last.stretch * broken;
+        sums
+    }
+}
