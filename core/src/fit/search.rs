@@ -197,20 +197,7 @@ pub(super) fn search_from_score<O: Objective>(
     for step in 0..STEPS {
         // The number of steps is not known beforehand; most searches need about ten.
         monitor.fraction = 1.0 - 0.85_f64.powi(step as i32);
-        let mut active = active(likelihood.free(), &coordinates, &score, held);
-        let Some(mut newton) = matrix::damped_step(&score, &active, 0.0) else { break };
-        // Numbers at an end of their range that all together would leave it stay there.
-        let stays = |k: usize| {
-            let [low, high] = likelihood.free()[k].bounds;
-            (coordinates[k] <= low && newton[(k, 0)] < 0.0)
-                || (coordinates[k] >= high && newton[(k, 0)] > 0.0)
-        };
-        let moving: Vec<usize> = active.iter().copied().filter(|&k| !stays(k)).collect();
-        if moving.len() < active.len() {
-            active = moving;
-            let Some(step) = matrix::damped_step(&score, &active, 0.0) else { break };
-            newton = step;
-        }
+        let Some((active, newton)) = newton_step(likelihood, &coordinates, &score, held) else { break };
         let decrement = -matrix::inner(&newton, &score.slope);
         fall = decrement;
         if decrement < short {
@@ -221,59 +208,108 @@ pub(super) fn search_from_score<O: Objective>(
         // that the information hardly changes over it.
         let last = decrement < COARSE && decrement * (decrement / before) < short;
         before = if damping == 0.0 { decrement } else { f64::INFINITY };
-        let mut far = if last || damping > 0.0 {
+        let far = if last || damping > 0.0 {
             None
         } else {
             likelihood.without_solutions((&coordinates, &trial, &score), (held, short), monitor)?
         };
-        let (mut moved, mut halvings) = (false, 0);
-        while damping <= MOST {
-            let is_far = far.is_some();
-            let step = match far.take() {
-                Some(far) => Some(Mat::from_fn(far.len(), 1, |k, _| far[k] - coordinates[k])),
-                None => matrix::damped_step(&score, &active, damping),
-            };
-            let Some(step) = step else {
-                damping = more(damping);
-                continue;
-            };
-            let step = if damping == 0.0 { step * faer::Scale(0.5_f64.powi(halvings)) } else { step };
-            let next = stepped(likelihood.free(), &coordinates, &step);
-            let found = likelihood.trial(&next, monitor)?;
-            solutions += 1;
-            match found.filter(|found| O::deviance(found) <= O::deviance(&trial)) {
-                Some(found) => {
-                    let made: Vec<f64> = next.iter().zip(&coordinates).map(|(next, u)| next - u).collect();
-                    let fallen = O::deviance(&trial) - O::deviance(&found);
-                    if fallen > TRUSTED * matrix::expected_fall(&score, &made) {
-                        damping = less(damping);
-                    }
-                    if last {
-                        score.follow(&made);
-                        converged = true;
-                    }
-                    (coordinates, trial, moved) = (next, found, true);
-                    break;
-                }
-                None if is_far => {}
-                None if damping == 0.0 && halvings < likelihood.halvings() => halvings += 1,
-                None => damping = more(damping),
-            }
-        }
-        if !moved {
+        let mut descent = Descent { damping, solutions, far };
+        let lower = descent.lower(likelihood, (&coordinates, &trial, &score), &active, monitor)?;
+        Descent { damping, solutions, .. } = descent;
+        let Some((next, found)) = lower else {
             converged = decrement < ROUNDED;
             break;
-        }
-        if converged {
+        };
+        if last {
+            score.follow(&difference(&next, &coordinates));
             // What is left is shorter than `short`, and not known better.
-            fall = 0.0;
+            (coordinates, trial, converged, fall) = (next, found, true, 0.0);
             break;
         }
+        (coordinates, trial) = (next, found);
         score = likelihood.score(&coordinates, &trial, monitor)?;
     }
     let at_bound = likelihood.free().iter().zip(&coordinates);
     let at_bound = at_bound.map(|(parameter, u)| parameter.bounds.contains(u)).collect();
     Ok(Optimum { coordinates, trial, score, at_bound, converged, solutions, fall })
+}
+
+/// Newton's step, and the numbers that move in it; `None` where the information is not positive definite.
+fn newton_step<O: Objective>(
+    likelihood: &O,
+    coordinates: &[f64],
+    score: &Score,
+    held: &[bool],
+) -> Option<(Vec<usize>, Mat<f64>)> {
+    let active = active(likelihood.free(), coordinates, score, held);
+    let newton = matrix::damped_step(score, &active, 0.0)?;
+    // Numbers at an end of their range that all together would leave it stay there.
+    let stays = |k: usize| {
+        let [low, high] = likelihood.free()[k].bounds;
+        (coordinates[k] <= low && newton[(k, 0)] < 0.0) || (coordinates[k] >= high && newton[(k, 0)] > 0.0)
+    };
+    let moving: Vec<usize> = active.iter().copied().filter(|&k| !stays(k)).collect();
+    if moving.len() == active.len() {
+        return Some((active, newton));
+    }
+    let newton = matrix::damped_step(score, &moving, 0.0)?;
+    Some((moving, newton))
+}
+
+/// The way to a lower deviance along Newton's step, halved or damped as far as that needs.
+struct Descent {
+    damping: f64,
+    /// Solutions so far.
+    solutions: usize,
+    /// A point that is tried first.
+    far: Option<Vec<f64>>,
+}
+
+impl Descent {
+    /// A point of a deviance that is not higher, and what is known there; `None` if there is none.
+    fn lower<O: Objective>(
+        &mut self,
+        likelihood: &O,
+        (coordinates, trial, score): (&[f64], &O::Point, &Score),
+        active: &[usize],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(Vec<f64>, O::Point)>> {
+        let mut halvings = 0;
+        while self.damping <= MOST {
+            let far = self.far.take();
+            let is_far = far.is_some();
+            let step = match far {
+                Some(far) => Some(Mat::from_fn(far.len(), 1, |k, _| far[k] - coordinates[k])),
+                None => matrix::damped_step(score, active, self.damping),
+            };
+            let Some(step) = step else {
+                self.damping = more(self.damping);
+                continue;
+            };
+            let step = if self.damping == 0.0 { step * faer::Scale(0.5_f64.powi(halvings)) } else { step };
+            let next = stepped(likelihood.free(), coordinates, &step);
+            let found = likelihood.trial(&next, monitor)?;
+            self.solutions += 1;
+            match found.filter(|found| O::deviance(found) <= O::deviance(trial)) {
+                Some(found) => {
+                    let fallen = O::deviance(trial) - O::deviance(&found);
+                    let made = difference(&next, coordinates);
+                    if fallen > TRUSTED * matrix::expected_fall(score, &made) {
+                        self.damping = less(self.damping);
+                    }
+                    return Ok(Some((next, found)));
+                }
+                None if is_far => {}
+                None if self.damping == 0.0 && halvings < likelihood.halvings() => halvings += 1,
+                None => self.damping = more(self.damping),
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn difference(next: &[f64], coordinates: &[f64]) -> Vec<f64> {
+    next.iter().zip(coordinates).map(|(next, u)| next - u).collect()
 }
 
 fn more(damping: f64) -> f64 {

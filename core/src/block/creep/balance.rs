@@ -12,7 +12,7 @@ const EARLIER: [f64; 3] = [0.95, 0.6, 1e-6];
 /// Ratios between times at which a later one is looked for, the last one repeated.
 const LATER: [f64; 3] = [1.05, 1.6, 8.0];
 /// Accuracy of the position in balance, in tolerances.
-const ACCURACY: f64 = 0.01;
+const ACCURACY: f64 = 1e-3;
 /// Accuracy of the position at the end of a ramp, relative to the slip: well below the first step of the next ramp.
 const AT_END: f64 = 1e-12;
 

@@ -19,19 +19,25 @@ use crate::monitor::{Monitor, Part, report};
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::brent_root;
 
-/// Contacts of all fresh thresholds.
+/// The integrals by the trapezoidal rule of all ages and of every second one, extrapolated (Richardson).
 #[derive(Debug, Clone)]
 pub(super) struct AgeIntegrals {
-    count: f64,
-    /// Γ_s, per time.
-    rate: f64,
-    lives: Vec<ThresholdLife>,
+    rules: [TrapezoidalRule; 2],
     /// Up to which frequency ages and thresholds resolve the response.
     highest: f64,
     /// Both responses transformed at this frequency.
     at_highest: [Complex64; 2],
     /// ∫r dt of both.
     integrals: [f64; 2],
+}
+
+/// Contacts of all fresh thresholds.
+#[derive(Debug, Clone)]
+struct TrapezoidalRule {
+    count: f64,
+    /// Γ_s, per time.
+    rate: f64,
+    lives: Vec<ThresholdLife>,
 }
 
 /// Contacts of one fresh threshold in steady sliding, at evenly spaced ages from 0 to the last one.
@@ -55,10 +61,11 @@ struct AtAge {
     stretch: f64,
 }
 
-/// Ages of a contact.
+/// Ages of a contact, an even number.
 const AGES: usize = 2000;
-/// Largest error of the trapezoidal rule of the ages, in units of N_c k. That over every second age errs by four times as much.
-const ERROR: f64 = 1e-4;
+/// Largest error of the trapezoidal rule, in units of N_c k, that of every second age being four times as large: as large as that
+/// of a response that is followed in time. What is extrapolated is far more accurate.
+const ERROR: f64 = 1e-3;
 /// −ln of the surviving fraction after which contacts are not followed.
 const GONE: f64 = 35.0;
 /// Panels of thresholds, with 16 Gauss points each.
@@ -90,49 +97,33 @@ impl AgeIntegrals {
             return Ok(None);
         }
         let evolution = ThresholdEvolution::of_with(contacts, &mut Part::new(monitor, 0.0, 0.5))?;
-        let of = |ages: usize, begun: f64, monitor: &mut dyn Monitor| {
-            let panels = panels(contacts);
-            let mut lives = Vec::new();
-            for (done, ends) in panels.windows(2).enumerate() {
-                report(monitor, begun + 0.25 * done as f64 / panels.len() as f64)?;
-                let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-                for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
-                    let fresh = middle + half * node;
-                    let weight = half * weight * law.density(fresh);
-                    let mut life = ThresholdLife::new(contacts, &evolution, velocity, fresh, ages);
-                    life.weight = weight;
-                    lives.push(life);
-                }
+        let (panels, mut lives) = (panels(contacts), [Vec::new(), Vec::new()]);
+        for (done, ends) in panels.windows(2).enumerate() {
+            report(monitor, 0.5 + 0.5 * done as f64 / panels.len() as f64)?;
+            let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+            for (node, weight) in RULE.nodes.iter().zip(&RULE.weights) {
+                let fresh = middle + half * node;
+                let weight = half * weight * law.density(fresh);
+                let both = ThresholdLife::both(contacts, &evolution, [velocity, fresh], weight);
+                lives.iter_mut().zip(both).for_each(|(lives, life)| lives.push(life));
             }
-            Ok::<_, crate::Error>(Self::of_lives(contacts.count, lives, FINE * velocity / law.mean()))
-        };
-        let whole = of(AGES, 0.5, monitor)?;
-        let coarse = of(AGES / 2, 0.75, monitor)?;
+        }
+        let highest = highest(&lives[0]).min(FINE * velocity / law.mean());
+        let rules = lives.map(|lives| TrapezoidalRule::new(contacts.count, lives));
         let unit = contacts.count * contacts.stiffness.of(law.mean());
         let agree = [0.03, 0.3, 1.0].iter().all(|part| {
-            let s = Complex64::new(0.0, part * whole.highest);
-            (whole.sums(s)[0] - coarse.sums(s)[0]).norm() <= 3.0 * ERROR * unit
+            let s = Complex64::new(0.0, part * highest);
+            let [fine, coarse] = [0, 1].map(|rule: usize| rules[rule].transforms(s)[0]);
+            (fine - coarse).norm() <= 3.0 * ERROR * unit
         });
-        Ok(agree.then_some(whole))
+        Ok(agree.then(|| Self::new(rules, highest)))
     }
 
-    /// Of contacts of all fresh thresholds, in panels, with ages that are resolved up to the frequency `finest`.
-    fn of_lives(count: f64, mut lives: Vec<ThresholdLife>, finest: f64) -> Self {
-        let all: f64 = lives.iter().map(|life| life.weight).sum();
-        lives.iter_mut().for_each(|life| life.weight /= all);
-        let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
-        let spread = |panel: &[ThresholdLife]| {
-            let weight: f64 = panel.iter().map(|life| life.weight).sum();
-            let ends = || panel.iter().map(ThresholdLife::end);
-            let spread = ends().fold(0.0, f64::max) - ends().fold(f64::INFINITY, f64::min);
-            if weight > FEW { spread } else { 0.0 }
-        };
-        let widest = lives.chunks(NODES).map(spread).fold(0.0, f64::max);
-        let highest = finest.min(PHASE / widest).max(1.0 / mean);
+    fn new(rules: [TrapezoidalRule; 2], highest: f64) -> Self {
         let zero = [Complex64::ZERO; 2];
-        let mut own = Self { count, rate: 1.0 / mean, lives, highest, at_highest: zero, integrals: [0.0; 2] };
-        own.at_highest = own.sums(Complex64::new(0.0, highest));
-        let [force, breaks] = own.sums(Complex64::new(0.0, own.slow()));
+        let mut own = Self { rules, highest, at_highest: zero, integrals: [0.0; 2] };
+        own.at_highest = own.extrapolated(Complex64::new(0.0, highest));
+        let [force, breaks] = own.extrapolated(Complex64::new(0.0, own.slow()));
         own.integrals = [force.im / own.slow(), breaks.re];
         own
     }
@@ -141,8 +132,34 @@ impl AgeIntegrals {
         SLOW * self.highest
     }
 
+    fn extrapolated(&self, s: Complex64) -> [Complex64; 2] {
+        let [fine, coarse] = [0, 1].map(|rule: usize| self.rules[rule].transforms(s));
+        [0, 1].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0)
+    }
+}
+
+/// The highest frequency at which the phases of the contacts in each panel are resolved.
+fn highest(lives: &[ThresholdLife]) -> f64 {
+    let all: f64 = lives.iter().map(|life| life.weight).sum();
+    let spread = |panel: &[ThresholdLife]| {
+        let weight: f64 = panel.iter().map(|life| life.weight).sum();
+        let ends = || panel.iter().map(ThresholdLife::end);
+        let spread = ends().fold(0.0, f64::max) - ends().fold(f64::INFINITY, f64::min);
+        if weight > FEW * all { spread } else { 0.0 }
+    };
+    PHASE / lives.chunks(NODES).map(spread).fold(0.0, f64::max)
+}
+
+impl TrapezoidalRule {
+    fn new(count: f64, mut lives: Vec<ThresholdLife>) -> Self {
+        let all: f64 = lives.iter().map(|life| life.weight).sum();
+        lives.iter_mut().for_each(|life| life.weight /= all);
+        let mean = lives.iter().map(|life| life.weight * life.sum(|at| at.survival)).sum::<f64>();
+        Self { count, rate: 1.0 / mean, lives }
+    }
+
     /// Both responses transformed.
-    fn sums(&self, s: Complex64) -> [Complex64; 2] {
+    fn transforms(&self, s: Complex64) -> [Complex64; 2] {
         let [mut held, mut lost, mut pulls, mut force] = [Complex64::ZERO; 4];
         for life in &self.lives {
             let sums = life.response(s).map(|sum| life.weight * sum);
@@ -153,6 +170,18 @@ impl AgeIntegrals {
         }
         let formed = -lost / held;
         [self.count * self.rate * (force + formed * pulls), self.rate * formed / s]
+    }
+
+    /// Both responses at the time of the step.
+    fn at_once(&self) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for life in &self.lives {
+            let last = life.last();
+            let stiffness = life.sum(|at| at.stiffness * at.survival);
+            sums[0] += life.weight * (stiffness - last.stiffness * last.stretch * life.lost);
+            sums[1] += life.weight * life.lost;
+        }
+        [self.count * self.rate * sums[0], self.rate * sums[1]]
     }
 }
 
@@ -175,20 +204,14 @@ impl ImmediateResponse for AgeIntegrals {
             return [s * force, breaks.into()];
         }
         if s.norm() <= self.highest {
-            return self.sums(s);
+            return self.extrapolated(s);
         }
         beyond(s, self.highest, self.at_once(), self.at_highest)
     }
 
     fn at_once(&self) -> [f64; 2] {
-        let mut sums = [0.0; 2];
-        for life in &self.lives {
-            let last = life.last();
-            let stiffness = life.sum(|at| at.stiffness * at.survival);
-            sums[0] += life.weight * (stiffness - last.stiffness * last.stretch * life.lost);
-            sums[1] += life.weight * life.lost;
-        }
-        [self.count * self.rate * sums[0], self.rate * sums[1]]
+        let [fine, coarse] = [0, 1].map(|rule: usize| self.rules[rule].at_once());
+        [0, 1].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0)
     }
 
     fn integrals(&self) -> [f64; 2] {
@@ -200,39 +223,44 @@ impl ImmediateResponse for AgeIntegrals {
     }
 
     fn duration(&self) -> f64 {
-        LIVES / self.rate
+        LIVES / self.rules[0].rate
     }
 }
 
 impl ThresholdLife {
-    /// Contacts of a fresh threshold, without their weight, followed until they have reached their threshold or none are left.
-    fn new(
+    /// Contacts of a fresh threshold at a velocity, at all ages and at every second one, until they have reached their threshold or
+    /// none are left.
+    fn both(
         contacts: &Contacts,
         evolution: &ThresholdEvolution,
-        velocity: f64,
-        fresh: f64,
-        ages: usize,
-    ) -> Self {
+        [velocity, fresh]: [f64; 2],
+        weight: f64,
+    ) -> [Self; 2] {
         let ahead = |age: f64| velocity * age - evolution.threshold(fresh, age);
-        let mut end = fresh / velocity;
-        while ahead(end) < 0.0 {
-            end *= 2.0;
+        let mut reached = fresh / velocity;
+        while ahead(reached) < 0.0 {
+            reached *= 2.0;
         }
-        let reached = brent_root(ahead, 0.0, end, 0.0).unwrap_or(end);
-        let mut last = reached;
+        let reached = brent_root(ahead, 0.0, reached, 0.0).unwrap_or(reached);
+        let followed = |end: f64, ages: usize| {
+            Self::followed(contacts, evolution, [velocity, fresh], end / ages as f64, ages)
+        };
+        let mut end = reached;
         loop {
-            let spacing = last / ages as f64;
-            let (followed, hazard) = Self::followed(contacts, evolution, [velocity, fresh], spacing, ages);
-            // Half of the ages, or less, of which hardly any contacts are left.
-            let left = hazard.iter().position(|hazard| *hazard > GONE).unwrap_or(ages);
-            if 2 * left < ages {
-                last = spacing * (left + 1) as f64;
-                continue;
+            // Fewer ages where hardly any contacts are left at half of them.
+            let hazard = followed(end, AGES).1;
+            let left = hazard.iter().position(|hazard| *hazard > GONE).unwrap_or(AGES);
+            if 2 * left >= AGES {
+                break;
             }
-            let speed = velocity - evolution.at(last).drift(fresh);
-            let lost = if last < reached { 0.0 } else { followed[ages].survival / speed };
-            return Self { weight: 0.0, spacing, ages: followed, lost };
+            end *= (left + 1) as f64 / AGES as f64;
         }
+        let speed = velocity - evolution.at(end).drift(fresh);
+        [AGES, AGES / 2].map(|count| {
+            let ages = followed(end, count).0;
+            let lost = if end < reached { 0.0 } else { ages[count].survival / speed };
+            Self { weight, spacing: end / count as f64, ages, lost }
+        })
     }
 
     /// The contacts at evenly spaced ages, and their cumulative hazard.

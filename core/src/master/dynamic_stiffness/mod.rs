@@ -92,7 +92,7 @@ impl DynamicStiffness {
     /// |---|---|---|
     /// | with temperature, without ageing | closed | 1e-9 |
     /// | with ageing by age (`logarithmic`, `frozen_rank`), without temperature; they re-form at single stretches and have equal stiffnesses | closed | 1e-9 |
-    /// | with both, or ageing ones of different stiffnesses; thresholds have a density, they re-form without stretch, and the ages resolve how they break | integrals over ages | 1e-4 |
+    /// | with both, or ageing ones of different stiffnesses; thresholds have a density, they re-form without stretch, and the ages resolve how they break | integrals over ages | 1e-4 (trapezoidal rule to 1e-3, extrapolated) |
     /// | others | followed in time | 1e-3 |
     ///
     /// Zeros of Im F̂ are looked for at frequencies 2 % apart, and closer where lives and free times of contacts are in phase.
