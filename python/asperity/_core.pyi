@@ -433,7 +433,7 @@ class Block(Description):
 
     def stability(self, /, velocity: _Number, *, progress: _Progress = None) -> Stability:
         """Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
-        the linear response of the contacts of its Transport to a small displacement step.
+        the dynamic stiffness of the contacts of its Transport.
 
         Parameters
         ----------
@@ -447,8 +447,9 @@ class Block(Description):
         Stability
             A Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
             oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
-            deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
-            all contacts, or of itself where it is larger.
+            deviation, 0 where sliding is stable. The critical stiffness is accurate to 1e-8 of the stiffness of all
+            contacts with temperature or ageing by age, to 1e-4 with both, and to 1e-3, or that of itself where it is
+            larger, for thresholds that diffuse.
 
         Raises
         ------
