@@ -103,6 +103,7 @@ impl GaussLegendre {
 
     /// Gauss values on a cell of the polynomial that has the same integrals with all polynomials of its degree as parts of the cell,
     /// each with its middle, half width and Gauss values: the least-squares fit to them.
+    #[inline(never)]
     pub fn projection(&self, parts: &[(f64, f64, Nodal)], (middle, half): (f64, f64)) -> Nodal {
         let mut values = [0.0; NODES];
         for (m, h, part) in parts {

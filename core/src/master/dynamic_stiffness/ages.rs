@@ -132,6 +132,7 @@ impl AgeIntegrals {
         SLOW * self.highest
     }
 
+    #[inline(never)]
     fn extrapolated(&self, s: Complex64) -> [Complex64; 2] {
         let [fine, coarse] = [0, 1].map(|rule: usize| self.rules[rule].transforms(s));
         [0, 1].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0)
@@ -159,6 +160,7 @@ impl TrapezoidalRule {
     }
 
     /// Both responses transformed.
+    #[inline(never)]
     fn transforms(&self, s: Complex64) -> [Complex64; 2] {
         let [mut held, mut lost, mut pulls, mut force] = [Complex64::ZERO; 4];
         for life in &self.lives {
@@ -173,6 +175,7 @@ impl TrapezoidalRule {
     }
 
     /// Both responses at the time of the step.
+    #[inline(never)]
     fn at_once(&self) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for life in &self.lives {
@@ -264,6 +267,7 @@ impl ThresholdLife {
     }
 
     /// The contacts at evenly spaced ages, and their cumulative hazard.
+    #[inline(never)]
     fn followed(
         contacts: &Contacts,
         evolution: &ThresholdEvolution,
@@ -305,6 +309,7 @@ impl ThresholdLife {
     }
 
     /// ∫e^{−sa} S, ∫δS, ∫k x e^{−sa} S and ∫k [x δS + (1 − e^{−sa}) S] over the ages a.
+    #[inline(never)]
     fn response(&self, s: Complex64) -> [Complex64; 4] {
         let step = (-s * self.spacing).exp();
         let (mut late, mut change, mut forcing) = (Complex64::from(1.0), Complex64::ZERO, Complex64::ZERO);

@@ -22,7 +22,7 @@ mod stability;
 pub use spring::SpringResponse;
 pub use stability::Slider;
 
-use std::fmt::Debug;
+use std::fmt;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -51,7 +51,7 @@ pub struct DynamicStiffness {
 
 /// The response of contacts that re-form at once to a step of the slider: of the force, and of the fraction of contacts that break
 /// because of the step, each per length.
-trait ImmediateResponse: Debug + Send + Sync {
+trait ImmediateResponse: Send + Sync {
     /// s ∫r e^{−st} dt for both, Re s ≥ 0.
     fn transforms(&self, s: Complex64) -> [Complex64; 2];
 
@@ -66,6 +66,13 @@ trait ImmediateResponse: Debug + Send + Sync {
 
     /// Duration after which there is no response.
     fn duration(&self) -> f64;
+}
+
+/// Without the curves, which would bring the texts of all that they are made of into every program.
+impl fmt::Debug for dyn ImmediateResponse {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("ImmediateResponse").finish_non_exhaustive()
+    }
 }
 
 /// Sliding distance over which a response is followed in time, in mean lives of a contact.
@@ -161,8 +168,7 @@ impl DynamicStiffness {
         contacts.check(&Initial::default())?;
         let viscosity = contacts.rules.free_friction.viscosity;
         if viscosity > 0.0 {
-            let expected =
-                "0 where the response of steady sliding is computed: a step has no limit with a viscosity";
+            let expected = "0 where the response of steady sliding is computed";
             return Err(Error::invalid("free_friction.viscosity", expected, viscosity));
         }
         let mut at_once = contacts.clone();
@@ -262,6 +268,7 @@ impl DynamicStiffness {
 }
 
 /// Both transforms at a frequency beyond the highest known one, at which they are `last`.
+#[inline(never)]
 fn beyond(s: Complex64, highest: f64, at_once: [f64; 2], last: [Complex64; 2]) -> [Complex64; 2] {
     [0, 1].map(|i| Complex64::from(at_once[i]) - highest * last[i].im / s)
 }

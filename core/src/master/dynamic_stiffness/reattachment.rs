@@ -147,7 +147,7 @@ impl Reattachment {
 
     /// The velocity is so low that the frequencies are too many.
     pub(super) fn too_slow(&self) -> Error {
-        let expected = "one at which contacts are not free for very much longer than they hold, so that a hundred thousand frequencies resolve the response of steady sliding";
+        let expected = "one at which contacts are not free for very much longer than they hold";
         let found = format!(
             "{:e}, at which they hold for {} and are free for {}",
             self.velocity,
@@ -170,6 +170,7 @@ impl Reattachment {
     }
 
     /// H and N_c P.
+    #[inline(never)]
     fn transforms(&self, s: Complex64) -> [Complex64; 2] {
         let life = self.equation.life();
         let of = |curve: &crate::life::Piecewise| curve.transform(s / self.velocity).0 / self.velocity;

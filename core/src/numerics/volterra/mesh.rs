@@ -62,6 +62,7 @@ impl Mesh {
 }
 
 /// ∫ of kernel(x − Y) density(Y) over Y < x in a cell.
+#[inline(never)]
 fn convolve_part((middle, half): (f64, f64), density: &Nodal, kernel: &Kernel, x: f64) -> f64 {
     let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
     let density_at = |t: f64| series(density, t);
