@@ -36,7 +36,9 @@ async function native(request, timeout) {
   const headers = {
     origin, "asperity-token": pathname.split("/")[1], "asperity-session": "native", "asperity-number": "1", "content-type": "application/octet-stream",
   };
-  const sent = fetch(`${origin}/compute`, { method: "POST", headers, body: JSON.stringify(request), signal: AbortSignal.timeout(timeout) });
+  const send = () => fetch(`${origin}/compute`, { method: "POST", headers, body: JSON.stringify(request), signal: AbortSignal.timeout(timeout) });
+  // The command closes a connection that was silent while WebAssembly computed for long.
+  const sent = send().catch((error) => (error instanceof TypeError ? send() : Promise.reject(error)));
   const response = await sent.then((found) => found.json().then((answer) => ({ found, answer }))).catch((error) => {
     if (error.name === "TimeoutError") return null;
     throw error;
@@ -98,7 +100,7 @@ test("WebAssembly and native code agree on the shipped scenarios", async () => {
     const request = { text: readFileSync(join(folder, name), "utf8"), parts: ["task"] };
     // The engine of a page has no fits.
     if (/^\[fit/m.test(request.text)) continue;
-    const variables = (await native(request, 2000))?.task?.record.variables;
+    const variables = (await native(request, 1000))?.task?.record.variables;
     if (!variables) continue;
     const reported = [];
     const expected = byCell(valuesOf(variables));
@@ -110,7 +112,7 @@ test("WebAssembly and native code agree on the shipped scenarios", async () => {
     assert.ok(reported.every((fraction, i) => fraction <= 1 && fraction >= (reported[i - 1] ?? 0) - 1e-12), `${name}: progress falls`);
     compared.push(name);
   }
-  console.log(`${compared.length} scenarios that take native code less than 2 s: ${compared.join(", ")}`);
+  console.log(`${compared.length} scenarios that take native code less than 1 s: ${compared.join(", ")}`);
   assert.ok(compared.length >= 10);
 });
 
