@@ -25,9 +25,9 @@ const AT_ONCE: f64 = 1e-6;
 /// Largest error of C.
 const ERROR: f64 = 1e-9;
 
-/// C and C_x of contacts that slide at `velocity`; none where they re-form over a range of stretches, where thresholds have point masses or
-/// diffuse, where stiffnesses differ, and where nothing breaks for a while between breaks: there a step moves contacts from the end
-/// of the pause to its beginning.
+/// C and C_x of contacts that slide at `velocity`; none where they re-form over a range of stretches, where thresholds have point
+/// masses or diffuse, where stiffnesses differ, and where nothing breaks for a while between breaks: there a step moves contacts
+/// from the end of the pause to its beginning.
 ///
 /// # Errors
 /// Those of [`ThresholdEvolution::of`]; stopped by the monitor.

@@ -141,7 +141,7 @@ fn the_integrals_over_ages_give_the_dynamic_stiffness() {
     let integrated = DynamicStiffness::new(&by_ages(), VELOCITY).unwrap();
     for q in [[0.0, 0.3], [0.0, 3.0], [0.0, 6.0], [1.0, 3.0]].map(|q| Complex64::new(q[0], q[1])) {
         let (found, exact) = (integrated.at(VELOCITY * q), by_quadrature(q));
-        // The trapezoidal rule over 2000 ages of each threshold, (|q|/2000)²/12 and rounding of sums.
+        // The trapezoidal rule over 2000 ages of each threshold, (|q|/2000)²/12, which is extrapolated, and rounding of sums.
         assert!((found - exact).norm() < 1e-5, "{q}: {found} instead of {exact}");
     }
     let (critical, frequency) = integrated.critical_stiffness(Slider::default(), &mut ()).unwrap().unwrap();
@@ -165,7 +165,17 @@ fn ageing_contacts_followed_in_time_have_the_response_in_closed_form() {
     }
 }
 
-/// F̂ ≈ s dF_k/dv at low frequencies, with F_k of the renewal equation, by differences of fourth order: below and above the velocity
+/// v dF_k/dv of the renewal equation, by differences of fourth order over 2e-3 of v.
+fn slope_of_friction(contacts: &Contacts, velocity: f64) -> f64 {
+    let at = |k: f64| {
+        let velocity = velocity * (1.0 + 1e-3 * k);
+        let equation = MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap();
+        equation.steady_state().kinetic_friction()
+    };
+    (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / 12e-3
+}
+
+/// F̂ ≈ s dF_k/dv at low frequencies, with F_k of the renewal equation: below and above the velocity
 /// at which fresh thresholds grow faster than contacts stretch.
 #[test]
 fn the_response_of_ageing_contacts_integrates_to_the_slope_of_kinetic_friction() {
@@ -188,14 +198,7 @@ fn the_response_of_ageing_contacts_integrates_to_the_slope_of_kinetic_friction()
         let rules = Rules { ageing: Some(ageing.clone()), ..Rules::default() };
         let contacts = Contacts { rules, ..contacts(&thresholds, &reforming) };
         for velocity in [1e-3, 0.03, 3.0] {
-            let kinetic = |velocity: f64| {
-                MasterEquation::at(contacts.clone(), &Initial::default(), velocity)
-                    .unwrap()
-                    .steady_state()
-                    .kinetic_friction()
-            };
-            let at = |k: f64| kinetic(velocity * (1.0 + 1e-3 * k));
-            let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / 12e-3;
+            let slope = slope_of_friction(&contacts, velocity);
             let response = DynamicStiffness::new(&contacts, velocity).unwrap();
             let found = velocity * response.integral();
             println!(
@@ -422,14 +425,7 @@ fn the_response_in_closed_form_integrates_to_the_slope_of_kinetic_friction() {
     cases.push((thermal(&broad, &gaussian(0.1, 0.1), Barrier::Elastic, 0.1), fast));
     for (contacts, velocities) in cases {
         for &velocity in velocities {
-            let kinetic = |velocity: f64| {
-                MasterEquation::at(contacts.clone(), &Initial::default(), velocity)
-                    .unwrap()
-                    .steady_state()
-                    .kinetic_friction()
-            };
-            let at = |k: f64| kinetic(velocity * (1.0 + 1e-3 * k));
-            let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12e-3 * velocity);
+            let slope = slope_of_friction(&contacts, velocity) / velocity;
             let response = DynamicStiffness::new(&contacts, velocity).unwrap();
             // F_k to 1e-11 over 1e-3 of v, and 1e-9 of the correlation over its own length, some T/k.
             let expected = 1e-7 / velocity;
@@ -445,13 +441,8 @@ fn friction_of_broad_thresholds_that_re_form_stretched_falls_with_velocity() {
     let [thresholds, reforming]: [SharedLaw; 2] =
         [Arc::new(Gamma::new(1.0, 0.5).unwrap()), Arc::new(Exponential::new(0.1).unwrap())];
     let contacts = thermal(&thresholds, &reforming, Barrier::Elastic, 0.02);
-    let kinetic = |velocity: f64| {
-        let equation = MasterEquation::at(contacts.clone(), &Initial::default(), velocity).unwrap();
-        equation.steady_state().kinetic_friction()
-    };
     let velocity = 0.01;
-    let at = |k: f64| kinetic(velocity * (1.0 + 1e-3 * k));
-    let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / 12e-3;
+    let slope = slope_of_friction(&contacts, velocity);
     // Digits of the number; F_k to 1e-11 over 1e-3 of v.
     near(slope, -7.587e-4, 1e-7);
     let response = DynamicStiffness::new(&contacts, velocity).unwrap();

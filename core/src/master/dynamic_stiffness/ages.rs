@@ -76,6 +76,8 @@ const BEYOND: f64 = 1e-10;
 const FINE: f64 = 300.0;
 /// Change of the phase of e^{−sa} over the lives of a panel that its Gauss points resolve, in radians.
 const PHASE: f64 = 25.0;
+/// The least highest frequency times the mean life: below, the response of most contacts is not resolved.
+const LEAST: f64 = 3.0;
 /// Fraction of contacts in a panel whose phases are not resolved.
 const FEW: f64 = 1e-4;
 /// The frequency, in units of the highest one, at which limits for s → 0 are taken, and below which F̂ is s dF_k/dv: rounding of
@@ -116,7 +118,8 @@ impl AgeIntegrals {
             let [fine, coarse] = [0, 1].map(|rule: usize| rules[rule].transforms(s)[0]);
             (fine - coarse).norm() <= 3.0 * ERROR * unit
         });
-        Ok(agree.then(|| Self::new(rules, highest)))
+        let known = agree && highest > LEAST * rules[0].rate;
+        Ok(known.then(|| Self::new(rules, highest)))
     }
 
     fn new(rules: [TrapezoidalRule; 2], highest: f64) -> Self {
@@ -248,19 +251,16 @@ impl ThresholdLife {
         let followed = |end: f64, ages: usize| {
             Self::followed(contacts, evolution, [velocity, fresh], end / ages as f64, ages)
         };
-        let mut end = reached;
-        loop {
-            // Fewer ages where hardly any contacts are left at half of them.
-            let hazard = followed(end, AGES).1;
-            let left = hazard.iter().position(|hazard| *hazard > GONE).unwrap_or(AGES);
-            if 2 * left >= AGES {
-                break;
-            }
+        let (mut end, (mut ages, mut hazard)) = (reached, followed(reached, AGES));
+        let gone = |hazard: &[f64]| hazard.iter().position(|hazard| *hazard > GONE);
+        // Where hardly any contacts are left at half of the ages, all ages are put before.
+        while let Some(left) = gone(&hazard).filter(|left| 2 * left < AGES) {
             end *= (left + 1) as f64 / AGES as f64;
+            (ages, hazard) = followed(end, AGES);
         }
         let speed = velocity - evolution.at(end).drift(fresh);
-        [AGES, AGES / 2].map(|count| {
-            let ages = followed(end, count).0;
+        [ages, followed(end, AGES / 2).0].map(|ages| {
+            let count = ages.len() - 1;
             let lost = if end < reached { 0.0 } else { ages[count].survival / speed };
             Self { weight, spacing: end / count as f64, ages, lost }
         })

@@ -3,10 +3,6 @@
 use num_complex::Complex64;
 
 use super::{ImmediateResponse, beyond};
-use crate::Result;
-use crate::contacts::Contacts;
-use crate::master::Transport;
-use crate::monitor::Monitor;
 
 /// A response in time.
 #[derive(Debug, Clone)]
@@ -29,24 +25,9 @@ pub(super) struct NoResponse {
 }
 
 impl FollowedResponse {
-    pub(super) fn new(time: Vec<f64>, response: Vec<f64>, breaks: Vec<f64>) -> Self {
+    /// Of times, r and breaks.
+    pub(super) fn new([time, response, breaks]: [Vec<f64>; 3]) -> Self {
         Self { time, response, breaks }
-    }
-
-    /// Of contacts that re-form at once, over some mean lives.
-    ///
-    /// # Errors
-    /// Those of [`Transport::steady_with`]; more times than can be followed.
-    pub(super) fn of(
-        contacts: &Contacts,
-        velocity: f64,
-        lives: f64,
-        tolerance: f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Self> {
-        let [time, response, breaks] =
-            Transport::step_response(contacts, velocity, lives, tolerance, monitor)?;
-        Ok(Self { time, response, breaks })
     }
 
     /// Both responses transformed, linear between the times.

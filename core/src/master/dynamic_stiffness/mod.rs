@@ -29,7 +29,7 @@ use num_complex::Complex64;
 
 use crate::contacts::{Contacts, FreeFriction, FreeTime, Initial};
 use crate::error::positive;
-use crate::master::transport::length_of_lives;
+use crate::master::transport::{Transport, length_of_lives};
 use crate::monitor::{Aside, Monitor, Part};
 use crate::{Error, Result};
 use ages::AgeIntegrals;
@@ -68,7 +68,7 @@ trait ImmediateResponse: Send + Sync {
     fn duration(&self) -> f64;
 }
 
-/// Without the curves, which would bring the texts of all that they are made of into every program.
+/// Without the curves: the names of all their fields would be in every program, as in the engine of the explorer.
 impl fmt::Debug for dyn ImmediateResponse {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.debug_struct("ImmediateResponse").finish_non_exhaustive()
@@ -105,7 +105,7 @@ impl DynamicStiffness {
     /// Zeros of Im F̂ are looked for at frequencies 2 % apart, and closer where lives and free times of contacts are in phase.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`] and [`Transport::steady`](crate::master::Transport::steady); viscous friction of free contacts; a delay after which all contacts
+    /// Those of [`Contacts::check`] and [`Transport::steady`]; viscous friction of free contacts; a delay after which all contacts
     /// stay in phase.
     pub fn new(contacts: &Contacts, velocity: f64) -> Result<Self> {
         Self::new_with(contacts, velocity, &mut ())
@@ -128,7 +128,8 @@ impl DynamicStiffness {
             if let Some(ages) = AgeIntegrals::of(immediate, velocity, monitor)? {
                 return Ok(Arc::new(ages));
             }
-            Ok(Arc::new(FollowedResponse::of(immediate, velocity, LIVES, RESPONSE, monitor)?))
+            let steps = Transport::step_response(immediate, velocity, LIVES, RESPONSE, monitor)?;
+            Ok(Arc::new(FollowedResponse::new(steps)))
         })
     }
 
@@ -146,14 +147,15 @@ impl DynamicStiffness {
     ) -> Result<Self> {
         positive("lives", lives)?;
         Self::joined_of(contacts, velocity, monitor, |immediate, monitor| {
-            Ok(Arc::new(FollowedResponse::of(immediate, velocity, lives, tolerance, monitor)?))
+            let steps = Transport::step_response(immediate, velocity, lives, tolerance, monitor)?;
+            Ok(Arc::new(FollowedResponse::new(steps)))
         })
     }
 
     /// Of the response r of the force to a step, at evenly spaced times from 0 up to some thirty mean lives.
     pub fn of_step_response(velocity: f64, time: Vec<f64>, response: Vec<f64>) -> Self {
         let (length, breaks) = (velocity * time[time.len() - 1] / LIVES, vec![0.0; time.len()]);
-        let immediate = Arc::new(FollowedResponse::new(time, response, breaks));
+        let immediate = Arc::new(FollowedResponse::new([time, response, breaks]));
         Self { velocity, length, in_phase: 0.0, immediate, reattachment: None }
     }
 

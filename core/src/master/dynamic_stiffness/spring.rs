@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::DynamicStiffness;
 use super::reattachment::Reattachment;
+use super::{DynamicStiffness, PHASE};
 use crate::error::positive;
 use crate::monitor::{Monitor, Watch};
 use crate::{Error, Result};
@@ -24,9 +24,6 @@ pub struct SpringResponse {
 
 /// Frequencies of the transform into time: from and to, in units of v over the mean threshold, and their number without a delay.
 const FREQUENCIES: (f64, f64, u32) = (1e-3, 300.0, 400);
-
-/// Largest change of the phase of the delay between two frequencies, in radians.
-const PHASE: f64 = 0.25;
 
 /// Most frequencies, each of which takes a millisecond.
 const MOST: f64 = 1e4;
