@@ -1,7 +1,6 @@
 //! What a fit to curves has found, as a class of Python.
 
 use asperity::fit::{Measurement, Readings};
-use asperity::monitor::Part;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use pyo3::prelude::*;
@@ -10,8 +9,9 @@ use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::argument::{Argument, Whole};
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, Seed};
+use crate::convert::{self, Seed};
 use crate::equation::MasterEquation;
+use crate::estimate_methods::methods_of_estimates;
 use crate::fitted_model::fitted_model;
 use crate::found::{Arguments, FittedNumbers, Search};
 use crate::pickle::Reduced;
@@ -20,7 +20,7 @@ use crate::posterior::Posterior;
 use crate::pull::Pull;
 use crate::record::Record;
 use crate::watch::watched;
-use crate::{error, typed, values};
+use crate::{typed, values};
 
 /// What a fit has found: values of the free numbers with their errors, and how well they describe the curve.
 ///
@@ -93,6 +93,8 @@ impl Estimates {
     }
 }
 
+methods_of_estimates!(Estimates);
+
 #[pymethods]
 impl Estimates {
     /// The free numbers by name, and after them the sizes of errors that were estimated: each an Estimate.
@@ -105,24 +107,6 @@ impl Estimates {
     #[getter]
     fn fixed<'py>(&self, py: Python<'py>) -> PyResult<typed::Fixed<'py>> {
         Ok(typed::Fixed(self.reported.fixed.clone().into_py_dict(py)?.into_any()))
-    }
-
-    /// The covariance of the estimates in the order of `params`, shape (n, n).
-    #[getter]
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        convert::square(py, self.reported.covariance.clone()).map(typed::Array)
-    }
-
-    /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
-    #[getter]
-    fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.reported.correlations.clone())
-    }
-
-    /// Whether the search has converged; otherwise the estimates are its last values.
-    #[getter]
-    fn converged(&self) -> bool {
-        self.reported.converged
     }
 
     /// Whether the readings are farther apart than a third of the mean life of the fitted contacts. Contacts whose lives are
@@ -273,178 +257,6 @@ impl Estimates {
         values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
     }
 
-    /// The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
-    /// its minimum. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free form.
-    ///
-    /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
-    /// whitened residuals, and may be larger.
-    ///
-    /// Parameters
-    /// ----------
-    /// name
-    ///     A name of `params`.
-    /// values
-    ///     A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
-    ///     logarithm for numbers above 0 but a compliance.
-    /// progress
-    ///     As for MasterEquation.pull.
-    ///
-    /// Returns
-    /// -------
-    /// Profile
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     For an argument of another type, which the message names.
-    /// ValueError
-    ///     For a name that is none of `params`, values that are nan, and a planned measurement.
-    #[pyo3(signature = (name, values: "ArrayLike | None" = None, *, progress: "_Progress" = None))]
-    fn profile<'py>(
-        &self,
-        py: Python<'py>,
-        name: Argument<String>,
-        values: Option<&Bound<'py, PyAny>>,
-        progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<typed::Profile<'py>> {
-        let name = name.get("name")?;
-        /// As many as show whether a profile is a parabola.
-        const VALUES: usize = 13;
-        let found = self.found(py)?;
-        let values = match values {
-            Some(values) => convert::list_within("values", values, &Domain::NUMBERS)?,
-            None => found.profile_values(&name, VALUES).map_err(error::core)?,
-        };
-        let rise = watched(progress, py, |monitor| {
-            let share = 1.0 / values.len() as f64;
-            let one = |(i, &value): (usize, &f64)| {
-                found.profile(&name, value, &mut Part::new(monitor, i as f64 * share, share))
-            };
-            values.iter().enumerate().map(one).collect()
-        })?;
-        values::profile(py, &name, values, rise)
-    }
-
-    /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-    /// numbers, has risen by 3.84. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free
-    /// form. For independent errors of unknown size the rise is nu ln(1 + t²/nu), with Student's t of nu = n - p degrees of
-    /// freedom for n readings and p free numbers.
-    ///
-    /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
-    /// whitened residuals, and may be larger.
-    ///
-    /// Parameters
-    /// ----------
-    /// name
-    ///     A name of `params`.
-    /// progress
-    ///     As for MasterEquation.pull.
-    ///
-    /// Returns
-    /// -------
-    /// (float, float)
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     For an argument of another type, which the message names.
-    /// ValueError
-    ///     For a name that is none of `params`, and for a planned measurement.
-    #[pyo3(signature = (name, *, progress: "_Progress" = None))]
-    fn interval_by_profile(
-        &self,
-        py: Python<'_>,
-        name: Argument<String>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(f64, f64)> {
-        let name = name.get("name")?;
-        let found = self.found(py)?;
-        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(&name, monitor))?;
-        Ok((low, high))
-    }
-
-    /// ln L at values of the free numbers, and its gradient, for samplers and other searches.
-    ///
-    /// Parameters
-    /// ----------
-    /// values
-    ///     A list of n numbers in the order of `params`.
-    ///
-    /// Returns
-    /// -------
-    /// (float, numpy.ndarray)
-    ///     ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
-    ///     The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
-    ///     errors whose size is estimated, ln L is the highest for any size.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     For an argument of another type, which the message names.
-    /// ValueError
-    ///     For another number of values than of `params`, and for a planned measurement.
-    #[pyo3(signature = (values: "ArrayLike"))]
-    fn log_likelihood<'py>(
-        &self,
-        py: Python<'py>,
-        values: &Bound<'py, PyAny>,
-    ) -> PyResult<(f64, typed::Array<'py>)> {
-        let values = convert::list("values", values)?;
-        let found = self.found(py)?;
-        let (value, gradient) = watched(None, py, |monitor| found.log_likelihood(&values, monitor))?;
-        Ok((value, typed::Array(convert::row(py, gradient)?)))
-    }
-
-    /// Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
-    ///
-    /// The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0
-    /// that is no compliance.
-    /// The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
-    /// before, which are left out.
-    ///
-    /// The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
-    /// whitened residuals, and may be larger.
-    ///
-    /// Parameters
-    /// ----------
-    /// draws
-    ///     The number of draws of each chain, 4 or more.
-    /// chains
-    ///     Their number, 1 or more; as many are made at a time as there are threads.
-    /// seed
-    ///     A whole number below 2^63, which always gives the same draws, on any number of threads, or a
-    ///     numpy.random.Generator, from which one is drawn.
-    /// progress
-    ///     As for MasterEquation.pull.
-    /// threads
-    ///     The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
-    ///     the process, one per core or RAYON_NUM_THREADS.
-    ///
-    /// Returns
-    /// -------
-    /// Posterior
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For a planned measurement, and if no number is known to better than a limit.
-    #[pyo3(
-        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None, threads = None),
-        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None, threads=None)"
-    )]
-    fn sample(
-        &self,
-        py: Python<'_>,
-        draws: Whole,
-        chains: Whole,
-        seed: Seed,
-        progress: Option<Bound<'_, PyAny>>,
-        threads: Option<Whole>,
-    ) -> PyResult<Posterior> {
-        let found = self.found(py)?;
-        Posterior::sample(py, || found.standardised(), (draws, chains, seed), (progress, threads))
-    }
-
     /// A table in plain English: values with errors and intervals, correlations, and how well the curve is described.
     ///
     /// Returns
@@ -487,14 +299,6 @@ impl Estimates {
         let (py, this) = (slf.py(), slf.get());
         let parts = (&this.model, &this.pull, &this.readings, &this.laws).into_pyobject(py)?;
         this.arguments.reduced(py, &this.reported.written()?, parts)
-    }
-
-    fn __copy__(slf: Py<Self>) -> Py<Self> {
-        slf
-    }
-
-    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
-        slf
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

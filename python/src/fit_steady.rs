@@ -12,6 +12,7 @@ use crate::argument::{self, Argument, GivenPriors, Optional as _, Real, Whole};
 use crate::contacts::Contacts;
 use crate::convert::{self, Seed};
 use crate::equation::MasterEquation;
+use crate::estimate_methods::methods_of_estimates;
 use crate::fitted_model::fitted_model;
 use crate::found::{Arguments, FittedNumbers, Search};
 use crate::law::AnyLaw;
@@ -196,6 +197,8 @@ impl SteadyEstimates {
     }
 }
 
+methods_of_estimates!(SteadyEstimates);
+
 #[pymethods]
 impl SteadyEstimates {
     /// The free numbers by name, and after them "reading" if it was estimated: each an Estimate.
@@ -208,24 +211,6 @@ impl SteadyEstimates {
     #[getter]
     fn fixed<'py>(&self, py: Python<'py>) -> PyResult<typed::Fixed<'py>> {
         Ok(typed::Fixed(self.reported.fixed.clone().into_py_dict(py)?.into_any()))
-    }
-
-    /// The covariance of the estimates in the order of `params`, shape (n, n).
-    #[getter]
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
-        convert::square(py, self.reported.covariance.clone()).map(typed::Array)
-    }
-
-    /// The correlations above 0.5, without sign, between the errors of two estimates: a list of Correlation.
-    #[getter]
-    fn correlations<'py>(&self, py: Python<'py>) -> PyResult<typed::Correlations<'py>> {
-        values::correlations(py, self.reported.correlations.clone())
-    }
-
-    /// Whether the search has converged; otherwise the estimates are its last values.
-    #[getter]
-    fn converged(&self) -> bool {
-        self.reported.converged
     }
 
     /// The number of solutions of the master equation that the search took, without those for derivatives.
@@ -292,72 +277,6 @@ impl SteadyEstimates {
         values::friction(py, &watched(None, py, |monitor| found.friction(monitor))?)
     }
 
-    /// The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-    /// numbers, has risen by 3.84.
-    ///
-    /// Parameters
-    /// ----------
-    /// name
-    ///     A name of `params`.
-    /// progress
-    ///     As for MasterEquation.pull.
-    ///
-    /// Returns
-    /// -------
-    /// (float, float)
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     For an argument of another type, which the message names.
-    /// ValueError
-    ///     For a name that is none of `params`.
-    #[pyo3(signature = (name, *, progress: "_Progress" = None))]
-    fn interval_by_profile(
-        &self,
-        py: Python<'_>,
-        name: Argument<String>,
-        progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(f64, f64)> {
-        let name = name.get("name")?;
-        let found = self.found(py)?;
-        let [low, high] = watched(progress, py, |monitor| found.interval_by_profile(&name, monitor))?;
-        Ok((low, high))
-    }
-
-    /// Draws from the posterior by the No-U-turn sampler (NUTS), as Estimates.sample does; by the debiased likelihood of
-    /// Whittle.
-    ///
-    /// Parameters
-    /// ----------
-    /// draws, chains, seed, progress, threads
-    ///     As for Estimates.sample.
-    ///
-    /// Returns
-    /// -------
-    /// Posterior
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If no number is known to better than a limit.
-    #[pyo3(
-        signature = (draws = Whole::new(1000), chains = Whole::new(4), seed = Seed(1), *, progress: "_Progress" = None, threads = None),
-        text_signature = "(self, draws=1000, chains=4, seed=1, *, progress=None, threads=None)"
-    )]
-    fn sample(
-        &self,
-        py: Python<'_>,
-        draws: Whole,
-        chains: Whole,
-        seed: Seed,
-        progress: Option<Bound<'_, PyAny>>,
-        threads: Option<Whole>,
-    ) -> PyResult<Posterior> {
-        let found = self.found(py)?;
-        Posterior::sample(py, || found.standardised(), (draws, chains, seed), (progress, threads))
-    }
-
     /// A table in plain English: values with errors and intervals, correlations, and how well the record is described.
     ///
     /// Returns
@@ -399,14 +318,6 @@ impl SteadyEstimates {
         let (py, this) = (slf.py(), slf.get());
         let parts = (&this.model, &this.spectrum).into_pyobject(py)?;
         this.arguments.reduced(py, &this.reported.written()?, parts)
-    }
-
-    fn __copy__(slf: Py<Self>) -> Py<Self> {
-        slf
-    }
-
-    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
-        slf
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

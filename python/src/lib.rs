@@ -13,6 +13,7 @@ mod distributions;
 mod ensemble;
 mod equation;
 mod error;
+mod estimate_methods;
 mod estimates;
 mod exact;
 mod explorer;

@@ -46,6 +46,15 @@ def test_what_is_found_fits_together() -> None:
     low, high = FOUND.interval_by_profile("thresholds.mean")
     mean = FOUND.params["thresholds.mean"]
     np.testing.assert_allclose((low, high), mean.interval, atol=0.2 * mean.error)
+    # −2 ln L has risen by 1.96² where the interval ends, to a hundredth of it.
+    values, rise, name = FOUND.profile("thresholds.mean", [low, mean.value, high])
+    assert name == "thresholds.mean"
+    np.testing.assert_array_equal(values, [low, mean.value, high])
+    np.testing.assert_allclose(rise, [3.84, 0.0, 3.84], atol=0.08)
+    likelihood, gradient = FOUND.log_likelihood([one.value for one in FOUND.params.values()])
+    assert likelihood == pytest.approx(-0.5 * FOUND.misfit.deviance, rel=1e-9)
+    # Nothing rises by a hundredth of its error at the maximum.
+    np.testing.assert_allclose(gradient * errors, 0.0, atol=0.01)
 
 
 def test_the_posterior_of_a_long_record_has_the_errors_of_the_estimates() -> None:

@@ -59,6 +59,13 @@ def test_errors_of_unknown_size_are_those_of_curve_fit() -> None:
     # One number is hardly curved: the profile of the likelihood ends where Student's t does.
     low, high = found.interval_by_profile("count")
     np.testing.assert_allclose((low, high), count.interval, atol=0.3 * count.error)
+    # There ν ln Σr² has risen by ν ln(1 + t²/ν), to a hundredth of the interval.
+    rise = found.profile("count", [low, high]).rise
+    np.testing.assert_allclose(rise, 9 * np.log1p(2.262157**2 / 9), rtol=0.02)
+    likelihood, gradient = found.log_likelihood([found.params[name].value for name in FREE])
+    assert likelihood == pytest.approx(-0.5 * found.misfit.deviance, rel=1e-9)
+    # Nothing rises by a hundredth of its error at the maximum.
+    np.testing.assert_allclose(gradient * [found.params[name].error for name in FREE], 0.0, atol=0.01)
 
 
 def test_what_is_found_fits_together() -> None:

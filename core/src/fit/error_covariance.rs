@@ -2,11 +2,11 @@
 
 use std::sync::OnceLock;
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::Mat;
 
 use super::Measurement;
 use super::hierarchical::{Factor, Hierarchical};
+use super::matrix::product;
 
 /// Errors of the elements of a covariance that count as none, in multiples of the variance of the independent error of a reading:
 /// of 2000 readings, −2 ln L changes by some 1e-9.
@@ -134,7 +134,7 @@ impl ErrorCovariance {
             Self::Dense(dense) => dense.changed(*part, measured, (derivatives, &solved)),
         };
         let mut changed: Vec<Mat<f64>> = parts.iter().map(changed).collect();
-        let changes = changed.iter().map(|changed| solved.transpose() * changed).collect();
+        let changes = changed.iter().map(|changed| product(solved.transpose(), changed.as_ref())).collect();
         changed.iter_mut().for_each(|changed| self.whiten(changed));
         let traces =
             Mat::from_fn(parts.len(), parts.len(), |a, b| trace_of_transposed(&changed[a], &changed[b]));
@@ -224,12 +224,12 @@ impl DenseCovariance {
     ) -> Mat<f64> {
         let white = || solved * faer::Scale(self.sizes.reading * self.sizes.reading);
         let none = || Mat::zeros(solved.nrows(), solved.ncols());
-        let slow = || self.drift.as_ref().map_or_else(none, |drift| product(drift.as_ref(), solved));
+        let slow = || self.drift.as_ref().map_or_else(none, |drift| product(drift.as_ref(), solved.as_ref()));
         match part {
             ErrorPart::Noise => matrix - white() - slow(),
             ErrorPart::Reading => white() * faer::Scale(2.0),
             ErrorPart::DriftAmplitude => slow() * faer::Scale(2.0),
-            ErrorPart::DriftLength => product(self.lengthened(measured).as_ref(), solved),
+            ErrorPart::DriftLength => product(self.lengthened(measured).as_ref(), solved.as_ref()),
         }
     }
 
@@ -299,13 +299,6 @@ impl DenseCovariance {
         let Some(drift) = &self.drift else { return Mat::zeros(n, n) };
         Mat::from_fn(n, n, |i, j| drift[(i, j)] * measured.distance(i, j) / length)
     }
-}
-
-/// MZ for few columns Z. On one thread: others would sum in another order.
-fn product(matrix: MatRef<'_, f64>, z: &Mat<f64>) -> Mat<f64> {
-    let mut product = Mat::zeros(z.nrows(), z.ncols());
-    matmul(product.as_mut(), Accum::Replace, matrix, z.as_ref(), 1.0, Par::Seq);
-    product
 }
 
 /// tr AᵀB.

@@ -1,6 +1,7 @@
 //! The numbers that a fit has held at their first values.
 
-use super::estimates::{Estimate, Estimates};
+use super::ended::Estimate;
+use super::estimates::Estimates;
 use super::measurement::Machine;
 use super::steady::SteadyEstimates;
 use super::velocity_curve::{VelocityCurveEstimates, is_of_sliding};

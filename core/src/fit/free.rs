@@ -141,6 +141,18 @@ impl FreeParameter {
     }
 }
 
+/// The value of a role at these coordinates, or a `fixed` one where it is not free.
+pub(super) fn value_of(free: &[FreeParameter], role: Role, coordinates: &[f64], fixed: f64) -> f64 {
+    let found = free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
+    found.map_or(fixed, |(parameter, &u)| parameter.value(u))
+}
+
+/// Σ(u − m)²/s² over the priors.
+pub(super) fn priors_at(free: &[FreeParameter], coordinates: &[f64]) -> f64 {
+    let known = free.iter().zip(coordinates);
+    known.filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2))).sum()
+}
+
 /// The free numbers with what is known of them beforehand.
 ///
 /// # Errors

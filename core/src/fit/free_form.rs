@@ -2,7 +2,8 @@
 
 use faer::Mat;
 
-use super::estimates::{Ended, Estimates};
+use super::ended::Ended;
+use super::estimates::Estimates;
 use super::free::FreeParameter;
 use super::friction::WithError;
 use super::interval::TWO_SIDED;
@@ -283,7 +284,7 @@ fn renewed(smoothness: &Smoothness, optimum: &Optimum) -> f64 {
 }
 
 impl FreeForm {
-    fn new(ended: Ended, monitor: &mut dyn Monitor) -> Result<Self> {
+    fn new(ended: Ended<Likelihood>, monitor: &mut dyn Monitor) -> Result<Self> {
         let Some(smoothness) = ended.likelihood.smoothness.clone() else {
             unreachable!("the likelihood of a free form has a penalty")
         };

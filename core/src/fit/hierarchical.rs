@@ -10,6 +10,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use super::cholesky::Cholesky;
 use super::low_rank::LowRank;
+use super::matrix::product;
 
 /// Rows of a block that is not divided.
 const SMALLEST: usize = 128;
@@ -270,13 +271,6 @@ impl Factor {
             }
         }
     }
-}
-
-/// AB on one thread: others would sum in another order.
-fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let mut product = Mat::zeros(a.nrows(), b.ncols());
-    matmul(product.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
-    product
 }
 
 fn trace(matrix: &Mat<f64>) -> f64 {

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use super::likelihood::Score;
 use super::matrix;
+use super::score::Score;
 use super::search::{Objective, Optimum, SHORT, search_from};
 use crate::Result;
 use crate::monitor::Monitor;

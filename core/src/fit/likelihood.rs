@@ -7,8 +7,10 @@ use faer::Mat;
 use super::Fit;
 use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes, KnownCovariance, trace_of_product};
 use super::expected::{self, ExpectedReadings};
-use super::free::{FreeParameter, Role, UNREAD};
+use super::free::{FreeParameter, Role, UNREAD, priors_at};
+use super::matrix::product;
 use super::restricted::Restricted;
+use super::score::Score;
 use super::smoothness::Smoothness;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -123,22 +125,6 @@ impl LikelihoodPoint {
     /// The standard deviation of the independent error of a reading.
     pub fn reading(&self) -> f64 {
         self.curves[0].sizes.reading
-    }
-}
-
-/// Derivatives of half the deviance.
-#[derive(Debug, Clone)]
-pub(super) struct Score {
-    pub slope: Mat<f64>,
-    /// The expected information.
-    pub information: Mat<f64>,
-}
-
-impl Score {
-    /// The slope after a step so short that the information is the same.
-    pub fn follow(&mut self, step: &[f64]) {
-        let step = Mat::from_fn(step.len(), 1, |k, _| step[k]);
-        self.slope += &self.information * step;
     }
 }
 
@@ -328,11 +314,8 @@ impl Likelihood {
 
     /// Σ(u − m)²/s² over the priors, and the penalty of a free form.
     fn prior(&self, coordinates: &[f64]) -> f64 {
-        let known = self.free.iter().zip(coordinates);
-        let of_numbers: f64 = known
-            .filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2)))
-            .sum();
-        of_numbers + self.smoothness.as_ref().map_or(0.0, |smoothness| smoothness.penalty(coordinates))
+        priors_at(&self.free, coordinates)
+            + self.smoothness.as_ref().map_or(0.0, |smoothness| smoothness.penalty(coordinates))
     }
 
     /// The slope and the information at a point, those of the restriction included.
@@ -385,20 +368,16 @@ impl Likelihood {
         let (mut slope, mut information) = (Mat::zeros(count, 1), Mat::zeros(count, count));
         for (c, (point, mut derivatives)) in trial.curves.iter().zip(derivatives).enumerate() {
             point.covariance.whiten(&mut derivatives);
-            slope -= derivatives.transpose() * &point.whitened;
-            information += derivatives.transpose() * &derivatives;
+            slope -= product(derivatives.transpose(), point.whitened.as_ref());
+            information += product(derivatives.transpose(), derivatives.as_ref());
             self.add_errors((c, point), &mut slope, &mut information);
         }
-        for (k, (parameter, u)) in self.free.iter().zip(coordinates).enumerate() {
-            if let Some([mean, std]) = parameter.prior {
-                slope[(k, 0)] += (u - mean) / (std * std);
-                information[(k, k)] += 1.0 / (std * std);
-            }
-        }
+        let mut score = Score { slope, information };
+        score.add_priors(&self.free, coordinates);
         if let Some(smoothness) = &self.smoothness {
-            smoothness.add(coordinates, &mut slope, &mut information);
+            smoothness.add(coordinates, &mut score.slope, &mut score.information);
         }
-        Score { slope, information }
+        score
     }
 
     /// Whether sizes of errors are free beside the curve: those of readings and drift, or N and ⟨k⟩ at a given N⟨k⟩.

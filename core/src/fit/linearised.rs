@@ -8,7 +8,8 @@ use faer::Mat;
 
 use super::expected::ExpectedReadings;
 use super::free::FreeParameter;
-use super::likelihood::{Errors, Likelihood, LikelihoodPoint, Score};
+use super::likelihood::{Errors, Likelihood, LikelihoodPoint};
+use super::score::Score;
 use super::search::{Objective, search_from_score};
 use crate::Result;
 use crate::monitor::{Monitor, report};

@@ -1,13 +1,21 @@
 //! Small matrices: steps of the search, the covariance of the estimates, and what the data do not determine.
 
+use faer::linalg::matmul::matmul;
 use faer::prelude::Solve;
-use faer::{Mat, Side};
+use faer::{Accum, Mat, MatRef, Par, Side};
 
-use super::likelihood::Score;
+use super::score::Score;
+
+/// AB on one thread: others would sum in another order, and wait longer than they work where a matrix is narrow.
+pub(super) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut product = Mat::zeros(a.nrows(), b.ncols());
+    matmul(product.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    product
+}
 
 /// aᵀb of two columns.
 pub(super) fn inner(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
-    (a.transpose() * b)[(0, 0)]
+    product(a.transpose(), b.as_ref())[(0, 0)]
 }
 
 /// −(I + λ diag I)⁻¹ times the slope, of the `active` numbers; 0 for the others, and for numbers without information.

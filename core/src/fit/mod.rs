@@ -37,6 +37,7 @@
 //! ```
 
 mod cholesky;
+mod ended;
 mod error_covariance;
 mod estimates;
 mod expected;
@@ -58,13 +59,15 @@ mod noise_size;
 mod objective;
 mod prediction;
 mod restricted;
+mod score;
 mod search;
 mod smoothness;
 mod standardised;
 mod steady;
 mod velocity_curve;
 
-pub use estimates::{Correlation, Estimate, Estimates, Readings};
+pub use ended::{Correlation, Estimate};
+pub use estimates::{Estimates, Readings};
 pub use free::Prior;
 pub(crate) use free::{BACKGROUND, ERRORS, MACHINE};
 pub use free_form::{FreeForm, ThresholdBand};
@@ -83,7 +86,7 @@ use crate::law::{Law, SharedLaw};
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
-use estimates::Ended;
+use ended::Ended;
 use free::{FreeParameter, Role};
 use likelihood::{Errors, Likelihood};
 use search::{ONE_ERROR, Optimum, SHORT, search_each};

@@ -2,8 +2,9 @@
 //! drift. What an error of a position makes of the force follows from the slope of the curve (the effective variance of J. Orear,
 //! Am. J. Phys. 50, 912 (1982)).
 
+use super::ended::Ended;
 use super::error_covariance::{KnownCovariance, NEGLIGIBLE};
-use super::estimates::{Ended, Estimates};
+use super::estimates::Estimates;
 use super::expected::ExpectedReadings;
 use super::free::FreeParameter;
 use super::hierarchical::Hierarchical;
@@ -136,7 +137,7 @@ impl Likelihood {
         (start, known): (Vec<f64>, &[ExpectedReadings]),
         Renewed { divided, short, renewals }: Renewed,
         monitor: &mut dyn Monitor,
-    ) -> Result<Ended> {
+    ) -> Result<Ended<Likelihood>> {
         let mut coordinates = start;
         let mut solutions = 0;
         let mut readings = if let Some(readings) = ExpectedReadings::again(known, &self.fit.curves) {

@@ -8,12 +8,13 @@
 
 use faer::Mat;
 
-use super::estimates::Ended;
+use super::ended::Ended;
 use super::free::Role;
+use super::likelihood::Likelihood;
 use super::matrix;
 use super::restricted::Restricted;
 
-impl Ended {
+impl Ended<Likelihood> {
     /// Adds to the covariance of the coordinates what follows from the kurtosis of the whitened residuals.
     pub(super) fn add_kurtosis(&self, covariance: &mut Mat<f64>) {
         let along = self.common_size();

@@ -3,8 +3,9 @@
 use faer::Mat;
 
 use super::free::{FreeParameter, Role};
-use super::likelihood::{Errors, Likelihood, LikelihoodPoint, Score};
+use super::likelihood::{Errors, Likelihood, LikelihoodPoint};
 use super::linearised;
+use super::score::Score;
 use super::search::Objective;
 use crate::Result;
 use crate::monitor::{Monitor, Part};
@@ -14,6 +15,10 @@ impl Objective for Likelihood {
 
     fn free(&self) -> &[FreeParameter] {
         &self.free
+    }
+
+    fn refuse_unmeasured(&self) -> Result<()> {
+        self.fit.refuse_planned()
     }
 
     /// Before the machine slips, its compliance and the lengths of the thresholds change a curve almost alike.

@@ -11,6 +11,7 @@ use faer::prelude::Solve;
 use faer::{Mat, Side};
 
 use super::error_covariance::ErrorCovariance;
+use super::matrix::product;
 
 /// Eigenvalue of the scaled information below which a combination of numbers does not change the curve, as N beside ⟨k⟩.
 const UNDETERMINED: f64 = 1e-10;
@@ -50,8 +51,15 @@ impl Restricted {
             }
         }
         (!determined.is_empty()).then(|| Self {
-            known: combinations.transpose() * &all.known * &combinations,
-            curves: all.curves.iter().map(|derivatives| derivatives * &combinations).collect(),
+            known: product(
+                product(combinations.transpose(), all.known.as_ref()).as_ref(),
+                combinations.as_ref(),
+            ),
+            curves: all
+                .curves
+                .iter()
+                .map(|derivatives| product(derivatives.as_ref(), combinations.as_ref()))
+                .collect(),
         })
     }
 
@@ -66,7 +74,7 @@ impl Restricted {
         for (derivatives, covariance) in self.curves.iter().zip(covariances) {
             let mut whitened = derivatives.clone();
             covariance.whiten(&mut whitened);
-            sum += whitened.transpose() * &whitened;
+            sum += product(whitened.transpose(), whitened.as_ref());
         }
         sum
     }
@@ -85,6 +93,11 @@ impl Restricted {
         let factor = self.information(covariances).llt(Side::Lower).ok()?;
         // L⁻ᵀ = (LLᵀ)⁻¹L.
         let combinations = factor.solve(factor.L());
-        Some(self.curves.iter().map(|derivatives| derivatives * &combinations).collect())
+        Some(
+            self.curves
+                .iter()
+                .map(|derivatives| product(derivatives.as_ref(), combinations.as_ref()))
+                .collect(),
+        )
     }
 }

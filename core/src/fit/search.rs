@@ -3,8 +3,9 @@
 use faer::Mat;
 
 use super::free::FreeParameter;
-use super::likelihood::{LikelihoodPoint, Score};
+use super::likelihood::LikelihoodPoint;
 use super::matrix;
+use super::score::Score;
 use crate::monitor::{Aside, Monitor, Part};
 use crate::{Error, Result};
 
@@ -35,6 +36,12 @@ pub(super) trait Objective {
 
     /// The free numbers.
     fn free(&self) -> &[FreeParameter];
+
+    /// # Errors
+    /// A measurement that is only planned: its likelihood has no maximum.
+    fn refuse_unmeasured(&self) -> Result<()> {
+        Ok(())
+    }
 
     /// How often a step without damping is halved before steps are damped. Damping is relative to the information of each
     /// number: where this is nearly singular, it holds back what is hardly determined even where it is small.

@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use super::estimates::{Ended, Estimate, Estimates};
+use super::ended::Estimate;
 use super::free::FreeParameter;
 use super::search::Objective;
 use crate::monitor::Monitor;
@@ -42,17 +42,6 @@ pub struct Standardised<'a> {
     varied: Vec<usize>,
     /// L.
     factor: Mat<f64>,
-}
-
-impl Estimates {
-    /// The posterior in standardised coordinates.
-    ///
-    /// # Errors
-    /// A measurement that is only planned; no number with an error.
-    pub fn standardised(&self) -> Result<Standardised<'_>> {
-        let Ended { likelihood, optimum } = self.measured()?;
-        Standardised::new((likelihood, &optimum.coordinates), (&self.parameters, &self.covariance))
-    }
 }
 
 impl<'a> Standardised<'a> {

@@ -33,6 +33,11 @@ pub(crate) trait BreakingModel: Debug + Send + Sync {
         0.0
     }
 
+    /// Whether cohorts have cached so much that it should not be kept.
+    fn is_large(&self) -> bool {
+        false
+    }
+
     /// A length over which survival moments at one advance vary little with the start, between the starts
     /// that [`BreakingModel::passing`] returns.
     fn resolution(&self) -> f64;

@@ -119,7 +119,7 @@ pub(super) fn of_cohorts(
     conditional: bool,
     watch: &Watch<'_>,
 ) -> Result<Life> {
-    let cohorts = Cohorts::new(contacts, model, starts, conditional, watch)?;
+    let mut cohorts = Cohorts::new(contacts, model, starts, conditional, watch)?;
     let per_threshold = matches!(contacts.stiffness, Stiffness::PerThreshold(_));
     let panels = cohorts.panels();
     let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
@@ -174,6 +174,11 @@ pub(super) fn of_cohorts(
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let breaking_energy = lost.integrated_from_end(0.0, &cohorts.simultaneous(per_threshold, watch));
     watch.check()?;
+    drop(panels);
+    if cohorts.model.is_large() {
+        // Those that are asked for again are made again.
+        cohorts.spread.values_mut().for_each(|cohort| *cohort = OnceLock::new());
+    }
     Ok(Life {
         survival: kernel(survival),
         force: kernel(force),

@@ -199,6 +199,10 @@ impl HazardMarch<'_> {
         }
         let tolerance = FRACTION.max(self.thermal.roughness() * largest);
         let attempts = self.thermal.attempts();
+        let mut rates = [0.0; NODES];
+        for j in 0..NODES {
+            rates[j] = attempts * exp(-self.exponents[j]);
+        }
         let mut in_thresholds = [[0.0; NODES]; NODES];
         for i in 0..NODES {
             let lengths = self.lengths_at(&CUMULATIVE[i], half, &factors, &factors[i]);
@@ -206,8 +210,7 @@ impl HazardMarch<'_> {
             let mut smallest = f64::INFINITY;
             for j in 0..NODES {
                 // ΔE/T at the Gauss point is that at the lower end less the logarithm of the factor.
-                let rate = attempts * exp(-self.exponents[j]) * factors[i][j];
-                smallest = smallest.min(lengths[j].max(FEW / rate));
+                smallest = smallest.min(lengths[j].max(FEW / (rates[j] * factors[i][j])));
             }
             let is_resolved = tail(&coefficients) <= tolerance * smallest;
             if !is_resolved || lengths.iter().any(|&length| length > MOST) {

@@ -37,7 +37,7 @@ pub(super) struct Timed {
     /// The length over which temperature blurs the breaking of contacts.
     blur: Option<f64>,
     grid: Arc<ThresholdGrid>,
-    /// Amount of numbers in cached histories.
+    /// Amount of numbers in cached histories and tables.
     cached: Arc<AtomicUsize>,
     per_threshold: bool,
     resolution: f64,
@@ -107,17 +107,22 @@ impl Timed {
 }
 
 impl Timed {
-    /// Whether another history may be cached.
+    /// Whether another history or table may be cached.
     fn may_cache(&self) -> bool {
-        /// 64 MB.
-        const MOST: usize = 1 << 23;
+        /// 512 MB.
+        const MOST: usize = 1 << 26;
         self.cached.load(Ordering::Relaxed) < MOST
     }
 
     /// Breakpoints and point masses of P_c that results may show.
     fn visible(&self) -> impl Iterator<Item = &Breakpoint> {
+        self.hazards.iter().filter(|b| self.visibility(b) > FAINT)
+    }
+
+    /// The size of a breakpoint per mean threshold; 1 for point masses.
+    fn visibility(&self, breakpoint: &Breakpoint) -> f64 {
         let mean = self.law.mean();
-        self.hazards.iter().filter(move |b| b.is_atom() || b.weight(mean) * mean > FAINT)
+        if breakpoint.is_atom() { 1.0 } else { breakpoint.weight(mean) * mean }
     }
 
     fn cache(&self, history: Piecewise) -> Piecewise {
@@ -128,8 +133,7 @@ impl Timed {
     /// Empty histories at all positions of the grid.
     fn room(&self) -> Vec<OnceLock<Piecewise>> {
         let places = self.grid.fixed().len();
-        self.cached
-            .fetch_add(places * size_of::<OnceLock<Piecewise>>() / size_of::<f64>(), Ordering::Relaxed);
+        self.cached.fetch_add(places * EMPTY, Ordering::Relaxed);
         vec![OnceLock::new(); places]
     }
 
@@ -140,6 +144,9 @@ impl Timed {
         self.thermal_hazard.as_ref().map_or(1.0, |thermal_hazard| (-hazards(thermal_hazard)).exp())
     }
 }
+
+/// What an empty history takes, in numbers.
+const EMPTY: usize = size_of::<OnceLock<Piecewise>>() / size_of::<f64>();
 
 /// Breakpoints of a density, per mean threshold, that no result shows.
 const FAINT: f64 = 1e-11;
@@ -194,6 +201,12 @@ impl BreakingModel for Timed {
         self.evolution.error()
     }
 
+    fn is_large(&self) -> bool {
+        /// 64 MB.
+        const LARGE: usize = 1 << 23;
+        self.cached.load(Ordering::Relaxed) > LARGE
+    }
+
     fn resolution(&self) -> f64 {
         self.resolution
     }
@@ -216,17 +229,24 @@ impl BreakingModel for Timed {
             if running_maximum.value(advance) > hazard.position * (1.0 + 1e-12) {
                 return None;
             }
+            let left = self.left(start, advance, hazard.position);
+            if left * self.visibility(hazard) <= FAINT {
+                return None;
+            }
             // The stretch grows at the velocity v, the threshold at its drift: they meet at the
             // difference.
             let speed = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
-            let left = self.left(start, advance, hazard.position);
             let weight = if hazard.is_atom() { hazard.amplitude * left } else { 0.0 };
             Some(Passing { start, weight, speed })
         };
         let back = |start: f64| aged.threshold(start) - start - advance;
         let newest =
             if self.evolution.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
-        let newest = newest.filter(|&start| self.law.density(start) * self.law.mean() > FAINT);
+        // Temperature has usually broken the contacts with the lowest thresholds long before.
+        let newest = newest.filter(|&start| {
+            let density = self.law.density(start) * self.law.mean();
+            density > FAINT && density * self.left(start, advance, start) > FAINT
+        });
         // The lowest threshold of contacts that start at r is r. The start for which the stretch
         // has just caught up with that threshold, which has grown by ageing, separates starts with
         // and without athermal breaks: integrals over starts have a kink there.
@@ -271,6 +291,21 @@ impl KnownHazards for ExposedCohort<'_> {
             table
         };
         tables[part.index()].get_or_init(make).as_ref().map(|table| table.at(self.exposed.advance()))
+    }
+}
+
+impl Drop for AgeingCohort {
+    /// Other cohorts of the model may cache as much as this one has.
+    fn drop(&mut self) {
+        let of_histories = |histories: &Vec<OnceLock<Piecewise>>| {
+            let known = histories.iter().filter_map(OnceLock::get);
+            EMPTY * histories.len() + NODES * known.map(|history| history.coefficients.len()).sum::<usize>()
+        };
+        let of_tables = |tables: &Vec<OnceLock<Option<HazardTable>>>| {
+            tables.iter().filter_map(|table| table.get()?.as_ref()).map(HazardTable::size).sum()
+        };
+        let size = self.histories.get().map_or(0, of_histories) + self.tables.get().map_or(0, of_tables);
+        self.of.cached.fetch_sub(size, Ordering::Relaxed);
     }
 }
 

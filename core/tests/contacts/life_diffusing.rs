@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
-use crate::common::gaussian;
+use crate::common::{gaussian, rectangular};
 use asperity::contacts::{Ageing, Barrier, Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use asperity::law::{Exponential, Gamma, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
@@ -451,8 +451,13 @@ fn a_slow_slider_meets_thresholds_at_the_rate_of_one_at_rest() {
 
 /// Starts spread over a bell are the mean of starts at its points, summed by the trapezoidal rule: of steps of 0.8 standard
 /// deviations it misses e^{−2π²/0.64} = 4e-14 (E. T. Goodwin, Proc. Camb. Phil. Soc. 45, 241 (1949)).
-fn starts_spread_over_a_bell_are_the_mean_of_its_points(contacts: &Contacts, velocity: f64, tolerance: f64) {
-    let (mean, std, step) = (0.1, 0.005, 0.8_f64);
+fn starts_spread_over_a_bell_are_the_mean_of_its_points(
+    contacts: &Contacts,
+    (mean, std): (f64, f64),
+    velocity: f64,
+    tolerance: f64,
+) {
+    let step = 0.8_f64;
     let starting = |law: SharedLaw| moving(contacts, &law, true, velocity, false, &mut ()).unwrap();
     let spread = starting(gaussian(mean, std));
     let points: Vec<(f64, Life)> = (-9..=9)
@@ -479,7 +484,7 @@ fn starts_spread_over_a_bell_are_the_mean_of_its_points(contacts: &Contacts, vel
 #[test]
 fn few_starts_stand_for_narrow_ones_where_thresholds_diffuse() {
     // Each life misses some 3e-12 of the density of thresholds at each of some hundred steps.
-    starts_spread_over_a_bell_are_the_mean_of_its_points(&reference(), 1.0, 1e-9);
+    starts_spread_over_a_bell_are_the_mean_of_its_points(&reference(), (0.1, 0.005), 1.0, 1e-9);
 }
 
 #[test]
@@ -489,5 +494,17 @@ fn few_starts_stand_for_narrow_ones_where_contacts_age_at_a_temperature() {
     contacts.rules.temperature =
         Some(Temperature { barrier: Barrier::Elastic, ..Temperature::new(0.05, 10.0) });
     // What cells of a life leave out of it, 1e-13, and what lies beyond seven standard deviations, 1e-12.
-    starts_spread_over_a_bell_are_the_mean_of_its_points(&contacts, 0.1, 1e-11);
+    starts_spread_over_a_bell_are_the_mean_of_its_points(&contacts, (0.1, 0.005), 0.1, 1e-11);
+}
+
+#[test]
+fn wide_starts_are_the_mean_of_single_ones_where_temperature_breaks_the_weakest_first() {
+    let gamma: SharedLaw = Arc::new(Gamma::new(0.7, 0.14).unwrap());
+    for (thresholds, energy, velocity) in [(gamma, 0.02, 1e-4), (rectangular(0.4, 1.6), 0.05, 1e-2)] {
+        let mut contacts = Contacts::new(thresholds, Arc::new(Point::new(0.0).unwrap()));
+        contacts.rules.ageing = Some(Ageing::Logarithmic { growth: 0.1, time: 3.0 });
+        contacts.rules.temperature = Some(Temperature::new(energy, 1.0));
+        // As above.
+        starts_spread_over_a_bell_are_the_mean_of_its_points(&contacts, (0.15, 0.02), velocity, 1e-11);
+    }
 }

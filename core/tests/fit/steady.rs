@@ -211,6 +211,29 @@ fn the_error_of_a_normal_number_is_that_of_its_profile() {
         // The likelihood of 1000 readings is nearly a parabola: its third derivative is of the order of the relative error, 1 %.
         assert!((end - reported).abs() < 0.2 * mean.error, "{profile:?} {mean:?}");
     }
+    // At the ends −2 ln L has risen by 1.96², to a hundredth of the interval.
+    let rise = found.profile("thresholds.mean", profile[1], &mut ()).unwrap();
+    assert!((rise - 3.8415).abs() < 0.08, "{rise}");
+    let values = found.profile_values("thresholds.mean", 3).unwrap();
+    let expected = [-3.0, 0.0, 3.0].map(|z| mean.value + z * mean.error);
+    assert!(values.iter().zip(expected).all(|(value, expected)| (value / expected - 1.0).abs() < 1e-12));
+    // The gradient of the likelihood beside the estimates is its slope.
+    let estimates: Vec<f64> = found.parameters.iter().map(|estimate| estimate.value).collect();
+    let at_estimates = found.log_likelihood(&estimates, &mut ()).unwrap().0;
+    assert!((at_estimates + 0.5 * found.misfit.deviance).abs() < 1e-9 * at_estimates.abs());
+    let errors = found.parameters.iter().map(|estimate| estimate.error);
+    let beside: Vec<f64> = estimates.iter().zip(errors).map(|(value, error)| value + 2.0 * error).collect();
+    let gradient = found.log_likelihood(&beside, &mut ()).unwrap().1;
+    for (k, estimate) in found.parameters.iter().enumerate() {
+        let likelihood = |side: f64| {
+            let mut moved = beside.clone();
+            moved[k] += side * 0.02 * estimate.error;
+            found.log_likelihood(&moved, &mut ()).unwrap().0
+        };
+        let slope = (likelihood(1.0) - likelihood(-1.0)) / (0.04 * estimate.error);
+        // In units in which it is about −2; derivatives of the expected periodogram by differences are right to 1e-4 of it.
+        assert!((gradient[k] - slope).abs() * estimate.error < 1e-2, "{k}: {} {slope}", gradient[k]);
+    }
 }
 
 #[test]

@@ -128,6 +128,25 @@ fn the_least_squares_of_a_closed_form() {
             assert!((ratio - 1.0).abs() < 5e-3, "{name} {j}: {ratio}");
         }
     }
+    // The force is linear in the offset, and nearly in the others within an error: the profile is a parabola.
+    let (offset, error) = estimate(&found, "offset");
+    let rise = found.profile("offset", offset + error, &mut ()).unwrap();
+    assert!((rise - 1.0).abs() < 0.02, "{rise}");
+    // The gradient of the likelihood is −Σ r ∂r/∂u, with the derivatives of the closed form.
+    let moved: Vec<f64> =
+        numbers.iter().zip([1.01, 1.02, 1.03]).map(|(value, factor)| value * factor).collect();
+    let gradient = found.log_likelihood(&moved, &mut ()).unwrap().1;
+    let mut exact = [0.0; 3];
+    for ((v, force), error) in velocities.iter().zip(&forces).zip(found.std.iter()) {
+        let share = 0.5 / (1.0 + v * moved[1]);
+        let slopes = [share, -2.0 * moved[0] * v * share * share, 1.0];
+        let residual = (force - moved[0] * share - moved[2]) / (error * error);
+        exact.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += residual * slope);
+    }
+    for (k, (found, exact)) in gradient.iter().zip(exact).enumerate() {
+        // Differences of forces that are right to 1e-10, over steps of 1e-5 or more.
+        assert!((found / exact - 1.0).abs() < 1e-4, "{k}: {found} {exact}");
+    }
     // The band of the curve at its ends is that of the expected force there: gᵀVg.
     let last = found.fitted.velocities.len() - 1;
     for (v, error) in [(velocities[0], found.fitted.errors[0]), (velocities[11], found.fitted.errors[last])] {

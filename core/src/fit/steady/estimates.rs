@@ -2,18 +2,14 @@
 
 use faer::Mat;
 
-use super::super::estimates::{Correlation, Estimate, correlations, estimate, refuse_undetermined};
+use super::super::ended::{Ended, Estimate, methods_of_estimates};
 use super::super::friction::{FrictionEstimates, friction};
-use super::super::interval;
-use super::super::matrix;
 use super::super::misfit::{self, Misfit};
-use super::super::search::Optimum;
-use super::super::standardised::Standardised;
 use super::likelihood::{SteadyLikelihood, SteadyPoint};
 use super::record::{SteadyRecord, inverse, multiplicity};
+use crate::Result;
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part};
-use crate::{Error, Result};
 
 /// Eigenvalue of the scaled information below which a direction counts as undetermined: the square of the relative error of the
 /// derivatives by differences.
@@ -55,93 +51,41 @@ pub struct SteadyEstimates {
     pub offset: f64,
     /// The periodogram and its expectation.
     pub spectrum: FittedSpectrum,
-    likelihood: SteadyLikelihood,
-    optimum: Optimum<SteadyPoint>,
+    ended: Ended<SteadyLikelihood>,
 }
+
+methods_of_estimates!(SteadyEstimates);
 
 impl SteadyEstimates {
     /// Values, errors and all that follows from the end of a search.
     ///
     /// # Errors
     /// Numbers that the record does not determine; errors of the solver; stopped by the monitor.
-    pub(super) fn new(
-        likelihood: SteadyLikelihood,
-        optimum: Optimum<SteadyPoint>,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Self> {
-        let (free, information) = (&likelihood.free, &optimum.score.information);
-        let count = free.len();
-        let active: Vec<usize> =
-            (0..count).filter(|&k| !optimum.at_bound[k] && information[(k, k)] > 0.0).collect();
-        refuse_undetermined(free, information, &active, ("record", UNDETERMINED))?;
-        let covariance = matrix::covariance(information, &active);
-        let covariance = covariance.unwrap_or_else(|| Mat::zeros(count, count));
-        let share = 1.0 / count as f64;
-        let parameters = (0..count).map(|k| {
-            let part = &mut Part::new(monitor, k as f64 * share, share);
-            estimate((&likelihood, &optimum), (k, covariance[(k, k)].sqrt()), optimum.converged, part)
-        });
-        let parameters = parameters.collect::<Result<Vec<_>>>()?;
-        let slope = |k: usize| free[k].slope(optimum.coordinates[k]);
-        let rows = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+    pub(super) fn new(ended: Ended<SteadyLikelihood>, monitor: &mut dyn Monitor) -> Result<Self> {
+        let found = ended.numbers(("record", UNDETERMINED), |_| {}, monitor)?;
+        let Ended { likelihood, optimum } = &ended;
         let point = &optimum.trial;
         Ok(Self {
-            parameters,
-            covariance: rows.map(|(i, j)| covariance[(i, j)] * slope(i) * slope(j)).collect(),
+            parameters: found.parameters,
+            covariance: found.covariance,
             converged: optimum.converged,
             solutions: optimum.solutions,
-            misfit: misfit_of(&likelihood, point),
+            misfit: misfit_of(likelihood, point),
             reading: point.reading,
             offset: point.offset,
-            spectrum: spectrum_of(&likelihood, point),
-            likelihood,
-            optimum,
+            spectrum: spectrum_of(likelihood, point),
+            ended,
         })
-    }
-
-    /// The estimate of a name.
-    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
-        self.parameters.iter().find(|estimate| estimate.name == name)
     }
 
     /// The contacts of the estimated numbers.
     pub fn equation(&self) -> &MasterEquation {
-        &self.optimum.trial.equation
+        &self.ended.optimum.trial.equation
     }
 
     /// What was measured.
     pub fn record(&self) -> &SteadyRecord {
-        &self.likelihood.fit.record
-    }
-
-    /// Coefficients above 0.5, without sign, between the errors of two estimates.
-    pub fn correlations(&self) -> Vec<Correlation> {
-        correlations(&self.parameters, &self.covariance)
-    }
-
-    /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
-    /// risen by 3.84.
-    ///
-    /// # Errors
-    /// A name that was not free; errors of the solver; stopped by the monitor.
-    pub fn interval_by_profile(&self, name: &str, monitor: &mut dyn Monitor) -> Result<[f64; 2]> {
-        let number = self.parameters.iter().position(|estimate| estimate.name == name);
-        let number = number.ok_or_else(|| {
-            let names: Vec<_> = self.parameters.iter().map(|estimate| estimate.name.as_str()).collect();
-            Error::invalid("name", format!("one of {}", names.join(", ")), name)
-        })?;
-        let slope = self.likelihood.free[number].slope(self.optimum.coordinates[number]);
-        let error = self.parameters[number].error / slope;
-        interval::by_profile((&self.likelihood, &self.optimum), (number, error), monitor)
-    }
-
-    /// The posterior in standardised coordinates, by the debiased likelihood of Whittle.
-    ///
-    /// # Errors
-    /// No number with an error.
-    pub fn standardised(&self) -> Result<Standardised<'_>> {
-        let coordinates = self.optimum.coordinates.as_slice();
-        Standardised::new((&self.likelihood, coordinates), (&self.parameters, &self.covariance))
+        &self.ended.likelihood.fit.record
     }
 
     /// F_s, F_k, X* and K_c, with the errors that follow from the covariance of the estimates. F_s and K_c are those of a pull
@@ -154,7 +98,7 @@ impl SteadyEstimates {
         let distance = LIVES * equation.steady_state().mean_life();
         let pull = equation.pull_with(distance, None, &mut Part::new(monitor, 0.0, 0.3))?;
         let part = &mut Part::new(monitor, 0.3, 0.7);
-        friction((equation, &pull, 0.0), (&self.likelihood.free, &self.covariance), part)
+        friction((equation, &pull, 0.0), (&self.ended.likelihood.free, &self.covariance), part)
     }
 }
 

@@ -2,8 +2,9 @@
 
 use faer::Mat;
 
-use super::super::free::{FreeParameter, Role};
-use super::super::likelihood::Score;
+use super::super::free::{FreeParameter, Role, priors_at, value_of};
+use super::super::matrix::product;
+use super::super::score::Score;
 use super::super::search::Objective;
 use super::SteadyFit;
 use super::expected::ExpectedRecord;
@@ -105,18 +106,6 @@ impl SteadyLikelihood {
         }
     }
 
-    /// The value of a role, or of the fit where it is not free.
-    fn value(&self, role: Role, coordinates: &[f64], fixed: f64) -> f64 {
-        let found = self.free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
-        found.map_or(fixed, |(parameter, &u)| parameter.value(u))
-    }
-
-    /// Σ(u − m)²/s² over the priors.
-    fn prior(&self, coordinates: &[f64]) -> f64 {
-        let known = self.free.iter().zip(coordinates);
-        known.filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2))).sum()
-    }
-
     /// The derivatives by coordinate `k`: closed where forces are proportional to it, else central differences, or one-sided
     /// ones at the end of a range.
     fn change(
@@ -185,8 +174,8 @@ impl Objective for SteadyLikelihood {
 
     fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<SteadyPoint>> {
         let Some((equation, expected)) = self.expected(coordinates, monitor)? else { return Ok(None) };
-        let offset = self.value(Role::Offset, coordinates, self.fit.offset);
-        let reading = self.value(Role::Reading, coordinates, self.fit.reading.unwrap_or(0.0));
+        let offset = value_of(&self.free, Role::Offset, coordinates, self.fit.offset);
+        let reading = value_of(&self.free, Role::Reading, coordinates, self.fit.reading.unwrap_or(0.0));
         let mut point = SteadyPoint { equation, expected, offset, reading, deviance: 0.0 };
         let n = self.readings();
         let term = |k: usize| {
@@ -194,7 +183,7 @@ impl Objective for SteadyLikelihood {
             multiplicity(k, n) * (square.ln() + self.observed(k, &point) / square)
         };
         let sum: f64 = (0..=n / 2).map(term).sum();
-        point.deviance = sum + n as f64 * std::f64::consts::TAU.ln() + self.prior(coordinates);
+        point.deviance = sum + n as f64 * std::f64::consts::TAU.ln() + priors_at(&self.free, coordinates);
         Ok(point.deviance.is_finite().then_some(point))
     }
 
@@ -225,14 +214,11 @@ impl Objective for SteadyLikelihood {
             }
             derivatives[(half, a)] = accuracy * change.mean;
         }
-        let mut slope = derivatives.transpose() * &excess;
-        let mut information = derivatives.transpose() * &derivatives;
-        for (k, (parameter, u)) in self.free.iter().zip(coordinates).enumerate() {
-            if let Some([mean, std]) = parameter.prior {
-                slope[(k, 0)] += (u - mean) / (std * std);
-                information[(k, k)] += 1.0 / (std * std);
-            }
-        }
-        Ok(Score { slope, information })
+        let mut score = Score {
+            slope: product(derivatives.transpose(), excess.as_ref()),
+            information: product(derivatives.transpose(), derivatives.as_ref()),
+        };
+        score.add_priors(&self.free, coordinates);
+        Ok(score)
     }
 }

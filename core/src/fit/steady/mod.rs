@@ -42,6 +42,7 @@ mod start;
 pub use estimates::{FittedSpectrum, SteadyEstimates};
 pub use record::SteadyRecord;
 
+use super::ended::Ended;
 use super::free::{FreeParameter, Prior, Role, with_priors};
 use super::search::{SHORT, search_each};
 use crate::error::positive;
@@ -138,8 +139,8 @@ impl SteadyFit {
         let starts = likelihood.first_values(&mut Part::new(monitor, 0.0, 0.2))?.ok_or_else(|| {
             Error::invalid("free", "first values that have a noise", "none at the first values")
         })?;
-        let found = search_each(&likelihood, &starts, SHORT, &mut Part::new(monitor, 0.2, 0.7))?;
-        SteadyEstimates::new(likelihood, found, &mut Part::new(monitor, 0.9, 0.1))
+        let optimum = search_each(&likelihood, &starts, SHORT, &mut Part::new(monitor, 0.2, 0.7))?;
+        SteadyEstimates::new(Ended { likelihood, optimum }, &mut Part::new(monitor, 0.9, 0.1))
     }
 
     /// The free numbers, after all checks.

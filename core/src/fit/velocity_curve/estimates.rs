@@ -2,18 +2,15 @@
 
 use faer::Mat;
 
-use super::super::estimates::{Correlation, Estimate, correlations, estimate, refuse_undetermined};
-use super::super::interval;
-use super::super::matrix;
+use super::super::ended::{Ended, Estimate, methods_of_estimates};
 use super::super::misfit::{self, Misfit};
 use super::super::search::Optimum;
-use super::super::standardised::Standardised;
 use super::likelihood::{VelocityLikelihood, VelocityPoint};
 use super::measured::MeasuredVelocityCurve;
+use crate::Result;
 use crate::contacts::Contacts;
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part};
-use crate::{Error, Result};
 
 /// Eigenvalue of the scaled information below which a direction counts as undetermined: the square of the relative error of the
 /// derivatives by differences.
@@ -58,63 +55,42 @@ pub struct VelocityCurveEstimates {
     pub std: Vec<f64>,
     /// The smooth curve.
     pub fitted: FittedVelocityCurve,
-    likelihood: VelocityLikelihood,
-    optimum: Optimum<VelocityPoint>,
     equation: MasterEquation,
+    ended: Ended<VelocityLikelihood>,
 }
+
+methods_of_estimates!(VelocityCurveEstimates);
 
 impl VelocityCurveEstimates {
     /// Values, errors and all that follows from the end of a search.
     ///
     /// # Errors
     /// Numbers that the curve does not determine; errors of the solver; stopped by the monitor.
-    pub(super) fn new(
-        likelihood: VelocityLikelihood,
-        optimum: Optimum<VelocityPoint>,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Self> {
-        let (free, information) = (&likelihood.free, &optimum.score.information);
-        let count = free.len();
-        let active: Vec<usize> =
-            (0..count).filter(|&k| !optimum.at_bound[k] && information[(k, k)] > 0.0).collect();
-        refuse_undetermined(free, information, &active, ("curve", UNDETERMINED))?;
-        let covariance = matrix::covariance(information, &active);
-        let covariance = covariance.unwrap_or_else(|| Mat::zeros(count, count));
-        let parameters = (0..count).map(|k| {
-            let part = &mut Part::new(monitor, 0.0, 0.1);
-            estimate((&likelihood, &optimum), (k, covariance[(k, k)].sqrt()), optimum.converged, part)
-        });
-        let parameters = parameters.collect::<Result<Vec<_>>>()?;
-        let slope = |k: usize| free[k].slope(optimum.coordinates[k]);
-        let rows = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+    pub(super) fn new(ended: Ended<VelocityLikelihood>, monitor: &mut dyn Monitor) -> Result<Self> {
+        let found = ended.numbers(("curve", UNDETERMINED), |_| {}, &mut Part::new(monitor, 0.0, 0.1))?;
+        let Ended { likelihood, optimum } = &ended;
         let (point, measured) = (&optimum.trial, &likelihood.fit.curve);
         let lowest = likelihood.velocities.first().copied().unwrap_or(1.0);
         let mean_square = point.std.iter().map(|s| s * s).sum::<f64>() / point.std.len() as f64;
         Ok(Self {
-            covariance: rows.map(|(i, j)| covariance[(i, j)] * slope(i) * slope(j)).collect(),
-            parameters,
+            parameters: found.parameters,
+            covariance: found.covariance,
             converged: optimum.converged,
             solutions: optimum.solutions,
-            misfit: misfit_of(&likelihood, point),
+            misfit: misfit_of(likelihood, point),
             reading: mean_square.sqrt(),
             offset: likelihood.offset(&optimum.coordinates),
             background: likelihood.background(&optimum.coordinates),
             expected: measured.forces.iter().zip(&point.residuals).map(|(force, r)| force - r).collect(),
             std: point.std.clone(),
-            fitted: fitted((&likelihood, &optimum), &covariance, &mut Part::new(monitor, 0.1, 0.8))?,
+            fitted: fitted((likelihood, optimum), &found.of_coordinates, &mut Part::new(monitor, 0.1, 0.8))?,
             equation: likelihood.equation_at(
                 &optimum.coordinates,
                 lowest,
                 &mut Part::new(monitor, 0.9, 0.1),
             )?,
-            likelihood,
-            optimum,
+            ended,
         })
-    }
-
-    /// The estimate of a name.
-    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
-        self.parameters.iter().find(|estimate| estimate.name == name)
     }
 
     /// The contacts of the estimated numbers.
@@ -129,42 +105,12 @@ impl VelocityCurveEstimates {
 
     /// What was measured.
     pub fn curve(&self) -> &MeasuredVelocityCurve {
-        &self.likelihood.fit.curve
+        &self.ended.likelihood.fit.curve
     }
 
     /// The largest estimated error of F_k/(N_c⟨k⟩), a length, of the solutions at the measured velocities.
     pub fn error_estimate(&self) -> f64 {
-        self.optimum.trial.error
-    }
-
-    /// Coefficients above 0.5, without sign, between the errors of two estimates.
-    pub fn correlations(&self) -> Vec<Correlation> {
-        correlations(&self.parameters, &self.covariance)
-    }
-
-    /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers, has
-    /// risen by 3.84; for errors of unknown size by ν ln(1 + t²/ν), with Student's t for ν = n − p.
-    ///
-    /// # Errors
-    /// A name that was not free; errors of the solver; stopped by the monitor.
-    pub fn interval_by_profile(&self, name: &str, monitor: &mut dyn Monitor) -> Result<[f64; 2]> {
-        let number = self.parameters.iter().position(|estimate| estimate.name == name);
-        let number = number.ok_or_else(|| {
-            let names: Vec<_> = self.parameters.iter().map(|estimate| estimate.name.as_str()).collect();
-            Error::invalid("name", format!("one of {}", names.join(", ")), name)
-        })?;
-        let slope = self.likelihood.free[number].slope(self.optimum.coordinates[number]);
-        let error = self.parameters[number].error / slope;
-        interval::by_profile((&self.likelihood, &self.optimum), (number, error), monitor)
-    }
-
-    /// The posterior in standardised coordinates.
-    ///
-    /// # Errors
-    /// No number with an error.
-    pub fn standardised(&self) -> Result<Standardised<'_>> {
-        let coordinates = self.optimum.coordinates.as_slice();
-        Standardised::new((&self.likelihood, coordinates), (&self.parameters, &self.covariance))
+        self.ended.optimum.trial.error
     }
 }
 

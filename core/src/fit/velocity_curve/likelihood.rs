@@ -2,8 +2,9 @@
 
 use faer::Mat;
 
-use super::super::free::{FreeParameter, Role, UNREAD};
-use super::super::likelihood::Score;
+use super::super::free::{FreeParameter, Role, UNREAD, priors_at, value_of};
+use super::super::matrix::product;
+use super::super::score::Score;
 use super::super::search::Objective;
 use super::VelocityCurveFit;
 use crate::contacts::FreeFriction;
@@ -121,32 +122,19 @@ impl VelocityLikelihood {
         watch.share(jobs.len(), || (), one)?.into_iter().collect()
     }
 
-    /// The value of a role, or of the fit where it is not free.
-    fn value(&self, role: Role, coordinates: &[f64], fixed: f64) -> f64 {
-        let found = self.free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
-        found.map_or(fixed, |(parameter, &u)| parameter.value(u))
-    }
-
     /// Background and offset.
     pub fn constant(&self, coordinates: &[f64]) -> f64 {
-        self.value(Role::Background, coordinates, self.fit.background)
-            + self.value(Role::Offset, coordinates, self.fit.offset)
+        self.background(coordinates) + self.offset(coordinates)
     }
 
     /// The offset alone.
     pub fn offset(&self, coordinates: &[f64]) -> f64 {
-        self.value(Role::Offset, coordinates, self.fit.offset)
+        value_of(&self.free, Role::Offset, coordinates, self.fit.offset)
     }
 
     /// The background force alone.
     pub fn background(&self, coordinates: &[f64]) -> f64 {
-        self.value(Role::Background, coordinates, self.fit.background)
-    }
-
-    /// Σ(u − m)²/s² over the priors.
-    fn prior(&self, coordinates: &[f64]) -> f64 {
-        let known = self.free.iter().zip(coordinates);
-        known.filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2))).sum()
+        value_of(&self.free, Role::Background, coordinates, self.fit.background)
     }
 
     /// The standard deviations of readings with these residuals.
@@ -173,7 +161,7 @@ impl VelocityLikelihood {
             .iter()
             .zip(&std)
             .fold((0.0, 0.0), |(squares, known), (r, s)| (squares + (r / s).powi(2), known + 2.0 * s.ln()));
-        let prior = self.prior(coordinates);
+        let prior = priors_at(&self.free, coordinates);
         let (deviance, restricted) = if self.estimates_errors() {
             // The most probable size, of which s² is n/(n − p) times the square, makes the sum of squares n.
             let degrees = self.degrees();
@@ -296,15 +284,10 @@ impl Objective for VelocityLikelihood {
         });
         let residuals = Mat::from_fn(self.readings(), 1, |i, _| point.residuals[i] / point.std[i]);
         let mut score = Score {
-            slope: -(whitened.transpose() * &residuals),
-            information: whitened.transpose() * &whitened,
+            slope: -product(whitened.transpose(), residuals.as_ref()),
+            information: product(whitened.transpose(), whitened.as_ref()),
         };
-        for (k, (parameter, u)) in self.free.iter().zip(coordinates).enumerate() {
-            if let Some([mean, std]) = parameter.prior {
-                score.slope[(k, 0)] += (u - mean) / (std * std);
-                score.information[(k, k)] += 1.0 / (std * std);
-            }
-        }
+        score.add_priors(&self.free, coordinates);
         Ok(score)
     }
 

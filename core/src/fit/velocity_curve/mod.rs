@@ -40,6 +40,7 @@ mod start;
 pub use estimates::{FittedVelocityCurve, VelocityCurveEstimates};
 pub use measured::MeasuredVelocityCurve;
 
+use super::ended::Ended;
 use super::free::{BACKGROUND, FreeParameter, Prior, Role, with_priors};
 use super::search::{SHORT, search_each};
 use crate::contacts::Contacts;
@@ -156,8 +157,8 @@ impl VelocityCurveFit {
         let free = self.checked(&equation)?;
         let likelihood = VelocityLikelihood::new(self.clone(), free, equation);
         let starts = likelihood.first_values(&mut Part::new(monitor, 0.02, 0.18))?;
-        let found = search_each(&likelihood, &starts, SHORT, &mut Part::new(monitor, 0.2, 0.6))?;
-        VelocityCurveEstimates::new(likelihood, found, &mut Part::new(monitor, 0.8, 0.2))
+        let optimum = search_each(&likelihood, &starts, SHORT, &mut Part::new(monitor, 0.2, 0.6))?;
+        VelocityCurveEstimates::new(Ended { likelihood, optimum }, &mut Part::new(monitor, 0.8, 0.2))
     }
 
     /// The free numbers, after all checks.
