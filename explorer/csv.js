@@ -35,9 +35,6 @@ function readCurve(text) {
   const bad = points.findIndex((point) => !point.every(Number.isFinite));
   if (bad >= 0) throw new Error(`expected ${first.length} columns and numbers in row ${rows[bad].number}, got ${rows[bad].cells.join(", ").slice(0, 60)}`);
   points.sort((a, b) => a[0] - b[0]);
-  return {
-    position: points.map((point) => point[0]),
-    force: points.map((point) => point[1]),
-    columns: named ? [first[x], first[y]] : ["column 1", "column 2"],
-  };
+  const [position, force] = [0, 1].map((i) => points.map((point) => point[i]));
+  return { position, force, columns: named ? [first[x], first[y]] : ["column 1", "column 2"] };
 }

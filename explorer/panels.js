@@ -22,7 +22,8 @@ class Figure {
     /** What is shown. @type {Panel | null} */
     this.panel = null;
     this.drawn = "";
-    const [svg, csv] = (this.buttons = /** @type {NodeListOf<HTMLButtonElement>} */ (element.querySelectorAll(".export button")));
+    this.beside = /** @type {HTMLElement} */ (element.querySelector(".export"));
+    const [svg, csv] = (this.buttons = this.beside.querySelectorAll("button"));
     svg.onclick = () => download(new Blob([this.file()], { type: "image/svg+xml" }), `${element.id}.svg`);
     csv.onclick = () => download(new Blob([this.csv()], { type: "text/csv" }), `${element.id}.csv`);
     this.addDragging();
@@ -62,9 +63,8 @@ class Figure {
   csv() {
     const columns = (this.panel?.columns ?? []).map(({ of, values, ...column }) => ({ ...column, values: of ? found(of) : values }));
     if (this.panel?.svg.includes('class="readings"') && state.measured) {
-      const { position, force } = state.measured;
-      const [times, rows] = [1, position.length];
-      columns.push({ name: "measured X", values: position, times, rows }, { name: "measured F", values: force, times, rows });
+      const measured = { "measured X": state.measured.position, "measured F": state.measured.force };
+      for (const [name, values] of Object.entries(measured)) columns.push({ name, values, times: 1, rows: values.length });
     }
     const head = columns.map(({ name }) => `"${name.replace(/"/g, '""')}"`).join(",");
     const cell = (/** @type {number} */ i) => (/** @type {typeof columns[number]} */ { values, times, rows }) =>
@@ -123,9 +123,12 @@ class Figure {
     };
     picture.onpointermove = (event) => {
       const place = this.place(event);
+      const [x, y] = this.panel && this.within(place) ? this.values(this.panel, place) : [];
+      this.beside.dataset.values = x === undefined ? "" : `x = ${x}, y = ${y}`;
       picture.style.cursor = this.nearest(place) ? "grab" : this.panel?.scrub && this.within(place) ? "ew-resize" : "default";
       moving?.(place);
     };
+    picture.onpointerleave = () => (this.beside.dataset.values = "");
     picture.onpointerup = picture.onpointercancel = () => (moving = null);
     picture.ondblclick = (event) => {
       const place = this.place(event);

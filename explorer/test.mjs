@@ -328,6 +328,20 @@ test("points are dragged in the plots", () =>
     assert.ok(Math.abs(stretches.position / force.position.at(-1) - 0.5) < 0.1, stretches.position);
   }));
 
+test("the pointer reads values in the plots", () =>
+  inBrowser(async (tab) => {
+    const box = await plot(tab, "force");
+    const told = () => tab.evaluate(() => getComputedStyle(document.querySelector("#force .export"), "::before").content);
+    await tab.mouse.move(box.x + 0.5 * box.width, box.y + 0.25 * box.height);
+    const [x, y] = (await told()).match(/^"x = (.*), y = (.*)"$/).slice(1).map(Number);
+    const axes = await tab.evaluate(() => figures.force.panel);
+    // A pixel of a plot of more than 200, and rounding to five digits.
+    const apart = ({ min, max }, share, value) => Math.abs((value - min) / (max - min) - share);
+    assert.ok(apart(axes.x, 0.5, x) < 0.005 && apart(axes.y, 0.75, y) < 0.005, `${x} ${y}`);
+    await tab.mouse.move(1, 1);
+    assert.equal(await told(), '""');
+  }));
+
 test("a polygon is drawn by hand: its nodes are dragged, added and removed", () =>
   inBrowser(async (tab) => {
     const law = async () => (await shown(tab)).scenario.contacts.thresholds.tabulated;

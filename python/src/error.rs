@@ -17,7 +17,7 @@ pub fn core(error: Error) -> PyErr {
     match error {
         Error::Invalid { expected, found, .. } => {
             let name = found.trim_matches('"');
-            let nearest = input::nearest_expected(&expected, name);
+            let nearest = input::nearest_expected(&expected, name).filter(|nearest| *nearest != name);
             let help = nearest.map_or(String::new(), |nearest| format!(" (did you mean {nearest}?)"));
             PyValueError::new_err(text + &help)
         }

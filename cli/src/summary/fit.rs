@@ -126,7 +126,11 @@ fn posterior(reported: &PosteriorSummary) -> Vec<(String, String)> {
 
 /// A probability with two digits.
 pub fn probability(p: f64) -> String {
-    if p < 0.01 { format!("{p:.1e}") } else { format!("{p:.2}") }
+    match p {
+        0.0 => "0".to_owned(),
+        _ if p < 0.01 => format!("{p:.1e}"),
+        _ => format!("{p:.2}"),
+    }
 }
 
 /// A value with its error and its interval, or the limit below which it is.

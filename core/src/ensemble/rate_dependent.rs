@@ -129,7 +129,7 @@ struct SegmentTotals {
     broken: f64,
     lost: f64,
     strengthening: f64,
-    /// Σ of the ways of free contacts.
+    /// Σ of the slip distances of free contacts.
     slid: f64,
 }
 
@@ -286,7 +286,9 @@ impl EnsembleInTime {
 
     fn form(&self, contact: &mut ContactInTime, position: f64, streams: &mut RandomStreams) {
         contact.held.origin = position - contact.formed;
-        contact.remaining_hazard = streams.remaining_hazard(contact, self.passage.is_thermal());
+        // Contacts at or above their thresholds, of a relaxed start, break at once, and draw nothing.
+        let thermal = self.passage.is_thermal() && contact.formed < contact.held.fresh;
+        contact.remaining_hazard = streams.remaining_hazard(contact, thermal);
         contact.holds = true;
     }
 

@@ -160,11 +160,14 @@ impl UniformGrid {
         // In steps: more than the rounding of a value.
         const OFF: f64 = 1e-6;
         let (first, last) = (values[0], values[values.len() - 1]);
-        let (way, steps) = (last - first, (values.len() - 1) as f64);
-        let (density, offset) = (steps / way, 0.5 - OFF - first * (steps / way));
+        let (distance, steps) = (last - first, (values.len() - 1) as f64);
+        let (density, offset) = (steps / distance, 0.5 - OFF - first * (steps / distance));
         let grid = |reach, steps| Self { first, reach, steps, density, offset };
         let exact = |grid: &Self| values.iter().enumerate().all(|(i, &x)| x == grid.value(i as f64));
-        [grid(way, steps), grid(way / steps, 1.0)].into_iter().find(exact).filter(|_| way > 0.0)
+        [grid(distance, steps), grid(distance / steps, 1.0)]
+            .into_iter()
+            .find(exact)
+            .filter(|_| distance > 0.0)
     }
 
     #[inline(always)]

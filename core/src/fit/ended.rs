@@ -80,7 +80,8 @@ impl<L: Objective> Ended<L> {
         let covariance = matrix::covariance(information, &active);
         let mut covariance = covariance.unwrap_or_else(|| Mat::zeros(count, count));
         widen(&mut covariance);
-        let with_limits = likelihood.refuse_unmeasured().is_ok();
+        // A limit is a rise above the minimum.
+        let with_limits = optimum.converged && likelihood.refuse_unmeasured().is_ok();
         let share = 1.0 / count as f64;
         let parameters = (0..count).map(|k| {
             let part = &mut Part::new(monitor, k as f64 * share, share);
@@ -138,7 +139,9 @@ impl<L: Objective> Ended<L> {
             _ => WIDTH * if known { error } else { VAGUE },
         };
         let place = |i: usize| 2.0 * i as f64 / count.saturating_sub(1).max(1) as f64 - 1.0;
-        Ok((0..count).map(|i| parameter.value((u + width * place(i)).max(parameter.bounds[0]))).collect())
+        Ok((0..count)
+            .map(|i| parameter.value((u + width * place(i)).clamp(parameter.bounds[0], parameter.bounds[1])))
+            .collect())
     }
 
     pub fn log_likelihood(&self, values: &[f64], monitor: &mut dyn Monitor) -> Result<(f64, Vec<f64>)> {
@@ -310,7 +313,7 @@ fn estimate<O: Objective>(
         None
     };
     let width = TWO_SIDED.quantile(likelihood.freedom()) * error;
-    let end = |side: f64| parameter.value((u + side * width).max(parameter.bounds[0]));
+    let end = |side: f64| parameter.value((u + side * width).clamp(parameter.bounds[0], parameter.bounds[1]));
     let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
     Ok(Estimate { name: parameter.name.clone(), value, error: error * parameter.slope(u), interval, limit })
 }

@@ -139,25 +139,18 @@ impl Ended<Likelihood> {
         }
     }
 
-    /// Whether the size of the noise of contacts, N⟨k⟩², is free: the curve determines N⟨k⟩ only.
-    fn divides_noise(&self) -> bool {
-        let free = |name: &str| self.likelihood.free.iter().any(|parameter| parameter.name == name);
-        self.likelihood.errors.have_contacts() && free("count") && free("stiffness")
-    }
-
     fn misfit(&self) -> Misfit {
         let Self { likelihood, optimum } = self;
         let chi_squared = optimum.trial.chi_squared();
         let of_errors = likelihood.free.iter().filter(|parameter| parameter.is_of_errors()).count();
         let determined = likelihood.determined(&optimum.score.information, &optimum.at_bound);
         // N and ⟨k⟩ change a curve alike.
-        let alike = f64::from(u8::from(self.divides_noise()));
+        let alike = likelihood.divided_noises() as f64;
         let of_curve = determined - of_errors as f64 - alike;
         let degrees_of_freedom = likelihood.count().saturating_sub(of_curve.round() as usize);
         let profiled =
             matches!(likelihood.errors, Errors::ProfiledWhite { .. } | Errors::RenewedWhite { .. });
-        let estimated =
-            profiled || self.divides_noise() || likelihood.free.iter().any(FreeParameter::is_of_errors);
+        let estimated = profiled || alike > 0.0 || likelihood.free.iter().any(FreeParameter::is_of_errors);
         let deviance = optimum.trial.deviance;
         let whitened: Vec<_> = optimum.trial.curves.iter().map(|curve| &curve.whitened).collect();
         let count = determined + f64::from(u8::from(profiled));

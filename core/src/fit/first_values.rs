@@ -9,6 +9,7 @@
 use super::free::{FreeParameter, Role};
 use super::likelihood::Likelihood;
 use super::{Fit, Machine, Measurement};
+use crate::contacts::Stiffness;
 use crate::master::Pull;
 use crate::monitor::{Monitor, Part};
 use crate::numerics::order::sort_by_number;
@@ -191,6 +192,9 @@ impl Fit {
         (length, tried): (f64, TriedMachine),
     ) -> Option<ScaledLengths> {
         let counts = free.iter().any(|parameter| parameter.quantity == "count");
+        // Contacts whose stiffness is proportional to their threshold are stiffer by the same factor.
+        let power =
+            if matches!(self.equation.contacts().stiffness, Stiffness::PerThreshold(_)) { 2 } else { 1 };
         let mut all =
             ScaledLengths { length, tried, origins: Vec::new(), forces: Vec::new(), counts, squares: 0.0 };
         for (c, curve) in self.curves.iter().enumerate() {
@@ -198,7 +202,7 @@ impl Fit {
                 |names: &[&str]| free.iter().any(|p| p.applies_to(c) && names.contains(&p.quantity.as_str()));
             let machine = tried.of_curve((c, curve), free);
             let slider: Vec<f64> = slider(curve, machine).collect();
-            let force = |x| length * pull.force(x / length);
+            let force = |x| length.powi(power) * pull.force(x / length);
             let (factor, squares) = scaled_curve((curve, &slider), is_free, force)?;
             all.squares += squares;
             all.forces.push(factor);
@@ -226,7 +230,7 @@ fn scaled_curve(
         remove(&column, &mut expected);
         remove(&column, &mut measured);
     }
-    let scales = is_free(&["count", "stiffness"]);
+    let scales = is_free(&["count", "stiffness", "stiffness_per_threshold"]);
     let factor = if scales { product(&expected, &measured) / product(&expected, &expected) } else { 1.0 };
     let squares = measured.iter().zip(&expected).map(|(left, own)| (left - factor * own).powi(2)).sum();
     (factor.is_finite() && factor > 0.0).then_some((factor, squares))
@@ -256,7 +260,7 @@ impl ScaledLengths {
         let of_force = || mean(&|c| self.forces[c].ln()).exp();
         match parameter.quantity.as_str() {
             "count" => parameter.start * of_force(),
-            "stiffness" if !self.counts => parameter.start * of_force(),
+            "stiffness" | "stiffness_per_threshold" if !self.counts => parameter.start * of_force(),
             "compliance" => self.tried.compliance.unwrap_or(parameter.start),
             "origin" if self.tried.by_tangent => mean(&|c| self.origins[c]),
             _ if is_length(parameter) => parameter.start * self.length,

@@ -156,13 +156,24 @@ pub(super) fn priors_at(free: &[FreeParameter], coordinates: &[f64]) -> f64 {
 /// The free numbers with what is known of them beforehand.
 ///
 /// # Errors
-/// No free number; a prior of a number that is fixed, or one that is not finite.
+/// No free number; two weights of one mixture; a prior of a number that is fixed, or one that is not finite.
 pub(super) fn with_priors(
     mut free: Vec<FreeParameter>,
     priors: &[(String, Prior)],
 ) -> Result<Vec<FreeParameter>> {
     if free.is_empty() {
         return Err(Error::invalid("free", "at least one key", "none"));
+    }
+    for (i, parameter) in free.iter().enumerate() {
+        let same = |other: &&FreeParameter| {
+            let both = other.curve.is_none() || parameter.curve.is_none() || other.curve == parameter.curve;
+            mixture_of_weight(parameter).is_some_and(|own| mixture_of_weight(other) == Some(own)) && both
+        };
+        if let Some(other) = free[..i].iter().find(same) {
+            let expected = "one weight of a mixture, to which the others are in proportion";
+            let found = format!("{} beside {}", parameter.name, other.name);
+            return Err(Error::invalid(format!("free.{i}"), expected, found));
+        }
     }
     for (name, prior) in priors {
         let Some(parameter) = free.iter_mut().find(|parameter| parameter.name == *name) else {
@@ -172,6 +183,11 @@ pub(super) fn with_priors(
         parameter.prior = Some(prior.of(parameter)?);
     }
     Ok(free)
+}
+
+/// The mixture of which a number is a weight, such as `thresholds` or `thresholds.1` of a mixture in it.
+fn mixture_of_weight(parameter: &FreeParameter) -> Option<&str> {
+    Some(parameter.quantity.strip_suffix(".weight")?.rsplit_once('.')?.0)
 }
 
 /// The curve that a name belongs to, if it begins with `curve.` and its number, and the name of the quantity.

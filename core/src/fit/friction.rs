@@ -31,7 +31,7 @@ pub struct FrictionEstimates {
 }
 
 impl Estimates {
-    /// F_s, F_k, X* and K_c of the contacts (of curve 0 where curves differ), with the errors gᵀVg of the covariance V of
+    /// F_s, F_k, X* and K_c of the contacts (of curve 0 where curves differ), with the errors √(gᵀVg) of the covariance V of
     /// the estimates, g the derivatives of
     /// [`crate::master::Pull::friction_gradients`].
     ///
@@ -62,7 +62,7 @@ pub(super) fn friction(
 ) -> Result<FrictionEstimates> {
     let count = free.len();
     let of_contacts: Vec<usize> = (0..count).filter(|&k| free[k].role == Role::Contacts).collect();
-    let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].name.as_str()).collect();
+    let names: Vec<&str> = of_contacts.iter().map(|&k| free[k].quantity.as_str()).collect();
     let gradients = pull.friction_gradients_with(&names, &mut Part::new(monitor, 0.0, 0.8))?;
     let relaxation = equation.relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
     let steady = equation.steady_state();

@@ -5,6 +5,8 @@ use puruspe::gammq;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::numerics::ljung_box::ljung_box;
+
 /// Lags of the autocorrelation of the whitened residuals.
 const LAGS: usize = 20;
 /// Readings of a curve below which its residuals are not tested for whiteness: its own numbers alone, such as an offset, would
@@ -42,25 +44,15 @@ impl Misfit {
     }
 }
 
-/// The probability that independent residuals are more autocorrelated (G. M. Ljung and G. E. P. Box, Biometrika 65, 297
-/// (1978)), within each curve of five readings or more; 1 if there is none.
+/// The probability that independent residuals are more autocorrelated, within each curve of five readings or more; 1 if
+/// there is none.
 pub(super) fn whiteness(curves: &[&Mat<f64>]) -> f64 {
     let curves: Vec<_> = curves.iter().filter(|whitened| whitened.nrows() >= SHORTEST).collect();
     let n: usize = curves.iter().map(|whitened| whitened.nrows()).sum();
     let longest = curves.iter().map(|whitened| whitened.nrows()).max().unwrap_or(1);
     let lags = LAGS.min(n / 5).min(longest - 1).max(1);
-    let total: f64 = curves.iter().map(|whitened| whitened.squared_norm_l2()).sum();
-    if total == 0.0 {
-        return 1.0;
-    }
-    let products = |whitened: &Mat<f64>, lag: usize| {
-        (lag..whitened.nrows()).map(|i| whitened[(i, 0)] * whitened[(i - lag, 0)]).sum::<f64>()
-    };
-    let correlation = |lag: usize| curves.iter().map(|whitened| products(whitened, lag)).sum::<f64>() / total;
-    let pairs =
-        |lag: usize| curves.iter().map(|whitened| whitened.nrows().saturating_sub(lag)).sum::<usize>();
-    let sum: f64 = (1..=lags).map(|lag| correlation(lag).powi(2) / pairs(lag) as f64).sum();
-    gammq(0.5 * lags as f64, 0.5 * n as f64 * (n + 2) as f64 * sum)
+    let series: Vec<&[f64]> = curves.iter().map(|whitened| whitened.col_as_slice(0)).collect();
+    ljung_box(&series, lags, lags).unwrap_or(1.0)
 }
 
 /// The probability of a larger χ² with this many degrees of freedom.

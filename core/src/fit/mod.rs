@@ -312,7 +312,8 @@ impl Fit {
             }
         }
         let free = self.free_parameters()?;
-        let is_free = |name: &str| free.iter().any(|parameter| parameter.name == name);
+        let is_free =
+            |curve: usize, name: &str| free.iter().any(|one| one.quantity == name && one.applies_to(curve));
         if self.errors.contacts && self.equation.contacts().have_equal_stiffness().is_err() {
             let expected = "\"white\" where the stiffness of a contact depends on its threshold: the noise of contacts is known where all are equally stiff";
             return Err(Error::invalid("noise", expected, "contacts"));
@@ -321,7 +322,8 @@ impl Fit {
             let expected = "none beside noise = \"contacts\", which changes with the true positions: smooth the positions, or take noise = \"white\"";
             return Err(Error::invalid("position_error", expected, position));
         }
-        if !self.errors.contacts && is_free("count") && is_free("stiffness") {
+        let both = |curve: usize| is_free(curve, "count") && is_free(curve, "stiffness");
+        if !self.errors.contacts && (0..self.curves.len()).any(both) {
             let expected =
                 "one of count and stiffness: without the noise of contacts only their product is known";
             return Err(Error::invalid("free", expected, "both"));

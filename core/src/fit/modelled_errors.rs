@@ -179,8 +179,9 @@ impl Likelihood {
     /// Divides N⟨k⟩ anew where both are free, so that the noise of contacts is as large as the residuals; whether it has.
     fn divide_noise(&self, coordinates: &mut [f64], readings: &[ExpectedReadings]) -> bool {
         let Errors::Modelled(Some(known)) = &self.errors else { return false };
-        let place = |name: &str| self.free.iter().position(|parameter| parameter.name == name);
-        let (Some(count), Some(stiffness)) = (place("count"), place("stiffness")) else { return false };
+        if !self.divides_all_noise() {
+            return false;
+        }
         let trace = |known: &KnownCovariance| match known {
             KnownCovariance::Contacts(covariance) => covariance.diagonal().iter().sum::<f64>(),
             KnownCovariance::None | KnownCovariance::Positions(_) => 0.0,
@@ -193,8 +194,13 @@ impl Likelihood {
         let ratio = readings.iter().zip(&self.fit.curves).map(squares).sum::<f64>() / expected;
         let divides = ratio.is_finite() && ratio > 0.0;
         if divides {
-            coordinates[count] -= ratio.ln();
-            coordinates[stiffness] += ratio.ln();
+            for (coordinate, parameter) in coordinates.iter_mut().zip(&self.free) {
+                *coordinate += match parameter.quantity.as_str() {
+                    "count" => -ratio.ln(),
+                    "stiffness" => ratio.ln(),
+                    _ => 0.0,
+                };
+            }
         }
         divides
     }

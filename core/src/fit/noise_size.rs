@@ -30,25 +30,52 @@ impl Ended<Likelihood> {
     /// How the coordinates change, without a change of the curve, where Σ becomes larger as a whole, as far as its parts are free:
     /// the noise of contacts is N⟨k⟩² at a given N⟨k⟩, an error of readings or a drift has a standard deviation.
     fn common_size(&self) -> Mat<f64> {
-        let free = &self.likelihood.free;
+        let (free, divided) = (&self.likelihood.free, self.likelihood.divides_all_noise());
         let changes = |k: usize| match (free[k].role, free[k].quantity.as_str()) {
             (Role::Reading | Role::DriftAmplitude, _) => 0.5,
-            (Role::Contacts, "count") if self.divides_all_noise() => -1.0,
-            (Role::Contacts, "stiffness") if self.divides_all_noise() => 1.0,
+            (Role::Contacts, "count") if divided => -1.0,
+            (Role::Contacts, "stiffness") if divided => 1.0,
             _ => 0.0,
         };
         let at_bound = &self.optimum.at_bound;
         Mat::from_fn(free.len(), 1, |k, _| if at_bound[k] { 0.0 } else { changes(k) })
     }
+}
 
+impl Likelihood {
     /// Whether N and ⟨k⟩ are free for each curve, so that a curve of given N⟨k⟩ may have more or less noise.
-    fn divides_all_noise(&self) -> bool {
-        let free = |curve: usize, name: &str| {
-            self.likelihood.free.iter().any(|number| number.quantity == name && number.applies_to(curve))
+    pub(super) fn divides_all_noise(&self) -> bool {
+        self.errors.have_contacts()
+            && self.counts_and_stiffnesses().iter().all(|sizes| sizes[0].is_some() && sizes[1].is_some())
+    }
+
+    /// How many products N⟨k⟩ have factors that only the noise tells apart: those of curves of which both are free. Curves that
+    /// share one of the two count once, and not at all if one of them has only one of the two.
+    pub(super) fn divided_noises(&self) -> usize {
+        if !self.errors.have_contacts() {
+            return 0;
+        }
+        let mut groups: Vec<Vec<[Option<usize>; 2]>> = Vec::new();
+        for sizes in self.counts_and_stiffnesses() {
+            let shares =
+                |other: &[Option<usize>; 2]| (0..2).any(|i| sizes[i].is_some() && sizes[i] == other[i]);
+            let (joined, mut apart): (Vec<_>, Vec<_>) =
+                groups.into_iter().partition(|group| group.iter().any(shares));
+            apart.push(joined.into_iter().flatten().chain([sizes]).collect());
+            groups = apart;
+        }
+        let divided =
+            |group: &&Vec<[Option<usize>; 2]>| group.iter().all(|sizes| sizes.iter().all(Option::is_some));
+        groups.iter().filter(divided).count()
+    }
+
+    /// For each curve which of the free numbers are its N and its ⟨k⟩.
+    fn counts_and_stiffnesses(&self) -> Vec<[Option<usize>; 2]> {
+        let number = |curve: usize, name: &str| {
+            self.free.iter().position(|number| number.quantity == name && number.applies_to(curve))
         };
-        let mut curves = 0..self.likelihood.fit.curves.len();
-        self.likelihood.errors.have_contacts()
-            && curves.all(|curve| free(curve, "count") && free(curve, "stiffness"))
+        let of = |curve: usize| ["count", "stiffness"].map(|name| number(curve, name));
+        (0..self.fit.curves.len()).map(of).collect()
     }
 }
 

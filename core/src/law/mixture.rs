@@ -54,17 +54,25 @@ impl Mixture {
         top + terms.iter().map(|term| (term - top).exp()).sum::<f64>().ln()
     }
 
-    /// The mixture with the weight of component `index` replaced and the others scaled.
-    fn with_weight(&self, index: usize, value: f64) -> Result<Self> {
-        let rest = 1.0 - self.components[index].0;
-        if !(value > 0.0 && (value < 1.0 || value == 1.0 && rest == 0.0)) {
-            return Err(Error::invalid(format!("{index}.weight"), "a weight above 0 and below 1", value));
+    /// The weights with these in place of those of some components; the others are scaled so that the sum stays 1.
+    fn weights_with(&self, given: &[(usize, f64)]) -> Result<Vec<f64>> {
+        let is_given = |i: usize| given.iter().any(|one| one.0 == i);
+        let all: f64 = given.iter().map(|one| one.1).sum();
+        let replaced: f64 = given.iter().map(|&(i, _)| self.components[i].0).sum();
+        let others = (0..self.components.len()).any(|i| !is_given(i));
+        for &(index, value) in given {
+            if !(value > 0.0 && (all < 1.0 || !others)) {
+                let expected = match given {
+                    [_] => "a weight above 0 and below 1",
+                    _ => "weights above 0 whose sum is below 1",
+                };
+                return Err(Error::invalid(format!("{index}.weight"), expected, value));
+            }
         }
-        let mut components = self.components.clone();
-        for (i, (weight, _)) in components.iter_mut().enumerate() {
-            *weight = if i == index { value } else { *weight * ((1.0 - value) / rest) };
-        }
-        Self::new(components)
+        let mut weights: Vec<f64> =
+            self.components.iter().map(|(weight, _)| weight * ((1.0 - all) / (1.0 - replaced))).collect();
+        given.iter().for_each(|&(index, value)| weights[index] = value);
+        Ok(weights)
     }
 
     /// The components with mass above x: ln of the largest weight × survival, and for each component weight ×
@@ -120,13 +128,27 @@ impl Law for Mixture {
     }
 
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
-        let (index, inner) = self.address(name)?;
-        if inner == "weight" {
-            return shared(self.with_weight(index, value));
+        self.with_parameters(&[(name, value)])
+    }
+
+    /// Weights are replaced together: the others are scaled.
+    fn with_parameters(&self, values: &[(&str, f64)]) -> Result<SharedLaw> {
+        let (mut weights, mut inner) = (Vec::new(), vec![Vec::new(); self.components.len()]);
+        for &(name, value) in values {
+            match self.address(name)? {
+                (index, "weight") => weights.push((index, value)),
+                (index, name) => inner[index].push((name, value)),
+            }
         }
         let mut components = self.components.clone();
-        let law = &mut components[index].1;
-        *law = law.with_parameter(inner, value).map_err(|error| error.under(&index.to_string()))?;
+        if !weights.is_empty() {
+            let weights = self.weights_with(&weights)?;
+            components.iter_mut().zip(weights).for_each(|(component, weight)| component.0 = weight);
+        }
+        for (index, values) in inner.iter().enumerate().filter(|(_, values)| !values.is_empty()) {
+            let law = &mut components[index].1;
+            *law = law.with_parameters(values).map_err(|error| error.under(&index.to_string()))?;
+        }
         shared(Self::new(components))
     }
 
@@ -331,6 +353,19 @@ mod tests {
         {
             assert!(law.with_parameter(name, value).is_err());
         }
+    }
+
+    #[test]
+    fn weights_are_replaced_together() {
+        let point = |at: f64| -> SharedLaw { Arc::new(Point::new(at).unwrap()) };
+        let law = Mixture::new(vec![(0.5, point(1.0)), (0.375, point(2.0)), (0.125, point(3.0))]).unwrap();
+        let changed = law.with_parameters(&[("0.weight", 0.25), ("1.weight", 0.5), ("1.at", 2.5)]).unwrap();
+        let weights: Vec<_> = changed.atoms().iter().map(|atom| (atom.position, atom.weight)).collect();
+        assert_eq!(weights, [(1.0, 0.25), (2.5, 0.5), (3.0, 0.25)]);
+        let all =
+            |last: f64| law.with_parameters(&[("0.weight", 0.25), ("1.weight", 0.5), ("2.weight", last)]);
+        assert!(all(0.25).is_ok() && all(0.5).is_err());
+        assert!(law.with_parameters(&[("0.weight", 0.5), ("1.weight", 0.5)]).is_err());
     }
 
     #[test]

@@ -68,8 +68,8 @@ impl Root {
             Err(_) => 0.0,
         };
         let last = panels[panels.len() - 1];
-        let at_area = |order: i32| self.integrate(last, |x| Complex64::from(x.powi(order))).re;
-        let (mut first, mut third, mut next) = (at_area(1), at_area(3), last);
+        let beyond = |order: i32| self.integrate(last, |x| Complex64::from(x.powi(order))).re;
+        let (mut first, mut third, mut next) = (beyond(1), beyond(3), last);
         let mut nodes = Vec::with_capacity(panels.len());
         for &x in panels.iter().rev() {
             first += self.panel(x, next, 1) + atom(x) * x;

@@ -6,7 +6,7 @@
 //!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent),
 //!   `zeros` (of analytic functions), `nelder_mead` (minima in several variables).
 //! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
-//! * Statistics and sums: `least_squares`, `student` (quantiles), `powerlaw`, `cutoff`, `omori`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
+//! * Statistics and sums: `least_squares`, `student` (quantiles), `ljung_box` (a test of autocorrelation), `powerlaw`, `cutoff`, `omori`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
 //!   `accumulation` (the point at which an integral reaches a value), `sorting`, `dawson`, `incomplete` (integrals of exponentials from tables), `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
 //!
 //! Only the fits of [`powerlaw`], [`cutoff`] and [`omori`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
@@ -30,6 +30,7 @@ pub(crate) mod least_squares;
 pub mod legendre;
 pub(crate) mod line;
 pub(crate) mod linear;
+pub(crate) mod ljung_box;
 pub(crate) mod logarithm;
 pub(crate) mod modes;
 pub(crate) mod motion;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::LN_10;
 
-use super::separable::{GROWTH, StepFit, gradient, linear};
+use super::separable::{GROWTH, SeparableFit, gradient, linear};
 
 /// Healing: static friction grows with the logarithm of the hold time, from a cutoff time on.
 ///
@@ -47,7 +47,7 @@ impl Healing {
         if hold.len() < FEWEST || hold.len() != force.len() {
             return None;
         }
-        let fit = StepFit::of(&GROWTH, hold, force, (SHORTEST * shortest, LONGEST * longest))?;
+        let fit = SeparableFit::of(&GROWTH, hold, force, (SHORTEST * shortest, LONGEST * longest))?;
         if fit.scale >= longest {
             return None;
         }

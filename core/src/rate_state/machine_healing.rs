@@ -95,12 +95,12 @@ impl MachineHealing {
         }
         report(monitor, 1.0)?;
         let undescribed =
-            || Error::invalid("force", "healing that rate-and-state friction describes", "other forces");
+            || Error::invalid("force", "healing behind this spring", "a slider that runs away in every fit");
         let (values, squares) = best.ok_or_else(undescribed)?;
         Ok(curve.found(&values, squares))
     }
 
-    /// The highest force after each hold, and the force at its end; NaN where the slider runs away.
+    /// The highest force after each hold, and the force at its end; all NaN where the slider runs away in one of them.
     pub fn forces(&self, hold: &[f64]) -> Vec<(f64, f64)> {
         let friction = SpringFriction::new(self.direct, &[self.state], self.law, self.stiffness);
         match held(&friction, hold, self.velocity) {

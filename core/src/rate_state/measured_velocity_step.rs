@@ -1,6 +1,5 @@
 //! Rate-and-state parameters of a measured velocity step, with errors from its drift and white noise.
 
-use puruspe::gammq;
 use serde::{Deserialize, Serialize};
 
 use super::drift::MeasuredNoise;
@@ -8,6 +7,7 @@ use super::generalised::{GeneralisedFit, ScaledCurve};
 use super::velocity_step::{FEWEST, scales};
 use super::{MeasuredValue, OrnsteinUhlenbeck};
 use crate::monitor::Monitor;
+use crate::numerics::ljung_box::ljung_box;
 use crate::{Error, Result};
 
 /// Smallest number of points before the step.
@@ -317,10 +317,8 @@ pub(super) fn finite(key: &str, values: &[f64]) -> Result<()> {
 fn rising(key: &str, values: &[f64]) -> Result<()> {
     match values.windows(2).position(|pair| pair[1] <= pair[0]) {
         Some(i) => {
-            let expected = format!(
-                "rising values (those of means of neighbouring points may rise), one above {}",
-                values[i]
-            );
+            let expected =
+                format!("positions that rise, one above {}, or `average` for noisy ones", values[i]);
             Err(Error::invalid(format!("{key}.{}", i + 1), expected, values[i + 1]))
         }
         None => Ok(()),
@@ -359,14 +357,8 @@ fn start_of_relaxation(position: &[f64], force: &[f64], side: f64) -> Result<f64
 
 /// The test of Ljung and Box on whitened residuals.
 fn whiteness(whitened: &[f64], drift: &[OrnsteinUhlenbeck]) -> Option<f64> {
-    let count = whitened.len();
-    let lags = LAGS.min(count / 5);
+    let lags = LAGS.min(whitened.len() / 5);
     // Each process has two parameters that were fitted to the correlations.
-    let freedom = lags.checked_sub(2 * drift.len()).filter(|&freedom| freedom > 0)? as f64;
-    let square: f64 = whitened.iter().map(|value| value * value).sum();
-    let correlation =
-        |lag: usize| whitened[lag..].iter().zip(whitened).map(|(a, b)| a * b).sum::<f64>() / square;
-    let terms = (1..=lags).map(|lag| correlation(lag).powi(2) / (count - lag) as f64);
-    let statistic = (count * (count + 2)) as f64 * terms.sum::<f64>();
-    statistic.is_finite().then(|| gammq(0.5 * freedom, 0.5 * statistic))
+    let freedom = lags.checked_sub(2 * drift.len()).filter(|&freedom| freedom > 0)?;
+    ljung_box(&[whitened], lags, freedom)
 }

@@ -19,7 +19,7 @@ pub(super) const DECAY: FitShape = FitShape { value: |z| (-z).exp(), slope: |z| 
 pub(super) const GROWTH: FitShape = FitShape { value: f64::ln_1p, slope: |z| 1.0 / (1.0 + z) };
 
 /// The fit y = offset + size s(x/scale).
-pub(super) struct StepFit {
+pub(super) struct SeparableFit {
     pub offset: f64,
     pub size: f64,
     pub scale: f64,
@@ -27,7 +27,7 @@ pub(super) struct StepFit {
     points: usize,
 }
 
-impl StepFit {
+impl SeparableFit {
     /// Least squares, with a scale between `low` and `high`: linear in offset and size for each scale.
     pub fn of(shape: &FitShape, x: &[f64], y: &[f64], (low, high): (f64, f64)) -> Option<Self> {
         if x.len() < 4 || x.len() != y.len() || !(low > 0.0 && high.is_finite()) {
@@ -54,11 +54,11 @@ pub(super) fn nearest_scale(squares: impl Fn(f64) -> f64, (low, high): (f64, f64
     let step = (high / low).ln() / CANDIDATES as f64;
     // Both ends are candidates as they are.
     let candidate = |i: usize| if i == CANDIDATES { high } else { low * (step * i as f64).exp() };
-    let candidates = (0..=CANDIDATES).map(candidate);
-    let nearest = candidates.min_by(|a, b| squares(*a).total_cmp(&squares(*b)))?;
+    let candidates = (0..=CANDIDATES).map(|i| (candidate(i), squares(candidate(i))));
+    let (nearest, lowest) = candidates.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let [from, to] = [(nearest.ln() - step).max(low.ln()), (nearest.ln() + step).min(high.ln())];
     let (log, least) = brent_minimum(|log: f64| squares(log.exp()), from, to, 1e-10);
-    Some(if squares(nearest) <= least { nearest } else { log.exp() })
+    Some(if lowest <= least { nearest } else { log.exp() })
 }
 
 /// Derivatives of the fitted curve at x with respect to offset, size and scale.

@@ -16,7 +16,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::roots::brent_root;
+use crate::numerics::roots::brent_root_between;
 
 /// The law by which a state variable evolves.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -112,7 +112,9 @@ impl SpringFriction {
             if by > 0.0 && before.y[0] < 0.0 && motion.y[0] >= 0.0 {
                 let method = self.method(&before.y, by);
                 let at = |by: f64| self.attempt(method, &before.y, by, 1.0).0;
-                let by = brent_root(|by| at(by)[0], 0.0, by, 1e-12 * by)?;
+                // A step of length 0 is not defined: its end is known.
+                let ends = [(0.0, before.y[0]), (by, motion.y[0])];
+                let by = brent_root_between(|by| at(by)[0], ends, 1e-12 * by)?;
                 motion.y = at(by);
                 break;
             }
@@ -376,6 +378,28 @@ mod tests {
                 let error = (friction.force(&motion) - expected).abs();
                 assert!(error < 4e-4 / stiffness + 1e-8, "{stiffness} {end}: {error:e}");
                 assert!(motion.steps < 400, "{}", motion.steps);
+            }
+        }
+    }
+
+    /// A slider behind a very stiff spring rests in a hold; the age of its contacts grows by the time τ, and the force after it
+    /// is higher by b ln(1 + τ).
+    #[test]
+    fn healing_behind_a_stiff_spring_is_that_of_a_rigid_one() {
+        for stiffness in [1e4, 1e6, 1e8] {
+            let state = [StateVariable { evolution: 0.015, distance: 1.0 }];
+            let friction = SpringFriction::new(0.01, &state, StateLaw::Ageing, stiffness);
+            for hold in [1.0, 30.0, 1000.0] {
+                let mut motion = friction.steady();
+                friction.advance(&mut motion, 0.0, hold).unwrap();
+                let peak = friction.peak(motion).unwrap();
+                let expected = 0.015 * (1.0 + hold).ln();
+                // The spring relaxes by up to 0.1 in the hold and stretches again: the slider moves by 0.2/K, over which age is
+                // lost at the rate of the age itself.
+                assert!(
+                    (peak - expected).abs() < 0.2 * hold / stiffness + 1e-6,
+                    "{stiffness} {hold}: {peak} {expected}"
+                );
             }
         }
     }

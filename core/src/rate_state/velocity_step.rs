@@ -1,6 +1,6 @@
 //! Rate-and-state parameters of a computed velocity step.
 
-use super::separable::{DECAY, StepFit};
+use super::separable::{DECAY, SeparableFit};
 
 /// Rate-and-state parameters of a computed velocity step; forces in the unit of the curve.
 ///
@@ -57,7 +57,7 @@ impl VelocityStep {
         if displacement.len() < FEWEST {
             return None;
         }
-        let fit = StepFit::of(&DECAY, &displacement, force, scales(*displacement.last()?))?;
+        let fit = SeparableFit::of(&DECAY, &displacement, force, scales(*displacement.last()?))?;
         Some(Self {
             direct: (fit.offset + fit.size - before) / size,
             evolution: fit.size / size,

@@ -128,6 +128,30 @@ fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
     }
 }
 
+/// In steady sliding behind a spring stiffer than K_c nothing changes, whatever the tolerance.
+#[test]
+fn a_steady_start_is_kept_to_any_tolerance() {
+    let (contacts, velocity) = (logarithmic(), 0.01);
+    for stiffness in [1.0, 3.0] {
+        for tolerance in [1e-5, 1e-6, 1e-8] {
+            let sliding = Transport::steady_with(&contacts, velocity, tolerance, &mut ()).unwrap();
+            let drive = steady(velocity, 0.5);
+            let run = block(stiffness, Slip::Reset)
+                .follow_with(&sliding, &drive, &times(&drive, 5), Block::step_for(tolerance), &mut ())
+                .unwrap();
+            let first = &run.trace[0];
+            for moment in &run.trace {
+                let slid = moment.position - first.position - velocity * moment.time;
+                assert!(slid.abs() < tolerance, "{stiffness} {tolerance:e}: {slid:e}");
+                assert!(
+                    (moment.force - first.force).abs() < tolerance,
+                    "{stiffness} {tolerance:e} {moment:?}"
+                );
+            }
+        }
+    }
+}
+
 /// The way of the slider's bottom.
 fn way(run: &Slide) -> History {
     let pieces = run.trace.windows(2).map(|pair| {

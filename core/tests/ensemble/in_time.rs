@@ -3,9 +3,9 @@
 
 use crate::common::pulled::near;
 use crate::common::ways::kinds;
-use crate::common::{contacts, gaussian, initial, point};
+use crate::common::{contacts, gaussian, initial, point, rectangular};
 use asperity::block::{Block, Drive, Loading, Slide, Slip};
-use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
+use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::energy::ContactEnergies;
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
@@ -36,6 +36,24 @@ fn go<T>(
         }
     }
     seen
+}
+
+/// Contacts above their thresholds break at once, and the others live on, with and without a temperature.
+#[test]
+fn a_relaxed_start_is_that_of_contacts_followed_one_by_one() {
+    let heated = Rules { temperature: Some(Temperature::new(0.05, 3.0)), ..Rules::default() };
+    for rules in [Rules::default(), heated] {
+        let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.2), &point(0.0)) };
+        let initial = Initial { law: rectangular(0.0, 1.5), start: Start::Relaxed };
+        let ensemble = Ensemble::new(contacts, initial, 500, 3, Disorder::Annealed).unwrap();
+        let way = steady(0.1, 2.0);
+        let seen = go(&mut ensemble.in_time().unwrap(), &way, 5, |c| (c.time(), c.force()));
+        let mut times: Vec<f64> = seen.iter().map(|seen| seen.0.min(way.duration())).collect();
+        *times.last_mut().unwrap() = way.duration();
+        let followed = ensemble.follow(&way, &times).unwrap();
+        // As above.
+        seen.iter().zip(&followed.force).for_each(|(seen, force)| near(seen.1, *force, 1e-8));
+    }
 }
 
 #[test]

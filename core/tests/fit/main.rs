@@ -10,6 +10,7 @@ mod free_form;
 mod gradient;
 mod position_errors;
 mod pulls;
+mod several_curves;
 mod steady;
 mod threshold_response;
 mod velocity_curve;

@@ -7,6 +7,8 @@ use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Elements, Evolution, Field, Potential, Slope, cloud_in_cell};
 use crate::numerics::legendre::{NODES, RULE};
 
+/// Tolerance of tables of the distribution at all ages, unless thresholds are narrow.
+const LEFT_OUT: f64 = 1e-13;
 /// Fraction of thresholds neglected above the upper end.
 const NEGLIGIBLE: f64 = 1e-15;
 
@@ -67,6 +69,22 @@ impl ThresholdFokkerPlanck {
     /// P_cf.
     pub fn mature_law(&self) -> &SharedLaw {
         &self.mature
+    }
+
+    /// The tolerance of the distribution at each age that tables of it are made with.
+    pub(super) fn tolerance(&self) -> f64 {
+        /// The same for narrow thresholds, in units of ε⟨x_s⟩/s: positions are rounded to ε⟨x_s⟩, and about this mass of a
+        /// distribution of standard deviation s lies within such a distance. Steps in age cannot meet a tolerance below it.
+        const ROUNDED: f64 = 16.0;
+        let narrower = self.fresh.std().min(self.mature.std());
+        LEFT_OUT.max(ROUNDED * f64::EPSILON * self.fresh.mean() / narrower)
+    }
+
+    /// Whether the density of fresh thresholds has jumps, which diffusion smooths at once.
+    pub(super) fn begins_with_jumps(&self) -> bool {
+        let mean = self.fresh.mean();
+        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
+        self.fresh.breakpoints().iter().any(jumps)
     }
 
     /// U.
@@ -218,11 +236,11 @@ impl ThresholdFokkerPlanck {
         edges.pop();
         edges.dedup_by(|b, a| *b - *a < spread);
         edges.push(high);
-        let point_mass_width = |h: f64, atom: &Atom| {
+        let spread_mass = |h: f64, atom: &Atom| {
             let z = (h - drifted(atom.position)) / spread;
             atom.weight * (-0.5 * z * z).exp() / (spread * (2.0 * std::f64::consts::PI).sqrt())
         };
-        let density = |h: f64| atoms.iter().map(|atom| point_mass_width(h, atom)).sum();
+        let density = |h: f64| atoms.iter().map(|atom| spread_mass(h, atom)).sum();
         let mut density = Elements::of(density, &edges, |_| left_out, 0.1 * spread);
         // Restores the mass cut off at an end of the support or at the stretch.
         let whole: f64 = atoms.iter().map(|atom| atom.weight).sum();

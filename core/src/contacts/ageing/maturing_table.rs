@@ -4,17 +4,10 @@ use std::sync::Arc;
 
 use super::ThresholdFokkerPlanck;
 use crate::Result;
-use crate::law::Breakpoint;
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Elements, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, integral, series};
 use crate::numerics::piecewise::tail;
-
-/// Tolerance of the distribution at each age.
-const LEFT_OUT: f64 = 1e-13;
-/// The same for narrow thresholds, in units of ε⟨x_s⟩/s: positions are rounded to ε⟨x_s⟩, and about this mass of a distribution of
-/// standard deviation s lies within such a distance. Steps in age cannot meet a tolerance below it.
-const ROUNDED: f64 = 16.0;
 
 /// First panel of ages, in units of the time in which fresh thresholds change; if their density has jumps, these change at
 /// once.
@@ -71,12 +64,9 @@ impl MaturingTable {
         const ENOUGH: f64 = 1e-11;
         let watch = Watch::new(monitor);
         let fresh = maturing.fresh_law();
-        let mean = fresh.mean();
-        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
-        let edged = fresh.breakpoints().iter().any(jumps);
         let narrower = fresh.std().min(maturing.mature_law().std());
         let own = narrower * narrower / maturing.diffusion;
-        if !edged {
+        if !maturing.begins_with_jumps() {
             let table = Self::starting(&maturing, SOON * own, &watch)?;
             if table.truncation() <= ENOUGH {
                 return Ok(table);
@@ -270,10 +260,7 @@ fn evolve(maturing: &ThresholdFokkerPlanck, first: f64, watch: &Watch<'_>) -> Re
     const OLDEST: f64 = 1e4;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let (slope, stops) = (|h: f64| slope.at(h), || watch.stops());
-    let fresh = maturing.fresh_law();
-    let narrower = fresh.std().min(maturing.mature_law().std());
-    let tolerance = LEFT_OUT.max(ROUNDED * f64::EPSILON * fresh.mean() / narrower);
-    let mut evolution = maturing.evolution((&slope, &kinks), tolerance, &stops);
+    let mut evolution = maturing.evolution((&slope, &kinks), maturing.tolerance(), &stops);
     let oldest = OLDEST * maturing.mature_law().std().powi(2) / maturing.diffusion;
     let (mut columns, mut step): (Vec<Elements>, Option<TimeStep>) = (Vec::new(), None);
     let (mut start, mut end) = (0.0, first);

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use super::ThresholdFokkerPlanck;
 use crate::Result;
-use crate::law::{Breakpoint, Law, SharedLaw};
+use crate::law::{Law, SharedLaw};
 use crate::monitor::{Monitor, Part, Watch, report};
 use crate::numerics::diffusion::{Elements, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, primitive, series};
@@ -34,9 +34,6 @@ const AT_ONCE: f64 = 1e-6;
 
 /// An error of the distribution function above which s may have been too long.
 const ENOUGH: f64 = 1e-9;
-
-/// Tolerance of the distribution at each age.
-const LEFT_OUT: f64 = 1e-13;
 
 /// A contact whose present threshold is given.
 #[derive(Debug, Clone, Copy)]
@@ -154,13 +151,10 @@ impl RankTable {
         time: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mean = fresh.mean();
-        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
-        let edged = fresh.breakpoints().iter().any(jumps);
         // The time in which diffusion broadens the fresh distribution by its own width, in units of τ. The table
         // must resolve it; edges change faster than any width.
         let own = (fresh.std() * fresh.std() / time / maturing.diffusion).min(1.0);
-        let soon = own * if edged { AT_ONCE } else { SOON };
+        let soon = own * if maturing.begins_with_jumps() { AT_ONCE } else { SOON };
         if soon <= AT_ONCE {
             return Self::starting(fresh, maturing, time, soon, monitor);
         }
@@ -195,7 +189,9 @@ impl RankTable {
         let lowest_of = |rank: usize| rows.iter().map(|row| row[rank]).fold(f64::INFINITY, f64::min);
         let lowest = (0..RANKS).map(lowest_of).collect();
         let mut ranks = Self { fresh: fresh.clone(), time: scale, rows, lowest, means, error: 0.0 };
-        ranks.error = ranks.interpolation_error(&mut || report(monitor, SHARE))?;
+        // Rounding, and what the solution of the equation leaves out.
+        let least = 10.0 * maturing.tolerance();
+        ranks.error = ranks.interpolation_error(&mut || report(monitor, SHARE))?.max(least);
         Ok(ranks)
     }
 
@@ -221,10 +217,9 @@ impl RankTable {
     /// Those of `ask`, which asks the monitor.
     fn interpolation_error(&self, ask: &mut dyn FnMut() -> Result<()>) -> Result<f64> {
         let (second, fourth) = (self.subsampling_error(2, ask)?, self.subsampling_error(4, ask)?);
-        // Rounding, and what the law leaves out.
         // If halving the spacing reduces the error by a factor, the next halving reduces it by the
         // same: the error of the whole table is that of every second entry times second/fourth.
-        Ok((second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT))
+        Ok(second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0))
     }
 
     /// The largest error, as a fraction of contacts, of interpolating the rows and ranks halfway between
@@ -490,7 +485,7 @@ fn evolve_quantiles(
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let watch = Watch::new(monitor);
     let (slope, stops) = (|h: f64| slope.at(h), || watch.stops());
-    let mut evolution = maturing.evolution((&slope, &kinks), LEFT_OUT, &stops);
+    let mut evolution = maturing.evolution((&slope, &kinks), maturing.tolerance(), &stops);
     let Some((&earliest, &oldest)) = ages.first().zip(ages.last()) else { return Ok(Vec::new()) };
     let mut step: Option<TimeStep> = None;
     let mut steps = 0.0;
@@ -522,9 +517,9 @@ fn quantiles_of(density: &Elements) -> Vec<f64> {
         // Counted from the nearer end, in which little is lost.
         let minor = whole / (1.0 + psi.abs().exp());
         let all = || 0..masses.len();
-        let contact_at =
+        let passed =
             if psi < 0.0 { found(all(), &masses, minor) } else { found(all().rev(), &masses, minor) };
-        let Some((element, before)) = contact_at else { return density.edges[0] };
+        let Some((element, before)) = passed else { return density.edges[0] };
         let (middle, half) = density.element(element);
         let below = primitive(&density.series[element]);
         let wanted = if psi < 0.0 { minor - before } else { masses[element] - (minor - before) };

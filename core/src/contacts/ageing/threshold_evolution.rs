@@ -142,7 +142,7 @@ impl ThresholdEvolution {
     }
 
     /// Ages, each twice the one before, between which a threshold has at most one extremum, from where the
-    /// fresh distribution has hardly changed up to τ. Empty for closed forms, which are monotonic.
+    /// fresh distribution has hardly changed up to τ. Empty for closed forms.
     pub(crate) fn octaves(&self) -> Vec<f64> {
         if let Kind::Ranked(ranks) = &self.kind { ranks.octaves() } else { Vec::new() }
     }

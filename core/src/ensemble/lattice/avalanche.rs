@@ -87,7 +87,7 @@ pub fn record(avalanches: &[Avalanche]) -> Record {
     column("size", "breaks", count, &|a| a.size as f64);
     column("area", "contacts that broke", count, &|a| a.area as f64);
     column("duration", "generations of breaks", count, &|a| a.duration as f64);
-    column("released", "force let go", force, &|a| a.released);
+    column("released", "released force", force, &|a| a.released);
     column("force_before", "force before", force, &|a| a.force_before);
     column("force_after", "force after", force, &|a| a.force_after);
     column("drop", "force drop", force, &Avalanche::drop);

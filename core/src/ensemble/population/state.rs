@@ -1,4 +1,4 @@
-//! All that changes as the contacts of an ensemble are moved, to be kept and taken up again.
+//! All that changes as the contacts of an ensemble are moved, to be kept and restored.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use crate::numerics::compensated::Compensated;
 use crate::population::Direction;
 use crate::rate_dependent::ContactsState;
 
-/// What contacts have come to. The queue is kept as it is: sums over contacts are made in its order.
+/// The state of contacts. The queue is kept as it is: sums over contacts are made in its order.
 #[derive(Serialize, Deserialize)]
 struct EnsemblePopulationState<Queue, Free, Sums> {
     facing: Direction,
@@ -26,7 +26,7 @@ struct EnsemblePopulationState<Queue, Free, Sums> {
 }
 
 impl EnsemblePopulation {
-    /// What the contacts have come to.
+    /// The state of the contacts.
     pub(super) fn kept(&self) -> ContactsState {
         let Self { facing, moved, position, queue, back, free, held, sums, lost, breaks, .. } = self;
         let (facing, moved, position, back) = (*facing, *moved, *position, *back);
@@ -45,7 +45,7 @@ impl EnsemblePopulation {
         })
     }
 
-    /// Goes to what other contacts of the same description have come to.
+    /// Restores the state of other contacts of the same description.
     pub(super) fn take_up(&mut self, state: &ContactsState) -> Result<()> {
         let kept: EnsemblePopulationState<Queue, Vec<QueuedContact>, Sums> = state.read()?;
         let size = kept.queue.len() + kept.free.len();

@@ -22,8 +22,8 @@ impl SteadyRecord {
     /// A record at positions that rise in equal steps.
     ///
     /// # Errors
-    /// Fewer than two positions; a position that is more than a hundredth of the spacing from its place; as many forces as
-    /// positions.
+    /// Fewer than two positions; a position that is more than a hundredth of the spacing from its place; another
+    /// number of forces than positions.
     pub fn at_positions(positions: &[f64], forces: Vec<f64>) -> Result<Self> {
         let n = positions.len();
         if n < 2 {

@@ -22,8 +22,7 @@ const NARROWER: f64 = 4.0;
 const FINER: i32 = 4;
 
 /// The parameters of thresholds that are a length all of them are proportional to, or that bounds them.
-const LENGTHS: [&str; 5] =
-    ["thresholds.mean", "thresholds.scale", "thresholds.median", "thresholds.min", "thresholds.max"];
+const LENGTHS: [&str; 4] = ["thresholds.mean", "thresholds.scale", "thresholds.min", "thresholds.max"];
 
 impl SteadyLikelihood {
     /// The coordinates from which to search, the given ones first; `None` where no force follows from these.

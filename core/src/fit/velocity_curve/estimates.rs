@@ -114,7 +114,7 @@ impl VelocityCurveEstimates {
     }
 }
 
-/// The smooth curve, with the errors gᵀVg of the covariance V of the coordinates, g the derivatives of a force.
+/// The smooth curve, with the errors √(gᵀVg) of the covariance V of the coordinates, g the derivatives of a force.
 fn fitted(
     (likelihood, optimum): (&VelocityLikelihood, &Optimum<VelocityPoint>),
     covariance: &Mat<f64>,

@@ -483,6 +483,15 @@ impl Sliding {
     pub fn new(run: &StickSlip) -> Self {
         let first = run.events.first().map(|event| event.before);
         let mut sliding = Self::of_regime(run.regime, run.events.len(), first);
+        let counted = match run.regime {
+            Regime::Smooth { .. } => 0,
+            Regime::Transient { slips, .. } | Regime::Persistent { slips, .. } => slips,
+            Regime::Undecided { slips, .. } => slips,
+            Regime::Runaway => run.events.len(),
+        };
+        if counted < run.events.len() {
+            sliding.reason = format!("since the drive turned last: {}", run.regime);
+        }
         if let End::Runaway(point) = run.end {
             sliding.runaway = Some(point.into());
         }
