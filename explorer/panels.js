@@ -36,8 +36,8 @@ class Figure {
     const drawn = panel ? this.svg() : "";
     if (!panel || drawn === this.drawn) return;
     this.drawn = this.picture.innerHTML = drawn;
-    const caption = /** @type {HTMLElement} */ (this.element.querySelector("figcaption"));
-    caption.innerHTML = panel.title;
+    this.beside.dataset.values = "";
+    const caption = Object.assign(/** @type {HTMLElement} */ (this.element.querySelector("figcaption")), { innerHTML: panel.title });
     for (const button of this.buttons) button.ariaLabel = `${button.textContent} of ${caption.textContent}`;
   }
 

@@ -172,13 +172,15 @@ impl SliderMotion {
         const STRETCHES: f64 = 0.01;
         /// The error of a method of second order falls with the third power of the duration; this part of it does not.
         const KEPT: f64 = 0.9;
-        let stretch = |cell: &SlidingCell| cell.force.abs() / cell.contacts.tangent();
-        let least = self.cells.iter().map(stretch).fold(f64::INFINITY, f64::min);
-        let is_small = error < (TOLERANCES * self.control.tolerance).min(STRETCHES * least);
         let is_kept = |(longer, larger): (f64, f64)| {
             error > KEPT * larger && duration.powi(3) < KEPT.powi(2) * longer.powi(3)
         };
-        self.equation.is_quasistatic() && is_small && before.is_some_and(is_kept)
+        if !self.equation.is_quasistatic() || !before.is_some_and(is_kept) {
+            return false;
+        }
+        let stretch = |cell: &SlidingCell| cell.force.abs() / cell.contacts.tangent();
+        let least = self.cells.iter().map(stretch).fold(f64::INFINITY, f64::min);
+        error < (TOLERANCES * self.control.tolerance).min(STRETCHES * least)
     }
 
     /// The error of a balance that has no continuation without a finite displacement in no time; `None` with a mass or a

@@ -61,7 +61,7 @@ pub(super) struct FreeNumbers {
 
 impl<L: Objective> Ended<L> {
     /// Values and errors of the free numbers, from the information of which eigenvalues below `least` count as 0. `widen` adds to
-    /// the covariance of the coordinates what the information does not know.
+    /// the covariance of the coordinates errors that the information does not contain.
     ///
     /// # Errors
     /// Numbers that `what` has been measured does not determine; errors of the solver; stopped by the monitor.
@@ -94,7 +94,7 @@ impl<L: Objective> Ended<L> {
         Ok(FreeNumbers { parameters, of_coordinates: covariance, covariance: of_values })
     }
 
-    /// The same, if forces have been measured.
+    /// The search, if forces have been measured.
     ///
     /// # Errors
     /// A measurement that is only planned.

@@ -149,11 +149,14 @@ pub(super) fn by_profile<O: Objective>(
         // At the end of its range a number has a limit only.
         return Ok([0.0, upper_limit(ended, number, monitor)?]);
     }
+    /// The first step of a logarithm at the upper end of its range, where its error is not known.
+    const UNKNOWN: f64 = 0.5;
     let quantile = TWO_SIDED.quantile(likelihood.freedom());
-    let (half, rise) = (quantile * error, likelihood.rise(quantile));
+    let half = if optimum.at_bound[number] { UNKNOWN } else { quantile * error };
+    let rise = likelihood.rise(quantile);
     let mut end = |step: f64| -> Result<f64> {
         let found = end_of_rise(ended, (number, start, step), (rise, ACCURACY * step.abs()), monitor)?;
-        Ok(parameter.value(found))
+        Ok(parameter.value(found.clamp(parameter.bounds[0], parameter.bounds[1])))
     };
     Ok([end(-half)?, end(half)?])
 }

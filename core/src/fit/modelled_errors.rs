@@ -176,7 +176,7 @@ impl Likelihood {
         unreachable!("the last renewal returns")
     }
 
-    /// Divides N⟨k⟩ anew where both are free, so that the noise of contacts is as large as the residuals; whether it has.
+    /// Divides N⟨k⟩ anew where both are free for each curve, so that the noise of contacts is as large as the residuals; whether it has.
     fn divide_noise(&self, coordinates: &mut [f64], readings: &[ExpectedReadings]) -> bool {
         let Errors::Modelled(Some(known)) = &self.errors else { return false };
         if !self.divides_all_noise() {

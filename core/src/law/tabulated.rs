@@ -395,7 +395,7 @@ mod tests {
         assert_eq!(kinks, [(0.0, 1.0, 1.0), (1.0, 1.0, -2.0), (2.0, 1.0, 1.0)]);
     }
 
-    /// Of a density that is constant, in so many cells that a recursion over them would not end.
+    /// Of a density that is constant, in so many cells that a recursion over them would overflow the stack.
     #[test]
     fn high_moments_of_many_cells() {
         let count = 400_000;

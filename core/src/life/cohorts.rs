@@ -176,7 +176,7 @@ pub(super) fn of_cohorts(
     watch.check()?;
     drop(panels);
     if cohorts.model.is_large() {
-        // Those that are asked for again are made again.
+        // A cohort that is needed later is computed again.
         cohorts.spread.values_mut().for_each(|cohort| *cohort = OnceLock::new());
     }
     Ok(Life {

@@ -230,7 +230,9 @@ impl BreakingModel for Timed {
                 return None;
             }
             let left = self.left(start, advance, hazard.position);
-            if left * self.visibility(hazard) <= FAINT {
+            // All contacts that share a threshold count. Of a density only the kink that it leaves counts.
+            let least = if hazard.is_atom() { NEGLIGIBLE } else { FAINT };
+            if left * self.visibility(hazard) <= least {
                 return None;
             }
             // The stretch grows at the velocity v, the threshold at its drift: they meet at the

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
-use crate::common::{gaussian, rectangular};
+use crate::common::gaussian;
 use asperity::contacts::{Ageing, Barrier, Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use asperity::law::{Exponential, Gamma, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
@@ -500,7 +500,7 @@ fn few_starts_stand_for_narrow_ones_where_contacts_age_at_a_temperature() {
 #[test]
 fn wide_starts_are_the_mean_of_single_ones_where_temperature_breaks_the_weakest_first() {
     let gamma: SharedLaw = Arc::new(Gamma::new(0.7, 0.14).unwrap());
-    for (thresholds, energy, velocity) in [(gamma, 0.02, 1e-4), (rectangular(0.4, 1.6), 0.05, 1e-2)] {
+    for (thresholds, energy, velocity) in [(gamma, 0.02, 1e-4), (gaussian(1.0, 0.2), 0.05, 1e-2)] {
         let mut contacts = Contacts::new(thresholds, Arc::new(Point::new(0.0).unwrap()));
         contacts.rules.ageing = Some(Ageing::Logarithmic { growth: 0.1, time: 3.0 });
         contacts.rules.temperature = Some(Temperature::new(energy, 1.0));

@@ -9,7 +9,7 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiff
 use asperity::energy::ContactEnergies;
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
-use asperity::master::Transport;
+use asperity::master::{MasterEquation, Transport};
 use asperity::rate_dependent::RateDependentContacts;
 
 fn ensemble(contacts: &Contacts, size: usize, seed: u64) -> Ensemble {
@@ -54,6 +54,26 @@ fn a_relaxed_start_is_that_of_contacts_followed_one_by_one() {
         // As above.
         seen.iter().zip(&followed.force).for_each(|(seen, force)| near(seen.1, *force, 1e-8));
     }
+}
+
+/// Behind a spring five times stiffer than K_c, 0.6, a break of one of many contacts is no slip of the slider.
+#[test]
+fn single_breaks_are_no_slips_behind_a_stiff_spring() {
+    let rules = Rules { ageing: Some(Ageing::Logarithmic { growth: 0.03, time: 0.5 }), ..Rules::default() };
+    let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.25), &point(0.0)) };
+    let (velocity, size) = (0.1, 3000_usize);
+    let drive = steady(velocity, 12.0);
+    let times: Vec<f64> = (60..=120).map(f64::from).collect();
+    let block = Block::new(Loading::Spring(3.0), Slip::Reset, None).unwrap();
+    // A tenth of the scatter of the drive at slips of so many contacts, as tasks have it.
+    let tolerance = 0.1 * (size as f64).powf(-2.0 / 3.0);
+    let run = block
+        .follow_with(&ensemble(&contacts, size, 5).in_time().unwrap(), &drive, &times, tolerance, &mut ())
+        .unwrap();
+    let mean = run.trace.iter().map(|moment| moment.force).sum::<f64>() / run.trace.len() as f64;
+    let equation = MasterEquation::at(contacts, &initial(&point(0.0)), velocity).unwrap();
+    // Stretches scatter by 0.3, and the mean is over some eight lives: 0.3/√(3000 · 8) = 0.002, four times.
+    assert!((mean - equation.steady_state().kinetic_friction()).abs() < 0.008, "{mean}");
 }
 
 #[test]

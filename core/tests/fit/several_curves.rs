@@ -83,7 +83,7 @@ fn a_number_is_common_to_the_curves_or_one_of_each() {
     assert!(refused(&["curve.2.offset"]).starts_with("free.0: expected one of"));
 }
 
-/// Numbers of one curve are not other numbers than those of all curves where there is one.
+/// With one curve, its own numbers are those of all curves.
 #[test]
 fn count_and_stiffness_of_a_curve_divide_its_noise_as_those_of_all() {
     let positions = positions(80, 4.0);
@@ -101,6 +101,28 @@ fn count_and_stiffness_of_a_curve_divide_its_noise_as_those_of_all() {
     assert_eq!(of_all.degrees_of_freedom, of_one.degrees_of_freedom);
     let [a, b] = [all.parameters[0].value, one.parameters[0].value];
     assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+}
+
+/// N and ⟨k⟩ change a curve alike: they are one number of its force. If another curve has only one of them, its force tells them apart.
+#[test]
+fn numbers_that_only_the_noise_tells_apart_are_counted_once() {
+    let positions = positions(60, 4.0);
+    let found = |names: &[&str]| {
+        let guess =
+            MasterEquation::new(contacts(2000.0, [1.0, 0.12], spread()), &Initial::default()).unwrap();
+        let measured = |seed: u64| Measurement::new(positions.clone(), simulated(&positions, seed));
+        let fit = Fit::new(guess, measured(3)).curve(measured(4)).free(names.iter().copied());
+        fit.run().unwrap().misfit.unwrap()
+    };
+    for (names, of_force, tested) in [
+        (&["curve.0.count", "curve.0.stiffness"][..], 1, false),
+        (&["stiffness", "curve.0.count", "curve.1.count"], 2, false),
+        (&["count", "curve.0.stiffness"], 2, true),
+    ] {
+        let misfit = found(names);
+        assert_eq!(misfit.degrees_of_freedom, 120 - of_force, "{names:?}");
+        assert_eq!(misfit.probability.is_some(), tested, "{names:?}");
+    }
 }
 
 #[test]
