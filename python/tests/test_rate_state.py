@@ -96,7 +96,7 @@ def test_wrong_input() -> None:
     force = measured(6)
     with pytest.raises(ValueError, match="ratio: expected a finite number above 0 other than 1"):
         asp.read_velocity_step(POSITION, force, 1.0)
-    with pytest.raises(ValueError, match=r"position\.1: expected rising values \(those of means"):
+    with pytest.raises(ValueError, match=r"position\.1: expected positions that rise, one above"):
         asp.read_velocity_step(POSITION[::-1] * 0.0 - 1.0, force, RATIO)
     with pytest.raises(ValueError, match="noise"):
         asp.read_velocity_step(POSITION, force, RATIO, noise="pink")  # type: ignore[arg-type]

@@ -1,9 +1,8 @@
 //! The end of the search of any fit: the estimates of its free numbers, and what follows from the likelihood about them.
 
 use faer::Mat;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
+use super::estimate::Estimate;
 use super::free::{FreeParameter, Role};
 use super::interval::{self, TWO_SIDED};
 use super::matrix;
@@ -14,34 +13,6 @@ use crate::{Error, Result};
 
 /// Standard error of a logarithm above which only a limit is reported.
 const VAGUE: f64 = 1.0;
-/// Correlations that are reported.
-const CORRELATED: f64 = 0.5;
-
-/// The estimate of a free number.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// Its name.
-    pub name: String,
-    /// Its most probable value.
-    pub value: f64,
-    /// Its standard error.
-    pub error: f64,
-    /// The interval that holds the true value with 95 %: 1.96 standard errors to both sides of the value, or of its logarithm
-    /// for numbers above 0, but not beyond the end of its range. For independent errors of unknown size it is Student's t of n − p
-    /// degrees of freedom in place of 1.96.
-    pub interval: [f64; 2],
-    /// Where only a limit is known: the value below which it is with 95 %, by the profile of the likelihood.
-    pub limit: Option<f64>,
-}
-
-/// The correlation of the errors of two estimates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Correlation {
-    /// The names.
-    pub between: [String; 2],
-    /// The coefficient, from −1 to 1.
-    pub coefficient: f64,
-}
 
 /// A search that has ended, with the likelihood that it has searched.
 #[derive(Debug)]
@@ -193,7 +164,7 @@ macro_rules! methods_of_estimates {
 
             /// Coefficients above 0.5, without sign, between the errors of two estimates.
             pub fn correlations(&self) -> Vec<$crate::fit::Correlation> {
-                $crate::fit::ended::correlations(&self.parameters, &self.covariance)
+                $crate::fit::estimate::correlations(&self.parameters, &self.covariance)
             }
 
             /// The interval of 95 % of a number by the profile of the likelihood: where −2 ln L, lowest in all other numbers,
@@ -316,21 +287,6 @@ fn estimate<O: Objective>(
     let end = |side: f64| parameter.value((u + side * width).clamp(parameter.bounds[0], parameter.bounds[1]));
     let interval = limit.map_or([end(-1.0), end(1.0)], |limit| [0.0, limit]);
     Ok(Estimate { name: parameter.name.clone(), value, error: error * parameter.slope(u), interval, limit })
-}
-
-/// Coefficients above [`CORRELATED`], without sign, of estimates of this covariance.
-pub(super) fn correlations(parameters: &[Estimate], covariance: &[f64]) -> Vec<Correlation> {
-    let n = parameters.len();
-    let coefficient =
-        |i: usize, j: usize| covariance[i * n + j] / (parameters[i].error * parameters[j].error);
-    let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (j, i)));
-    let large = pairs.filter(|&(i, j)| coefficient(i, j).abs() > CORRELATED);
-    large
-        .map(|(i, j)| Correlation {
-            between: [parameters[i].name.clone(), parameters[j].name.clone()],
-            coefficient: coefficient(i, j),
-        })
-        .collect()
 }
 
 /// A number rounded to three digits.

@@ -1,7 +1,8 @@
 //! What a fit to curves of force has found: values with errors and intervals, the readings as described, the misfit.
 
-use super::ended::{Ended, Estimate, methods_of_estimates};
+use super::ended::{Ended, methods_of_estimates};
 use super::error_covariance::KnownCovariance;
+use super::estimate::Estimate;
 use super::expected::ExpectedReadings;
 use super::free::FreeParameter;
 use super::likelihood::{Errors, Likelihood};

@@ -1,6 +1,6 @@
 //! The numbers that a fit has held at their first values.
 
-use super::ended::Estimate;
+use super::estimate::Estimate;
 use super::estimates::Estimates;
 use super::measurement::Machine;
 use super::steady::SteadyEstimates;

@@ -39,6 +39,7 @@
 mod cholesky;
 mod ended;
 mod error_covariance;
+mod estimate;
 mod estimates;
 mod expected;
 mod first_values;
@@ -66,7 +67,7 @@ mod standardised;
 mod steady;
 mod velocity_curve;
 
-pub use ended::{Correlation, Estimate};
+pub use estimate::{Correlation, Estimate};
 pub use estimates::{Estimates, Readings};
 pub use free::Prior;
 pub(crate) use free::{BACKGROUND, ERRORS, MACHINE};

@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use super::ended::Estimate;
+use super::estimate::Estimate;
 use super::free::FreeParameter;
 use super::search::Objective;
 use crate::monitor::Monitor;

@@ -358,7 +358,7 @@ fn wrong_input_is_refused() {
     refused(&position[..85], &force[..85], RATIO, reading, "from the peak of the force on");
     let mut swapped = position.clone();
     swapped.swap(100, 101);
-    refused(&swapped, &force, RATIO, reading, "position.101: expected rising values (those of means");
+    refused(&swapped, &force, RATIO, reading, "position.101: expected positions that rise, one above");
     let mut unknown = force.clone();
     unknown[3] = f64::NAN;
     refused(&position, &unknown, RATIO, reading, "force.3: expected a finite number");

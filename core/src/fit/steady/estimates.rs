@@ -2,7 +2,8 @@
 
 use faer::Mat;
 
-use super::super::ended::{Ended, Estimate, methods_of_estimates};
+use super::super::ended::{Ended, methods_of_estimates};
+use super::super::estimate::Estimate;
 use super::super::friction::{FrictionEstimates, friction};
 use super::super::misfit::{self, Misfit};
 use super::likelihood::{SteadyLikelihood, SteadyPoint};
