@@ -1266,12 +1266,13 @@ class Estimates:
 
     def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-        numbers, has risen by 3.84. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free
-        form. For independent errors of unknown size the rise is nu ln(1 + t²/nu), with Student's t of nu = n - p degrees of
-        freedom for n readings and p free numbers.
+        numbers, has risen by 3.84. For independent errors of unknown size the rise is nu ln(1 + t²/nu), with Student's t
+        of nu = n - p degrees of freedom for n readings and p free numbers.
 
-        The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
-        whitened residuals, and may be larger.
+        Where a fit to curves of force has free sizes of errors, L is the restricted likelihood, but for thresholds of
+        free form. Its likelihood takes the noise of the contacts as normal: errors of count and stiffness also count the
+        kurtosis of the whitened residuals, and may be larger. The likelihood of a record in steady sliding is the
+        debiased one of Whittle.
 
         Parameters
         ----------
@@ -1309,9 +1310,9 @@ class Estimates:
         Returns
         -------
         (float, numpy.ndarray)
-            ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where there is no curve.
-            The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². With independent
-            errors whose size is estimated, ln L is the highest for any size.
+            ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where the likelihood is 0.
+            The covariance of the noise of contacts on a curve of force is that of the estimates, scaled by N_c⟨k⟩².
+            With independent errors whose size is estimated, ln L is the highest for any size.
 
         Raises
         ------
@@ -1381,10 +1382,7 @@ class Estimates:
         self, /, name: str, values: ArrayLike | None = None, *, progress: _Progress = None
     ) -> Profile:
         """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
-        its minimum. Where sizes of errors are free, L is the restricted likelihood, but for thresholds of free form.
-
-        The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
-        whitened residuals, and may be larger.
+        its minimum. L is that of interval_by_profile.
 
         Parameters
         ----------
@@ -1439,13 +1437,9 @@ class Estimates:
     ) -> Posterior:
         """Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
 
-        The priors are those of the fit; without one the prior of a number is flat, or flat in the logarithm of one above 0
-        that is no compliance.
-        The covariance of the noise of contacts is that of the estimates, scaled by N_c⟨k⟩². Each chain makes 300 draws
-        before, which are left out.
-
-        The likelihood takes the noise of the contacts as normal. Errors of count and stiffness also count the kurtosis of the
-        whitened residuals, and may be larger.
+        The likelihood is that of log_likelihood. The priors are those of the fit; without one the prior of a number is
+        flat, or flat in the logarithm of one above 0 that is no compliance. Each chain makes 300 draws before, which are
+        left out.
 
         Parameters
         ----------
@@ -1459,8 +1453,8 @@ class Estimates:
         progress
             As for MasterEquation.pull.
         threads
-            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default those of
-            the process, one per core or RAYON_NUM_THREADS.
+            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+            those of the process, one per core or RAYON_NUM_THREADS.
 
         Returns
         -------
@@ -4266,7 +4260,13 @@ class SteadyEstimates:
 
     def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-        numbers, has risen by 3.84.
+        numbers, has risen by 3.84. For independent errors of unknown size the rise is nu ln(1 + t²/nu), with Student's t
+        of nu = n - p degrees of freedom for n readings and p free numbers.
+
+        Where a fit to curves of force has free sizes of errors, L is the restricted likelihood, but for thresholds of
+        free form. Its likelihood takes the noise of the contacts as normal: errors of count and stiffness also count the
+        kurtosis of the whitened residuals, and may be larger. The likelihood of a record in steady sliding is the
+        debiased one of Whittle.
 
         Parameters
         ----------
@@ -4284,7 +4284,30 @@ class SteadyEstimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For a name that is none of `params`.
+            For a name that is none of `params`, and for a planned measurement.
+        """
+
+    def log_likelihood(self, /, values: ArrayLike) -> tuple[float, _Array]:
+        """ln L at values of the free numbers, and its gradient, for samplers and other searches.
+
+        Parameters
+        ----------
+        values
+            A list of n numbers in the order of `params`.
+
+        Returns
+        -------
+        (float, numpy.ndarray)
+            ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where the likelihood is 0.
+            The covariance of the noise of contacts on a curve of force is that of the estimates, scaled by N_c⟨k⟩².
+            With independent errors whose size is estimated, ln L is the highest for any size.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type, which the message names.
+        ValueError
+            For another number of values than of `params`, and for a planned measurement.
         """
 
     @property
@@ -4324,6 +4347,34 @@ class SteadyEstimates:
             If matplotlib is not installed.
         """
 
+    def profile(
+        self, /, name: str, values: ArrayLike | None = None, *, progress: _Progress = None
+    ) -> Profile:
+        """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
+        its minimum. L is that of interval_by_profile.
+
+        Parameters
+        ----------
+        name
+            A name of `params`.
+        values
+            A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+            logarithm for numbers above 0 but a compliance.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        Profile
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type, which the message names.
+        ValueError
+            For a name that is none of `params`, values that are nan, and a planned measurement.
+        """
+
     @property
     def reading(self, /) -> float:
         """The standard deviation of the independent error of a reading, given or estimated, a force."""
@@ -4342,13 +4393,26 @@ class SteadyEstimates:
         progress: _Progress = None,
         threads: SupportsIndex | None = None,
     ) -> Posterior:
-        """Draws from the posterior by the No-U-turn sampler (NUTS), as Estimates.sample does; by the debiased likelihood of
-        Whittle.
+        """Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
+
+        The likelihood is that of log_likelihood. The priors are those of the fit; without one the prior of a number is
+        flat, or flat in the logarithm of one above 0 that is no compliance. Each chain makes 300 draws before, which are
+        left out.
 
         Parameters
         ----------
-        draws, chains, seed, progress, threads
-            As for Estimates.sample.
+        draws
+            The number of draws of each chain, 4 or more.
+        chains
+            Their number, 1 or more; as many are made at a time as there are threads.
+        seed
+            A whole number below 2^63, which always gives the same draws, on any number of threads, or a
+            numpy.random.Generator, from which one is drawn.
+        progress
+            As for MasterEquation.pull.
+        threads
+            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+            those of the process, one per core or RAYON_NUM_THREADS.
 
         Returns
         -------
@@ -4357,7 +4421,7 @@ class SteadyEstimates:
         Raises
         ------
         ValueError
-            If no number is known to better than a limit.
+            For a planned measurement, and if no number is known to better than a limit.
         """
 
     @property
@@ -5034,8 +5098,13 @@ class VelocityCurveEstimates:
 
     def interval_by_profile(self, /, name: str, *, progress: _Progress = None) -> tuple[float, float]:
         """The interval of 95 % of a free number by the profile of the likelihood: where -2 ln L, lowest in all other free
-        numbers, has risen by 3.84; for errors of a size that is estimated by ν ln(1 + t²/ν), with Student's t of ν = n − p
-        degrees of freedom.
+        numbers, has risen by 3.84. For independent errors of unknown size the rise is nu ln(1 + t²/nu), with Student's t
+        of nu = n - p degrees of freedom for n readings and p free numbers.
+
+        Where a fit to curves of force has free sizes of errors, L is the restricted likelihood, but for thresholds of
+        free form. Its likelihood takes the noise of the contacts as normal: errors of count and stiffness also count the
+        kurtosis of the whitened residuals, and may be larger. The likelihood of a record in steady sliding is the
+        debiased one of Whittle.
 
         Parameters
         ----------
@@ -5053,7 +5122,30 @@ class VelocityCurveEstimates:
         TypeError
             For an argument of another type, which the message names.
         ValueError
-            For a name that is none of `params`.
+            For a name that is none of `params`, and for a planned measurement.
+        """
+
+    def log_likelihood(self, /, values: ArrayLike) -> tuple[float, _Array]:
+        """ln L at values of the free numbers, and its gradient, for samplers and other searches.
+
+        Parameters
+        ----------
+        values
+            A list of n numbers in the order of `params`.
+
+        Returns
+        -------
+        (float, numpy.ndarray)
+            ln L, with the logarithm of the priors, and an array of shape (n,); -inf and nan where the likelihood is 0.
+            The covariance of the noise of contacts on a curve of force is that of the estimates, scaled by N_c⟨k⟩².
+            With independent errors whose size is estimated, ln L is the highest for any size.
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type, which the message names.
+        ValueError
+            For another number of values than of `params`, and for a planned measurement.
         """
 
     @property
@@ -5093,6 +5185,34 @@ class VelocityCurveEstimates:
             If matplotlib is not installed.
         """
 
+    def profile(
+        self, /, name: str, values: ArrayLike | None = None, *, progress: _Progress = None
+    ) -> Profile:
+        """The profile of the likelihood of a free number: by how much -2 ln L, lowest in all other free numbers, is above
+        its minimum. L is that of interval_by_profile.
+
+        Parameters
+        ----------
+        name
+            A name of `params`.
+        values
+            A list of values, or None for 13 from three standard errors below the estimate to three above it; of the
+            logarithm for numbers above 0 but a compliance.
+        progress
+            As for MasterEquation.pull.
+
+        Returns
+        -------
+        Profile
+
+        Raises
+        ------
+        TypeError
+            For an argument of another type, which the message names.
+        ValueError
+            For a name that is none of `params`, values that are nan, and a planned measurement.
+        """
+
     @property
     def reading(self, /) -> float:
         """The standard deviation of a reading, given or estimated, a force; the root mean square of errors that differ."""
@@ -5111,12 +5231,26 @@ class VelocityCurveEstimates:
         progress: _Progress = None,
         threads: SupportsIndex | None = None,
     ) -> Posterior:
-        """Draws from the posterior by the No-U-turn sampler (NUTS), as Estimates.sample does.
+        """Draws from the posterior by the No-U-turn sampler (NUTS), where errors from the information are not enough.
+
+        The likelihood is that of log_likelihood. The priors are those of the fit; without one the prior of a number is
+        flat, or flat in the logarithm of one above 0 that is no compliance. Each chain makes 300 draws before, which are
+        left out.
 
         Parameters
         ----------
-        draws, chains, seed, progress, threads
-            As for Estimates.sample.
+        draws
+            The number of draws of each chain, 4 or more.
+        chains
+            Their number, 1 or more; as many are made at a time as there are threads.
+        seed
+            A whole number below 2^63, which always gives the same draws, on any number of threads, or a
+            numpy.random.Generator, from which one is drawn.
+        progress
+            As for MasterEquation.pull.
+        threads
+            The number of threads of this computation, from 1 to 8 per core, on which results do not depend; by default
+            those of the process, one per core or RAYON_NUM_THREADS.
 
         Returns
         -------
@@ -5125,7 +5259,7 @@ class VelocityCurveEstimates:
         Raises
         ------
         ValueError
-            If no number is known to better than a limit.
+            For a planned measurement, and if no number is known to better than a limit.
         """
 
     @property

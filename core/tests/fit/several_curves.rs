@@ -112,7 +112,8 @@ fn numbers_that_only_the_noise_tells_apart_are_counted_once() {
             MasterEquation::new(contacts(2000.0, [1.0, 0.12], spread()), &Initial::default()).unwrap();
         let measured = |seed: u64| Measurement::new(positions.clone(), simulated(&positions, seed));
         let fit = Fit::new(guess, measured(3)).curve(measured(4)).free(names.iter().copied());
-        fit.run().unwrap().misfit.unwrap()
+        // With errors of readings of a known size.
+        fit.errors(ErrorModel { reading: Some(0.1), ..ErrorModel::default() }).run().unwrap().misfit.unwrap()
     };
     for (names, of_force, tested) in [
         (&["curve.0.count", "curve.0.stiffness"][..], 1, false),
