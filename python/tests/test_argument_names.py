@@ -143,6 +143,7 @@ RIGHT: dict[str, Any] = {
     "Estimates.interval_by_profile.name": "thresholds.std",
     "VelocityCurveEstimates.interval_by_profile.name": "count",
     "Estimates.profile.name": "thresholds.std",
+    "VelocityCurveEstimates.profile.name": "count",
     "Spots.contacts.E": 1.0,
     "Spots.contacts.nu": 0.3,
     "Simulation.restore.state": None,

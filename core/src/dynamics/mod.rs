@@ -186,7 +186,8 @@ impl SliderMotion {
     /// The error of a balance that has no continuation without a finite displacement in no time; `None` with a mass or a
     /// drag, which limit the velocity.
     fn lost_balance(&self) -> Option<Error> {
-        let expected = "damped or inertial where a spring is so soft that a slider over time-dependent contacts slips, as it does where one of few single contacts breaks: during a slip the velocity must be limited by a damping or a mass";
+        let expected =
+            "damped or inertial, which limit the velocity where a slider over time-dependent contacts slips";
         let found =
             format!("neither, and no balance after t = {}, X = {}", self.time, self.cells[0].position);
         self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))

@@ -15,9 +15,9 @@ const CHANGE: f64 = 0.01;
 pub(super) fn by_differences(
     parameters: &[Parameter],
     name: &str,
-    with: impl Fn(f64) -> Result<SharedLaw>,
+    with: &dyn Fn(f64) -> Result<SharedLaw>,
 ) -> Result<SurvivalDerivative> {
-    let (value, step) = step(parameters, name, &with)?;
+    let (value, step) = step(parameters, name, with)?;
     let mut pairs = Vec::with_capacity(EIGHTH_ORDER.len());
     for (k, weight) in (1..).zip(EIGHTH_ORDER) {
         let away = f64::from(k) * step;
@@ -30,7 +30,7 @@ pub(super) fn by_differences(
 }
 
 /// The value of a parameter, and the step over which S changes by at most [`CHANGE`].
-fn step(parameters: &[Parameter], name: &str, with: impl Fn(f64) -> Result<SharedLaw>) -> Result<(f64, f64)> {
+fn step(parameters: &[Parameter], name: &str, with: &dyn Fn(f64) -> Result<SharedLaw>) -> Result<(f64, f64)> {
     let Some(value) = parameters.iter().find(|p| p.name == name).map(|p| p.value) else {
         // The distribution itself says which parameters it has.
         return with(f64::NAN).map(|_| (f64::NAN, f64::NAN));

@@ -63,10 +63,7 @@ impl Mixture {
         for &(index, value) in given {
             let is_one = value > 0.0 && value <= 1.0;
             if !is_one || others && all >= 1.0 {
-                let expected = match given {
-                    [_] => "a weight above 0 and below 1",
-                    _ => "weights above 0 whose sum is below 1",
-                };
+                let expected = "a weight above 0 and below 1";
                 return Err(Error::invalid(format!("{index}.weight"), expected, value));
             }
         }
@@ -134,9 +131,6 @@ impl Law for Mixture {
 
     /// Weights are replaced together: the others are scaled.
     fn with_parameters(&self, values: &[(&str, f64)]) -> Result<SharedLaw> {
-        if values.is_empty() {
-            return Err(Error::invalid("parameters", "one or more", "none"));
-        }
         let (mut weights, mut inner) = (Vec::new(), vec![Vec::new(); self.components.len()]);
         for &(name, value) in values {
             match self.address(name)? {

@@ -125,6 +125,20 @@ impl Zone {
     }
 }
 
+/// A distribution with several parameters replaced; `first` replaces one of the original. Compiled once for all distributions.
+fn replaced(first: &dyn Fn(&str, f64) -> Result<SharedLaw>, values: &[(&str, f64)]) -> Result<SharedLaw> {
+    let in_order = |mut values: Vec<(&str, f64)>| {
+        let (name, value) = values.remove(0);
+        let law = first(name, value)?;
+        values.into_iter().try_fold(law, |law, (name, value)| law.with_parameter(name, value))
+    };
+    if values.is_empty() {
+        return Err(Error::invalid("parameters", "one or more", "none"));
+    }
+    // The ends of a range that moves are replaced one after the other: the far one must come first.
+    in_order(values.to_vec()).or_else(|_| in_order(values.iter().rev().copied().collect()))
+}
+
 /// A probability distribution on x ≥ 0. x is in the unit of the stretch.
 pub trait Law: Debug + Send + Sync {
     /// The name, as in a scenario.
@@ -139,21 +153,12 @@ pub trait Law: Debug + Send + Sync {
     /// An unknown name, or a value outside the range of the parameter.
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw>;
 
-    /// The same distribution with several parameters replaced.
+    /// The same distribution with several parameters replaced, one or more.
     ///
     /// # Errors
     /// As [`Self::with_parameter`].
     fn with_parameters(&self, values: &[(&str, f64)]) -> Result<SharedLaw> {
-        let in_order = |mut values: Vec<(&str, f64)>| {
-            let (name, value) = values.remove(0);
-            let first = self.with_parameter(name, value)?;
-            values.into_iter().try_fold(first, |law, (name, value)| law.with_parameter(name, value))
-        };
-        if values.is_empty() {
-            return Err(Error::invalid("parameters", "one or more", "none"));
-        }
-        // The ends of a range that moves are replaced one after the other: the far one must come first.
-        in_order(values.to_vec()).or_else(|_| in_order(values.iter().rev().copied().collect()))
+        replaced(&|name, value| self.with_parameter(name, value), values)
     }
 
     /// ∂S(x)/∂θ for one parameter θ, as a function of x: in closed form, or else by central differences of
@@ -163,7 +168,7 @@ pub trait Law: Debug + Send + Sync {
     /// An unknown name; a parameter at the end of its range; the position of a point mass, for which ∂S/∂θ is
     /// a point mass itself.
     fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
-        derivative::by_differences(&self.parameters(), name, |value| self.with_parameter(name, value))
+        derivative::by_differences(&self.parameters(), name, &|value| self.with_parameter(name, value))
     }
 
     /// Density p(x) of the part without point masses, per unit length; 0 for x < 0.

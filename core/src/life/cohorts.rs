@@ -175,8 +175,8 @@ pub(super) fn of_cohorts(
     let breaking_energy = lost.integrated_from_end(0.0, &cohorts.simultaneous(per_threshold, watch));
     watch.check()?;
     drop(panels);
-    if cohorts.model.is_large() {
-        // A cohort that is needed later is computed again.
+    // WebAssembly keeps memory that has been freed. Elsewhere a cohort that is needed later is computed again.
+    if cfg!(not(target_family = "wasm")) && cohorts.model.is_large() {
         cohorts.spread.values_mut().for_each(|cohort| *cohort = OnceLock::new());
     }
     Ok(Life {
