@@ -61,8 +61,8 @@ impl Mixture {
         let replaced: f64 = given.iter().map(|&(i, _)| self.components[i].0).sum();
         let others = (0..self.components.len()).any(|i| !is_given(i));
         for &(index, value) in given {
-            let is_one = value > 0.0 && value <= 1.0;
-            if !is_one || others && all >= 1.0 {
+            let is_weight = value > 0.0 && value <= 1.0;
+            if !is_weight || others && all >= 1.0 {
                 let expected = "a weight above 0 and below 1";
                 return Err(Error::invalid(format!("{index}.weight"), expected, value));
             }
