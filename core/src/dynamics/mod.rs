@@ -41,6 +41,9 @@ use serde::{Deserialize, Serialize};
 use crate::monitor::{Cost, Monitor, Watch};
 use crate::{Error, Result};
 
+/// The slip rules with which time-dependent contacts can slip.
+pub const LIMITED: &str = "damped or inertial where contacts are time-dependent: during a slip the velocity must be limited by a damping or a mass";
+
 /// Cells in motion, with their energies so far.
 #[derive(Debug)]
 pub struct SliderMotion {
@@ -186,11 +189,11 @@ impl SliderMotion {
     /// The error of a balance that has no continuation without a finite displacement in no time; `None` with a mass or a
     /// drag, which limit the velocity.
     fn lost_balance(&self) -> Option<Error> {
-        let expected =
-            "damped or inertial, which limit the velocity where a slider over time-dependent contacts slips";
-        let found =
-            format!("neither, and no balance after t = {}, X = {}", self.time, self.cells[0].position);
-        self.equation.is_quasistatic().then(|| Error::invalid("slip", expected, found))
+        let found = format!(
+            "neither, and no balance with the spring after t = {}, X = {}",
+            self.time, self.cells[0].position
+        );
+        self.equation.is_quasistatic().then(|| Error::invalid("slip", LIMITED, found))
     }
 }
 
