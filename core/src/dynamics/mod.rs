@@ -41,8 +41,8 @@ use serde::{Deserialize, Serialize};
 use crate::monitor::{Cost, Monitor, Watch};
 use crate::{Error, Result};
 
-/// The slip rules with which time-dependent contacts can slip.
-pub const LIMITED: &str = "damped or inertial where contacts are time-dependent: during a slip the velocity must be limited by a damping or a mass";
+/// What errors of slip rules over time-dependent contacts expect.
+pub const LIMITED_SLIP: &str = "damped or inertial where contacts are time-dependent: during a slip the velocity must be limited by a damping or a mass";
 
 /// Cells in motion, with their energies so far.
 #[derive(Debug)]
@@ -193,7 +193,7 @@ impl SliderMotion {
             "neither, and no balance with the spring after t = {}, X = {}",
             self.time, self.cells[0].position
         );
-        self.equation.is_quasistatic().then(|| Error::invalid("slip", LIMITED, found))
+        self.equation.is_quasistatic().then(|| Error::invalid("slip", LIMITED_SLIP, found))
     }
 }
 

@@ -15,7 +15,7 @@ mod regime_in_time;
 mod sliding;
 
 use super::{Block, Loading, Slip};
-use crate::dynamics::{Arrest, EquationOfMotion, LIMITED};
+use crate::dynamics::{Arrest, EquationOfMotion, LIMITED_SLIP};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, Part, report};
 use crate::rate_dependent::{ROUGH, RateDependentContacts};
@@ -181,7 +181,7 @@ impl Slip {
     /// # Errors
     /// A slip rule that has neither.
     pub fn limits(self) -> Result<(f64, f64)> {
-        let refused = |name: &str| Err(Error::invalid("slip", LIMITED, name));
+        let refused = |name: &str| Err(Error::invalid("slip", LIMITED_SLIP, name));
         match self {
             Self::Inertial { mass, damping } => Ok((mass, damping)),
             Self::Damped { damping } => Ok((0.0, damping)),
