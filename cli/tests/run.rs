@@ -338,3 +338,44 @@ fn a_fit_that_does_not_converge_ends_with_an_error_and_its_last_values() {
     let reported = std::fs::read_to_string(folder.path().join("out/fit/fit.json")).unwrap();
     assert!(reported.contains("\"converged\": false") && reported.contains("\"chi_squared\""));
 }
+
+/// The number after `word` in a line.
+fn after(line: &str, word: &str) -> f64 {
+    let rest = line.split_once(&format!("{word} ")).unwrap_or_else(|| panic!("{word} is not in {line}")).1;
+    rest.split([',', ' ']).find_map(|part| part.parse().ok()).unwrap_or_else(|| panic!("{line}"))
+}
+
+#[test]
+fn forces_in_time_are_told_as_friction_coefficients_too() {
+    let folder = Folder::new();
+    folder.write(
+        "steps.toml",
+        "contacts.thresholds.gaussian = { mean = 1.0, std = 0.2 }
+         contacts.ageing.logarithmic = { growth = 0.04, time = 1.0 }
+         contacts.normal_load = 2.0
+         [[protocol]]
+         velocity = 0.1
+         distance = 6.0
+         [[protocol]]
+         velocity = 1.0
+         distance = 6.0",
+    );
+    let text = folder.succeed(&["run", "steps.toml"]);
+    let json = std::fs::read_to_string(folder.path().join("out/steps/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(summary["normal_load"], 2.0);
+    let step = &summary["steps"][1];
+    let told = text.lines().filter(|line| line.starts_with("  coefficients")).nth(1).unwrap();
+    let read = text.lines().find(|line| line.ends_with("(friction coefficients)")).unwrap();
+    for (line, word, force) in [
+        (told, "end", &step["force"]),
+        (told, "maximum", &step["peak"]["force"]),
+        (told, "kinetic", &step["kinetic_friction"]),
+        (read, "a", &step["rate_state"]["a"]),
+        (read, "b", &step["rate_state"]["b"]),
+    ] {
+        let coefficient = force.as_f64().unwrap() / 2.0;
+        // five digits are printed
+        assert!((after(line, word) / coefficient - 1.0).abs() < 1e-4, "{line}: {word} {coefficient}");
+    }
+}

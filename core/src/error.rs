@@ -137,3 +137,16 @@ pub(crate) fn not_negative(key: &str, value: f64) -> Result<f64> {
     }
     Err(Error::invalid(key, "a finite number, 0 or above", value))
 }
+
+/// Checks that all `values` are finite numbers; `key` names their list in the error.
+pub(crate) fn all_finite(key: &str, values: &[f64]) -> Result<()> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(i) => Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i])),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a list is as long as others are, such as 5 "forces, one for each hold"; `key` names it in the error.
+pub(crate) fn as_many(key: &str, found: usize, (count, what): (usize, &str)) -> Result<()> {
+    if found == count { Ok(()) } else { Err(Error::invalid(key, format!("{count} {what}"), found)) }
+}

@@ -152,6 +152,12 @@ impl Stream {
         const ULP: f64 = 1.0 / (1u64 << 53) as f64;
         (((self.word() >> 11) as f64) * ULP).max(0.5 * ULP)
     }
+
+    /// An exponentially distributed number of mean 1, by inversion.
+    #[inline]
+    pub fn exponential(&mut self) -> f64 {
+        -self.uniform().ln()
+    }
 }
 
 impl TryRng for Stream {

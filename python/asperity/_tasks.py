@@ -75,6 +75,17 @@ def _between(span: "tuple[float, float]") -> dict[str, float]:
     return {"from": low, "to": high}
 
 
+def _along(
+    velocities: "ArrayLike | None", span: "tuple[float, float] | None", points: int
+) -> dict[str, Any]:
+    if (velocities is None) == (span is None):
+        found = "neither" if span is None else "both"
+        raise TypeError(f"velocities: expected either velocities or a span, got {found}")
+    if span is None:
+        return {"velocities": np.atleast_1d(np.asarray(velocities))}
+    return {**_between(span), "points": points}
+
+
 @overload
 def velocity_curve(
     contacts: "Contacts",
@@ -161,13 +172,7 @@ def velocity_curve(
     >>> round(curve.limits[0].fast, 5)
     0.50125
     """
-    if (velocities is None) == (span is None):
-        found = "neither" if span is None else "both"
-        raise TypeError(f"velocities: expected either velocities or a span, got {found}")
-    if span is None:
-        curve: dict[str, Any] = {"velocities": np.atleast_1d(np.asarray(velocities))}
-    else:
-        curve = _between(span) | {"points": points}
+    curve = _along(velocities, span, points)
     if velocities is not None and np.ndim(velocities) == 0:
         if any(other is not None for other in (temperatures, ensemble, measured)):
             raise TypeError(
@@ -197,8 +202,9 @@ def velocity_curve(
 
 def stability(
     contacts: "Contacts",
-    span: "tuple[float, float]",
+    velocities: "ArrayLike | None" = None,
     *,
+    span: "tuple[float, float] | None" = None,
     points: int = 41,
     block: "Block | None" = None,
     tolerance: float | None = None,
@@ -210,10 +216,12 @@ def stability(
     ----------
     contacts : Contacts
         The contacts.
-    span : (float, float)
-        The lowest and the highest velocity, above 0.
+    velocities : array_like, optional
+        Velocities above 0, in increasing order.
+    span : (float, float), optional
+        Instead of velocities, the lowest and the highest one.
     points : int
-        The number of velocities, evenly spaced in their logarithm; each takes about a second.
+        The number of velocities of a span, evenly spaced in their logarithm, with both ends.
     block : Block, optional
         A block with Damped or Inertial slips: critical stiffnesses are those for its mass and damping,
         and the growth of deviations is that at its stiffness. Its model is not used.
@@ -230,18 +238,21 @@ def stability(
     Raises
     ------
     ValueError
-        For a span that does not rise from above 0, fewer than 2 points, a block whose slips are neither
-        Damped nor Inertial over time-dependent contacts, and a tolerance that is not from 1e-12 to 1e-2.
+        For velocities that are not above 0, velocities or a span that do not rise, fewer than 2 points, a
+        block whose slips are neither Damped nor Inertial over time-dependent contacts, and a tolerance that
+        is not from 1e-12 to 1e-2.
+    TypeError
+        For velocities and a span, or neither, and for a block that is no Block.
 
     Examples
     --------
     >>> import asperity as asp
     >>> ageing = asp.Logarithmic(growth=0.1, time=1.0)
-    >>> curve = asp.stability(asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=ageing), (0.1, 1.0), points=2)
+    >>> curve = asp.stability(asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=ageing), [0.1, 1.0])
     >>> curve.critical_stiffness_sliding.shape
     (2,)
     """
-    curve = _between(span) | {"points": points, "stability": True}
+    curve = _along(velocities, span, points) | {"stability": True}
     scenario: dict[str, Any] = {"contacts": contacts, "velocity_curve": curve} | _solved(tolerance)
     if block is not None:
         if not isinstance(block, Block):

@@ -397,7 +397,7 @@ impl SteadyState {
     }
 }
 
-/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
+/// The relaxation spectrum: F(X) = F_k + N_c⟨k⟩ Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
 /// the Laplace transform of the breaking density of re-formed contacts.
 ///
 /// Examples

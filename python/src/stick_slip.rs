@@ -113,6 +113,14 @@ fn table(block: &Bound<'_, Description>) -> Option<scenario::Block> {
     }
 }
 
+/// A variable that the trace of motion in time has.
+fn in_time<'py>(run: &Bound<'py, StickSlip>, name: &str) -> PyResult<Option<typed::Array<'py>>> {
+    if !run.contains(name)? {
+        return Ok(None);
+    }
+    run.get_item(name).map(|values| Some(typed::Array(values)))
+}
+
 #[pymethods]
 impl StickSlip {
     /// The block that was driven.
@@ -125,6 +133,18 @@ impl StickSlip {
     #[getter]
     fn drive<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Array<'py>> {
         slf.get_item("drive").map(typed::Array)
+    }
+
+    /// The times of the trace of motion in time, shape (n,); None without.
+    #[getter]
+    fn time<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Array<'py>>> {
+        in_time(slf, "time")
+    }
+
+    /// The velocity of the slider along the trace of motion in time, shape (n,); None without.
+    #[getter]
+    fn velocity<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Array<'py>>> {
+        in_time(slf, "velocity")
     }
 
     /// The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium.

@@ -58,7 +58,7 @@ def test_a_curve_at_given_velocities_is_a_result() -> None:
 
 def test_stability_is_that_of_a_block() -> None:
     block = asp.Block(asp.Transport(AGEING), 0.05, asp.Damped(0.5))
-    curve = asp.stability(AGEING, (0.1, 1.0), points=2, block=block)
+    curve = asp.stability(AGEING, span=(0.1, 1.0), points=2, block=block)
     assert curve.growth_rate is not None
     for number, velocity in enumerate(curve.velocity):
         found = block.stability(float(velocity))
@@ -66,7 +66,8 @@ def test_stability_is_that_of_a_block() -> None:
         assert curve.critical_stiffness_sliding[number] == pytest.approx(found.critical_stiffness, rel=1e-9)
         assert curve.growth_rate[number] == pytest.approx(found.growth_rate, rel=1e-9)
     assert curve.unstable == np.count_nonzero(curve.growth_rate > 0.0)
-    assert asp.stability(AGEING, (0.1, 1.0), points=2).growth_rate is None
+    rigid = asp.stability(AGEING, [0.1, 1.0])
+    assert rigid.growth_rate is None and rigid.velocity.tolist() == [0.1, 1.0]
 
 
 def test_measured_points_are_compared_where_they_were_measured() -> None:
@@ -214,7 +215,7 @@ def test_a_curve_is_compared_with_what_it_was_made_of() -> None:
         (lambda: asp.velocity_curve(WARM, span=3.0), TypeError, "span: expected the lowest and the highest"),
         (lambda: asp.velocity_curve(WARM, span=(0.0, 1.0)), ValueError, "velocity_curve.from: expected"),
         (lambda: asp.hold_curve(AGEING, (1.0, 2.0), -1.0), ValueError, "hold_curve.velocity: expected"),
-        (lambda: asp.stability(AGEING, (0.1, 1.0), block=3), TypeError, "block: expected a Block, got int"),
+        (lambda: asp.stability(AGEING, [0.1, 1.0], block=3), TypeError, "block: expected a Block, got int"),
         (
             lambda: asp.renormalisation(asp.Interface(COLD, [4], connection=1.0, neighbours=1.0)),
             ValueError,

@@ -37,6 +37,7 @@ fn outcome(seed: u64) -> Outcome {
             accuracy: Some(1e-11),
             contacts: 1.0,
             background_force: None,
+            normal_load: None,
             sample: None,
             seed: Some(u64::MAX - seed),
             disorder: None,

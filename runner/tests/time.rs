@@ -165,6 +165,46 @@ fn a_protocol_is_reported_step_by_step_and_both_solvers_agree() {
     assert_eq!(output::read(&dir).unwrap(), outcome);
 }
 
+/// Numbers of the steps from 0.01 to 0.1 and back, at 12, 201 and 5001 points per step: maxima, a, b, D_c and residuals.
+fn numbers_of_steps(contacts: &str) -> [Vec<[f64; 5]>; 3] {
+    [12, 201, 5001].map(|points| {
+        let step = |velocity: f64| {
+            format!("[[protocol]]\nvelocity = {velocity}\ndistance = 10.0\npoints = {points}\n")
+        };
+        let outcome = run(&format!("{contacts}\n{}{}{}", step(0.01), step(0.1), step(0.01)));
+        assert_eq!(outcome.record.values("force").unwrap().len(), 1 + 3 * (points - 1));
+        let number = |step: &asperity::task::summary::ProtocolStep| {
+            let read = step.rate_state.as_ref().unwrap();
+            [step.peak.force, read.a, read.b, read.distance, read.residual_relative]
+        };
+        outcome.summary.numbers.steps()[1..].iter().map(number).collect()
+    })
+}
+
+#[test]
+fn maxima_and_rate_and_state_numbers_do_not_depend_on_the_points_of_the_trace() {
+    let broad = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.25 }
+                 contacts.ageing.logarithmic = { growth = 0.04, time = 1.0 }";
+    let thermal = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.25 }
+                   contacts.temperature = { energy = 0.05, attempt_rate = 1.0 }";
+    for contacts in [broad, thermal] {
+        let [few, usual, many] = numbers_of_steps(contacts);
+        for (step, reference) in many.iter().enumerate() {
+            for found in [few[step], usual[step]] {
+                // The force has a curvature of some units near its maximum, found by a parabola through points 1/200 apart: the
+                // third derivative leaves some 1e-7.
+                near(found[0], reference[0], 1e-6);
+                // Trapezoids between other points change what is fitted by some 1e-4 of the forces a + b.
+                let size = 1e-3 * (reference[1].abs() + reference[2].abs());
+                near(found[1], reference[1], size);
+                near(found[2], reference[2], size);
+                near(found[3], reference[3], 1e-2 * reference[3]);
+                near(found[4], reference[4], 1e-2 * reference[4]);
+            }
+        }
+    }
+}
+
 /// Contacts with ageing and delays, whose force depends on how the velocity changes.
 const RAMPED: &str = "
 [contacts]

@@ -83,11 +83,13 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let mut points: Vec<Point> = pairs(&along.points.values, record.values("force")?).collect();
     let (before, after) = (record.values("event_force_before")?, record.values("event_force_after")?);
     // Events at the same drive are parts of one slide and share its forces.
-    let mut slides: Vec<_> = along.events.iter().zip(before.iter().zip(after)).collect();
-    slides.dedup_by_key(|(drive, _)| *drive);
+    let begins = along.events.iter().zip(before);
+    let ends = along.ends(record);
+    let mut slides: Vec<_> = begins.zip(ends.iter().zip(after)).collect();
+    slides.dedup_by_key(|((drive, _), _)| *drive);
     if slides.len() <= FEW {
-        let both = slides.iter().flat_map(|&(&drive, (&before, &after))| [(drive, before), (drive, after)]);
-        points.extend(both);
+        let both = |&((&begin, &before), (&end, &after))| [(begin, before), (end, after)];
+        points.extend(slides.iter().flat_map(both));
     }
     // A stable sort, so that the force drops in an event.
     points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -8,12 +8,8 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{Point, line};
-use super::style::{self, BLACK, BLUE, GREEN, ORANGE, Page, Plots, RED};
+use super::style::{self, BLACK, BLUE, Page, Plots};
 use super::{legend, ticks};
-
-/// Colours of the curves of several forces; those of further forces are dashed.
-const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
-const DASHES: &str = "8 5";
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let loaded = outcome.record.values("loaded_position")?;
@@ -86,20 +82,17 @@ fn curves(record: &Record, name: &str, value: impl Fn(usize, f64) -> f64) -> Opt
 
 fn drawn(outcome: &Outcome, curves: &[Curve]) -> Plots {
     let mut plots = Plots::new();
+    let colours = style::colours(outcome.summary.numbers.creep().len());
     for (times, values, row) in curves {
         let points: Vec<Point> = times.iter().copied().zip(values.iter().copied()).collect();
-        let (color, last) = (COLORS[row % COLORS.len()], points[points.len() - 1]);
-        plots.push(line(points, color, 2.0, dashes(*row)));
+        let (color, last) = (&colours[*row], points[points.len() - 1]);
+        plots.push(line(points, color, 2.0, None));
         if outcome.summary.numbers.creep().get(*row).is_some_and(|at| at.failure_time.is_some()) {
             let failure = ScatterPlot::new().with_data([last]).with_color(color).with_size(5.0);
             plots.push(Plot::Scatter(failure.with_marker(MarkerShape::Cross)));
         }
     }
     plots
-}
-
-fn dashes(row: usize) -> Option<&'static str> {
-    (row >= COLORS.len()).then_some(DASHES)
 }
 
 /// A layout with the axis of time.
@@ -115,9 +108,10 @@ fn in_time(outcome: &Outcome, page: Page, curves: &[Curve], layout: Layout) -> O
 fn entries(outcome: &Outcome, curves: &[Curve]) -> Option<Vec<LegendEntry>> {
     let unit = outcome.summary.units.label(Quantity::Force);
     let force = outcome.record.values("imposed_force")?;
+    let colours = style::colours(force.len());
     let entry = |row: usize| {
         let words = format!("F = {}", style::with_unit(force[row], &unit));
-        style::line(words, COLORS[row % COLORS.len()], dashes(row))
+        style::line(words, &colours[row], None)
     };
     let mut entries: Vec<LegendEntry> = curves.iter().map(|curve| entry(curve.2)).collect();
     let numbers = outcome.summary.numbers.creep();

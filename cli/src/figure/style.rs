@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asperity::record::Variable;
 use asperity::scenario::Disorder;
 use asperity_runner::output::Outcome;
-use kuva::plot::{LegendEntry, LegendShape, MarkerShape};
+use kuva::plot::{ColorMap, LegendEntry, LegendShape, MarkerShape};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
@@ -137,6 +137,17 @@ pub fn line(label: impl Into<String>, color: &str, dashes: Option<&str>) -> Lege
         shape: LegendShape::Line,
         dasharray: dashes.map(str::to_owned),
     }
+}
+
+/// Colours of `count` curves in a row: up to five that can be told apart, more of them along Viridis but for its light end.
+pub fn colours(count: usize) -> Vec<String> {
+    const FEW: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
+    const LIGHT: f64 = 0.9;
+    if count <= FEW.len() {
+        return FEW.map(str::to_owned).to_vec();
+    }
+    let place = |i: usize| LIGHT * i as f64 / (count - 1) as f64;
+    (0..count).map(|i| ColorMap::Viridis.map(place(i))).collect()
 }
 
 /// A legend entry for markers.

@@ -55,6 +55,7 @@ fn outcome() -> Outcome {
         accuracy: Some(1e-10),
         contacts: 1.0,
         background_force: None,
+        normal_load: None,
         sample: Some(100.0),
         seed: Some(1),
         disorder: None,

@@ -8,10 +8,8 @@ use kuva::render::render::Scene;
 use super::curve::{Point, below, computed, errors, line};
 use super::measured;
 use super::smooth::along_logarithm;
-use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
+use super::style::{self, GREY, ORANGE, Page, Plots};
 
-/// Colours of the curves of several temperatures.
-const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
 const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
@@ -66,7 +64,7 @@ fn draw(
 ) -> Vec<&'static str> {
     let record = &outcome.record;
     let mut forms = Vec::new();
-    let color = COLORS[row % COLORS.len()];
+    let color: &str = &style::colours(outcome.summary.numbers.limits().len())[row];
     for (name, dashes) in [("creep_friction", DASHES), ("viscous_friction", DOTS)] {
         let Some(values) = part(record, name, velocity.len(), row) else { continue };
         for piece in below(&along_logarithm(velocity, values), top) {

@@ -21,7 +21,13 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     );
     for step in summary.numbers.steps().iter().take(LISTED) {
         lines.push(("step", step_text(summary, step)));
-        lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
+        let forces = [("at the end", Some(step.force)), ("maximum", Some(step.peak.force))];
+        let forces = forces.into_iter().chain([("kinetic", step.kinetic_friction)]);
+        lines.extend(coefficients(summary, "  coefficients", forces));
+        if let Some(read) = &step.rate_state {
+            lines.push(("  rate and state", read_as(summary, read)));
+            lines.extend(coefficients(summary, "", [("a =", Some(read.a)), ("b =", Some(read.b))]));
+        }
         let computed = step.rate_state_spring.iter();
         lines.extend(computed.flat_map(|read| behind_spring(summary, "  rate and state", read)));
         lines.extend(step.measured.iter().flat_map(|read| measured(summary, read)));
@@ -46,6 +52,21 @@ fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
     with_unit(digits(rounded), number, &summary.units.label(quantity))
 }
 
+/// Forces divided by the normal load, each after its name, if there is one.
+fn coefficients<'a>(
+    summary: &Summary,
+    name: &'static str,
+    forces: impl IntoIterator<Item = (&'a str, Option<f64>)>,
+) -> Option<(&'static str, String)> {
+    let load = summary.normal_load?;
+    let all = forces.into_iter().filter_map(|(name, force)| {
+        let rounded = format!("{:.4e}", force? / load).parse().unwrap_or(f64::NAN);
+        Some(format!("{name} {}", digits(rounded)))
+    });
+    let kind = if name.is_empty() { " (friction coefficients)" } else { "" };
+    Some((name, format!("{}{kind}", all.collect::<Vec<_>>().join(", "))))
+}
+
 fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> {
     let at = limits
         .temperature
@@ -56,6 +77,8 @@ fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> 
     lines.extend(limits.viscosity.map(|viscosity| {
         ("slow sliding", format!("F_k → {}·v{at}", value(summary, viscosity, Quantity::Number)))
     }));
+    let both = [("fast", Some(limits.fast)), ("slow", limits.slow)];
+    lines.extend(coefficients(summary, "friction coefficients", both));
     lines
 }
 
@@ -106,7 +129,7 @@ fn behind_spring(
     summary: &Summary,
     name: &'static str,
     read: &SpringRateState,
-) -> [(&'static str, String); 2] {
+) -> Vec<(&'static str, String)> {
     let residual = percent(read.residual_relative);
     let rms = short(summary, read.residual, Quantity::Force);
     let law = match read.law {
@@ -120,10 +143,13 @@ fn behind_spring(
     };
     let (b, distance) = (all(&read.b, Quantity::Force), all(&read.distance, Quantity::Length));
     let a = short(summary, read.a, Quantity::Force);
-    [
+    let mut lines = vec![
         (name, format!("residual {residual} of the range of F, rms {rms}, {law} behind K = {stiffness}")),
         ("", format!("a = {a}, b = {b}, D_c = {distance}")),
-    ]
+    ];
+    let forces = [("a =", Some(read.a))].into_iter().chain(read.b.iter().map(|b| ("b =", Some(*b))));
+    lines.extend(coefficients(summary, "", forces));
+    lines
 }
 
 /// A computed value with four digits: the curve does not follow the fitted equation more closely.
@@ -157,6 +183,14 @@ fn measured(summary: &Summary, read: &MeasuredRateState) -> Vec<(&'static str, S
             ),
         ),
     ];
+    lines.extend(summary.normal_load.map(|load| {
+        let of = |found: MeasuredValue| {
+            let coefficient = Fitted { value: found.value / load, error: found.error / load };
+            fitted(summary, coefficient, Quantity::Number)
+        };
+        let [a, b, difference] = [read.a, read.b, read.a_minus_b].map(of);
+        ("", format!("a = {a}, b = {b}, a − b = {difference} (friction coefficients)"))
+    }));
     let white = |p| format!("whitened residuals white with p = {} (Ljung–Box)", probability(p));
     lines.extend(read.whiteness.map(|p| ("", white(p))));
     lines.extend(read.warnings.iter().map(|warning| ("", warning.clone())));
@@ -180,5 +214,8 @@ fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)
     if let Some(cutoff) = curve.healing_cutoff {
         lines.push(("", format!("cutoff time {}", short(summary, cutoff, Quantity::Time))));
     }
+    let forces =
+        [("kinetic", Some(curve.kinetic_friction)), ("healing per factor of ten", curve.healing_per_decade)];
+    lines.extend(coefficients(summary, "friction coefficients", forces));
     lines
 }

@@ -49,6 +49,7 @@ impl Curve {
         let (mut curve, mut next, mut work) = (Self::default(), 0, 0.0);
         let mut largest: f64 = 0.0;
         let mut end: Option<CurveRow> = None;
+        let mut reached: Option<CurveRow> = None;
         along(population, distance, monitor, |path, length| {
             let begin = CurveRow::at(path, 0.0, work);
             // A jump of the force is shown by the points before and after it.
@@ -56,7 +57,7 @@ impl Curve {
                 curve.push(end);
                 curve.push(begin);
             }
-            while next < points && start + next as f64 * spacing <= path.position + length * (1.0 + 1e-12) {
+            while next + 1 < points && start + next as f64 * spacing <= path.position + length {
                 let a = start + next as f64 * spacing - path.position;
                 curve.push(CurveRow::at(path, a.clamp(0.0, length), work));
                 next += 1;
@@ -65,8 +66,11 @@ impl Curve {
             largest = largest.max(last.force.abs());
             work = last.work;
             end = path.interval.breaks.then_some(last);
+            reached = Some(last);
             true
         })?;
+        // The last point is the end itself, whatever the rounding of the others.
+        reached.into_iter().for_each(|end| curve.push(end));
         Ok(curve)
     }
 

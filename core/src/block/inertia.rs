@@ -103,7 +103,14 @@ impl QuasistaticRun<'_> {
 
     /// Moves through one interval after the other. Returns whether the slider came to rest.
     fn follow(&mut self, swing: &mut Swing) -> Result<bool> {
+        /// Steps after which the monitor is asked.
+        const ASK: u32 = 1024;
+        let mut steps: u32 = 0;
         loop {
+            steps = steps.wrapping_add(1);
+            if steps.is_multiple_of(ASK) {
+                self.path.report_progress(0.0)?;
+            }
             let ending = self.step(swing)?;
             let (sign, settled) = (self.path.sign(), self.is_settled(swing));
             if ending == StepEnd::Under && !settled {

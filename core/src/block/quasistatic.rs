@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::equilibrium_path::EquilibriumPath;
 use super::events::{Event, MotionEnd, Sizes};
 use super::trace::{Point, SlipCourse};
-use super::{Block, EnergyBalance, Loading};
+use super::{Block, EnergyBalance, Loading, Slip, check_damping_ratio};
 use crate::Result;
 use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
@@ -173,6 +173,18 @@ impl<'a> QuasistaticRun<'a> {
         Point { drive, position: self.path.position, force, spring_force: force }
     }
 
+    /// N⟨k⟩ at the start.
+    ///
+    /// # Errors
+    /// Under an imposed force a damping with which the motion of a mass on these contacts cannot be integrated.
+    pub fn first_unloading(&mut self) -> Result<f64> {
+        let stiffness = self.unloading()?;
+        if let (Loading::Force, Slip::Inertial { mass, damping }) = (self.block.loading, self.block.slip) {
+            check_damping_ratio(stiffness, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+        }
+        Ok(stiffness)
+    }
+
     /// N⟨k⟩, the slope of F on unloading.
     pub fn unloading(&mut self) -> Result<f64> {
         let forward = self.path.direction;
@@ -302,7 +314,9 @@ impl<'a> QuasistaticRun<'a> {
 
     /// Whether the slider has run away: its displacement since the last event is too large for the imposed force.
     pub fn has_run_away(&self, drive: f64) -> bool {
-        let largest = drive.abs().max(self.memory.segment_start.drive.abs()) - self.block.background;
+        // Sliding contacts carry the force without the background force, which acts against the motion.
+        let carried = |force: f64| (force - self.path.sign() * self.block.background).abs();
+        let largest = carried(drive).max(carried(self.memory.segment_start.drive));
         // A force above what contacts can carry has no equilibrium at any distance. Contacts at
         // rest would be displaced by force/N⟨k⟩: a hundred times as far without a new equilibrium
         // counts as none.

@@ -80,11 +80,11 @@ const FEWEST_SCATTERED: usize = 6;
 /// Largest difference of the means of the two halves of scattered sizes, in standard errors.
 const ERRORS: f64 = 3.0;
 
-/// Smallest number of slips that count as persistent. Near the end of persistence slips are nearly equal for long before they
-/// cease.
+/// Number of slips from which on stick-slip is followed no further in search of an end of it. Near the end of persistence slips are
+/// nearly equal for long before they cease.
 pub(super) const PERSISTENT: usize = 40;
 
-/// Smallest number of slips that count as persistent if they would remain equal through half of [`PERSISTENT`] more, by their
+/// The same if slips would remain equal through half of [`PERSISTENT`] more, by their
 /// trend: what remains of scatter makes a trend over fewer uncertain.
 const SETTLED: usize = 16;
 

@@ -4,7 +4,7 @@ use super::events::{self, Event, Sizes};
 use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
 use super::trace::{self, End, Point, SlipCourse};
-use super::{Block, EnergyBalance, Loading, Regime, Slip, check_damping_ratio, regime};
+use super::{Block, EnergyBalance, Loading, Regime, regime};
 use crate::monitor::{Monitor, fits};
 use crate::population::{Direction, Population};
 use crate::record::{Quantity, Record};
@@ -85,10 +85,7 @@ pub(super) fn pull(
     monitor: &mut dyn Monitor,
 ) -> Result<StickSlip> {
     let mut run = QuasistaticRun::new(block, population, monitor)?;
-    let (start, unloading) = (run.drive(), run.unloading()?);
-    if let (Loading::Force, Slip::Inertial { mass, damping }) = (block.loading, block.slip) {
-        check_damping_ratio(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
-    }
+    let (start, unloading) = (run.drive(), run.first_unloading()?);
     let segments = segments(start, drive)?;
     run.path_length.0 = length(start, &drive.turning_points);
     run.trace.push(run.point());

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::quasistatic::{Memory, Next, QuasistaticRun};
-use super::{Block, EnergyBalance, Event, Loading, Point, Slip, check_damping_ratio, events};
+use super::{Block, EnergyBalance, Event, Point, events};
 use crate::law::Atom;
 use crate::monitor::{Monitor, report};
 use crate::population::{Direction, Population};
@@ -88,10 +88,7 @@ impl Block {
     ) -> Result<BlockSimulation> {
         let mut population = population;
         let mut run = QuasistaticRun::new(self, population.as_mut(), monitor)?;
-        let unloading = run.unloading()?;
-        if let (Loading::Force, Slip::Inertial { mass, damping }) = (self.loading, self.slip) {
-            check_damping_ratio(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
-        }
+        run.first_unloading()?;
         run.turn(Direction::Forward)?;
         let here = run.point();
         let memory = run.into_memory();
@@ -149,8 +146,11 @@ impl BlockSimulation {
     }
 
     /// Breaks so far, per contact.
-    pub fn broken(&self) -> f64 {
-        self.now.population.energies().broken
+    ///
+    /// # Errors
+    /// Those of the contacts.
+    pub fn broken(&self) -> Result<f64> {
+        self.now.copy().catch_up(&self.block, |run| Ok(run.path.energies().broken))
     }
 
     /// Largest estimated error of the force so far; 0 for contacts that are followed one by one.
@@ -241,7 +241,8 @@ impl BlockSimulation {
             return happened;
         }
         self.since += u64::from(matches!(happened, Ok(Some(_))));
-        let broken = self.broken() - self.copied.population.energies().broken;
+        let broken = [&self.now, &self.copied].map(|slider| slider.population.energies().broken);
+        let broken = broken[0] - broken[1];
         // Events are repeated in one direction only: every turn needs a new copy.
         if turns || broken >= COPY_AFTER.0 || self.since >= COPY_AFTER.1 {
             (self.copied, self.since) = (self.now.copy(), 0);

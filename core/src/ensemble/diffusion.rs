@@ -16,6 +16,7 @@ use super::contact::TOGETHER;
 use crate::contacts::{Contacts, Stiffness, Temperature};
 use crate::history::History;
 use crate::law::Law;
+use crate::monitor::Watch;
 use crate::random::Stream;
 
 /// Nodes in the table of a drift: per length over which P_cf changes, and the smallest and largest number.
@@ -120,17 +121,20 @@ impl ThresholdDiffusion {
     }
 
     /// The time at which a contact with the hazard `remaining_hazard` left breaks, if before the last of the
-    /// `marks`, which rise; else infinite. If stiffness depends on the threshold, `thresholds` are those at
-    /// the marks.
+    /// `marks`, which rise; else infinite, also once the monitor has stopped it. If stiffness depends on the threshold,
+    /// `thresholds` are those at the marks.
     pub(super) fn end(
         &self,
         held: &AttachedContact,
         history: &History,
         marks: &[f64],
-        mut remaining_hazard: f64,
-        stream: &mut Stream,
+        (mut remaining_hazard, stream): (f64, &mut Stream),
         thresholds: &mut Vec<f64>,
+        watch: &Watch<'_>,
     ) -> f64 {
+        /// Steps after which the monitor is asked: a long hold may have millions.
+        const ASK: u32 = 1 << 14;
+        let mut steps: u32 = 0;
         let until = marks[marks.len() - 1];
         // Otherwise steps, and hence the random paths, do not depend on the marks.
         let marks = if self.stiffness.is_equal() { &[] } else { marks };
@@ -138,6 +142,10 @@ impl ThresholdDiffusion {
         for segment in segments(history, held.birth..until) {
             state.time = segment.start;
             while state.time < segment.end.min(until) {
+                steps = steps.wrapping_add(1);
+                if steps.is_multiple_of(ASK) && watch.stops() {
+                    return f64::INFINITY;
+                }
                 let passed = marks[thresholds.len()..].iter().take_while(|mark| **mark <= state.time).count();
                 thresholds.resize(thresholds.len() + passed, state.threshold);
                 let mark = marks.get(thresholds.len()).copied().unwrap_or(f64::INFINITY);

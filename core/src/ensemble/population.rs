@@ -69,13 +69,18 @@ pub struct EnsemblePopulation {
 }
 
 impl Ensemble {
-    /// Refuses populations that take more than `memory` bytes.
+    /// Refuses populations that take more than `memory` bytes, or have more contacts than 32 bits count.
     ///
     /// # Errors
-    /// [`Error::TooLarge`], naming their size.
+    /// [`Error::TooLarge`] and [`Error::Invalid`], naming their size.
     pub fn population_fits(&self, memory: u64) -> Result<()> {
         let what = format!("a population of {} contacts", self.size);
-        fits("size", what, (self.size as u64).saturating_mul(BYTES), memory)
+        fits("size", what, (self.size as u64).saturating_mul(BYTES), memory)?;
+        if u32::try_from(self.size).is_err() {
+            let expected = format!("up to {} contacts of a population", u32::MAX);
+            return Err(Error::invalid("size", expected, self.size));
+        }
+        Ok(())
     }
 
     /// The contacts at X = 0, to be moved. In a relaxed start, contacts at or above their thresholds have broken.

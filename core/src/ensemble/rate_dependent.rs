@@ -25,7 +25,7 @@ const CHUNK: usize = 256;
 /// The contacts of an ensemble that move together in time.
 ///
 /// Under a slider that follows a history they have the lives of [`Ensemble::follow`]; diffusing thresholds
-/// have other random numbers, as these are drawn step by step. A step visits every contact, which takes 128
+/// have other random numbers, as these are drawn step by step. A step visits every contact, which takes 112
 /// bytes; a copy shares contacts until either takes a step.
 #[derive(Debug, Clone)]
 pub struct EnsembleInTime {
@@ -180,7 +180,7 @@ impl RandomStreams {
         if !thermal {
             return f64::INFINITY;
         }
-        let remaining_hazard = -self.breaking.uniform().ln();
+        let remaining_hazard = self.breaking.exponential();
         contact.words[0] = self.breaking.taken();
         remaining_hazard
     }

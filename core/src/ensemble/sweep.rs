@@ -1,4 +1,4 @@
-//! Contacts on their way through a pull, from break to break, and their contributions to the results.
+//! Contacts through a pull, from break to break, and their contributions to the results.
 
 use std::ops::Range;
 

@@ -13,7 +13,7 @@ use super::snapshots::{Snapshots, rising};
 use crate::contacts::{Contacts, Rules};
 use crate::error::positive;
 use crate::history::{History, Piece};
-use crate::monitor::{Aside, Monitor, Watch, report};
+use crate::monitor::{Aside, Monitor, Watch, fits, report};
 use crate::numerics::order::sort_by_number;
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
@@ -125,7 +125,7 @@ impl Ensemble {
 struct ObservationTime {
     time: f64,
     position: f64,
-    look: Observation,
+    observed: Observation,
 }
 
 /// What is observed of a contact, and the index of the result.
@@ -190,7 +190,7 @@ impl<'a> Follow<'a> {
         (snapshots, shots): (&'a Snapshots, &[f64]),
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mark = |time, look| ObservationTime { time, position: history.position(time), look };
+        let mark = |time, observed| ObservationTime { time, position: history.position(time), observed };
         let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Observation::Force(i)));
         let stretches = shots.iter().enumerate().map(|(i, &time)| mark(time, Observation::Stretch(i)));
         let mut marks: Vec<ObservationTime> = forces.chain(stretches).collect();
@@ -200,6 +200,7 @@ impl<'a> Follow<'a> {
     }
 
     fn run(&self, monitor: &mut dyn Monitor) -> Result<TimedChunk> {
+        self.fits(monitor.memory())?;
         let all = self.ensemble.size;
         let mut total = self.nothing();
         let size = all.div_ceil(CHUNKS).max(FEWEST);
@@ -220,6 +221,16 @@ impl<'a> Follow<'a> {
             report(monitor, all.min(round[round.len() - 1] + size) as f64 / all as f64)?;
         }
         Ok(total)
+    }
+
+    /// Refuses sums of all threads that take more than `memory` bytes.
+    fn fits(&self, memory: u64) -> Result<()> {
+        let Snapshots { positions, edges, .. } = self.snapshots;
+        let (times, threads) = (self.marks.len() - positions.len(), crate::parallel::current_num_threads());
+        let bytes = times * size_of::<TimedSums>() + edges.len() * positions.len() * size_of::<u64>();
+        // Each thread, and the total.
+        let needed = (bytes as u64).saturating_mul(threads as u64 + 1);
+        fits("times", format!("an ensemble at {times} times on {threads} threads"), needed, memory)
     }
 
     fn nothing(&self) -> TimedChunk {
@@ -261,7 +272,7 @@ impl<'a> Follow<'a> {
         }
         while next < self.marks.len() {
             let end;
-            (end, next) = self.hold(birth, life, next, &mut draws, chunk);
+            (end, next) = self.hold(birth, life, next, &mut draws, chunk, watch);
             let asks = chunk.breaks.is_multiple_of(PER_CHECK as u64);
             if next == self.marks.len() || asks && watch.stops() {
                 return;
@@ -285,7 +296,7 @@ impl<'a> Follow<'a> {
         let birth = broken + delay.draw(&mut draws.free);
         let passed = self.before(birth, next);
         for mark in &self.marks[passed.clone()] {
-            if let Observation::Force(i) = mark.look {
+            if let Observation::Force(i) = mark.observed {
                 chunk.sums[i].free += 1.0;
                 if !free_friction.is_none() {
                     let velocity = self.history.pieces()[self.history.piece_at(mark.time)].velocity;
@@ -304,6 +315,7 @@ impl<'a> Follow<'a> {
         next: usize,
         draws: &mut TimedDraws,
         chunk: &mut TimedChunk,
+        watch: &Watch<'_>,
     ) -> (f64, usize) {
         let Contacts { stiffness, rules, .. } = &self.ensemble.contacts;
         let held = AttachedContact {
@@ -314,7 +326,7 @@ impl<'a> Follow<'a> {
         // Inversion: the cumulative hazard at which a contact breaks is exponentially distributed,
         // whatever its history.
         let remaining_hazard = match rules.temperature {
-            Some(_) => -draws.breaking.uniform().ln(),
+            Some(_) => draws.breaking.exponential(),
             None => f64::INFINITY,
         };
         let marks = &self.times[next..];
@@ -322,14 +334,14 @@ impl<'a> Follow<'a> {
         let end = match &self.passage {
             Passage::KnownThreshold(known) => known.end(&held, self.history, marks, remaining_hazard),
             Passage::Diffusing(diffusion) => {
-                let stream = &mut draws.diffusion;
-                diffusion.end(&held, self.history, marks, remaining_hazard, stream, &mut thresholds)
+                let drawn = (remaining_hazard, &mut draws.diffusion);
+                diffusion.end(&held, self.history, marks, drawn, &mut thresholds, watch)
             }
         };
         let passed = self.before(end, next);
         for (place, mark) in self.marks[passed.clone()].iter().enumerate() {
             let stretch = mark.position - held.origin;
-            match (mark.look, stiffness.is_equal()) {
+            match (mark.observed, stiffness.is_equal()) {
                 (Observation::Stretch(i), _) => self.snapshots.count(stretch, &mut chunk.histograms[i]),
                 (Observation::Force(i), true) => chunk.sums[i].add(stretch),
                 (Observation::Force(i), false) => {

@@ -8,6 +8,7 @@ use super::interval::{self, TWO_SIDED};
 use super::matrix;
 use super::search::{Objective, Optimum};
 use super::standardised::Standardised;
+use crate::error::as_many;
 use crate::monitor::{Monitor, Part};
 use crate::{Error, Result};
 
@@ -47,6 +48,7 @@ impl<L: Objective> Ended<L> {
         let count = free.len();
         let active: Vec<usize> =
             (0..count).filter(|&k| !optimum.at_bound[k] && information[(k, k)] > 0.0).collect();
+        refuse_unseen((free, &optimum.at_bound), information, what)?;
         refuse_undetermined(free, information, &active, (what, least))?;
         let covariance = matrix::covariance(information, &active);
         let mut covariance = covariance.unwrap_or_else(|| Mat::zeros(count, count));
@@ -118,10 +120,7 @@ impl<L: Objective> Ended<L> {
     pub fn log_likelihood(&self, values: &[f64], monitor: &mut dyn Monitor) -> Result<(f64, Vec<f64>)> {
         let likelihood = &self.measured()?.likelihood;
         let free = likelihood.free();
-        if values.len() != free.len() {
-            let expected = format!("{} values, one for each free number", free.len());
-            return Err(Error::invalid("values", expected, values.len()));
-        }
+        as_many("values", values.len(), (free.len(), "values, one for each free number"))?;
         let coordinates: Vec<f64> =
             free.iter().zip(values).map(|(parameter, &value)| parameter.coordinate(value)).collect();
         let known = if coordinates.iter().all(|u| u.is_finite()) {
@@ -231,6 +230,24 @@ macro_rules! methods_of_estimates {
     };
 }
 pub(super) use methods_of_estimates;
+
+/// # Errors
+/// A number on which `what`, a curve or a record, does not depend at all, unless it is at the end of its range or says how large
+/// errors are.
+fn refuse_unseen(
+    (free, at_bound): (&[FreeParameter], &[bool]),
+    information: &Mat<f64>,
+    what: &str,
+) -> Result<()> {
+    let seen = |k: usize| at_bound[k] || free[k].is_of_errors() || information[(k, k)] > 0.0;
+    match (0..free.len()).find(|&k| !seen(k)) {
+        Some(k) => {
+            let expected = format!("numbers that the {what} determines (fix this one, or give it a prior)");
+            Err(Error::invalid("free", expected, format!("{}, on which it does not depend", free[k].name)))
+        }
+        None => Ok(()),
+    }
+}
 
 /// # Errors
 /// Numbers that can change together without a change of `what`, a curve or a record: along an eigenvector of the scaled

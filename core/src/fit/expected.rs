@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use faer::Mat;
 
-use super::free::{FreeParameter, Role};
+use super::free::{FreeParameter, Role, of_contacts};
 use super::measurement::{Machine, Measurement};
 use crate::master::{AgainstDrive, Covariance, Gradient, MasterEquation, Pull};
 use crate::monitor::{Monitor, Part};
@@ -48,12 +48,7 @@ impl FittedContacts {
         (free, values): Values<'_>,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let values: Vec<_> = free
-            .iter()
-            .zip(values)
-            .filter(|(parameter, _)| parameter.role == Role::Contacts && parameter.applies_to(curve))
-            .map(|(parameter, &value)| (parameter.quantity.as_str(), value))
-            .collect();
+        let values = of_contacts(free, values, curve);
         let widest = WIDEST.max(NEAR * relative_width(equation));
         let equation = equation.with_parameters(&values, &mut Part::new(monitor, 0.0, 0.5))?;
         if relative_width(&equation) > widest {

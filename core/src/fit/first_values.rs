@@ -6,7 +6,7 @@
 //! thresholds are narrower than the readings are apart, most of them break between two readings, and the curve hardly depends on
 //! them: there the search begins at wider ones, too.
 
-use super::free::{FreeParameter, Role};
+use super::free::{FreeParameter, Role, first_coordinates};
 use super::likelihood::Likelihood;
 use super::{Fit, Machine, Measurement};
 use crate::contacts::Stiffness;
@@ -96,7 +96,7 @@ impl Fit {
     /// The given values, and those with other lengths, and the number of solutions that they took.
     fn scaled_values(&self, white: &Likelihood, monitor: &mut dyn Monitor) -> Result<(Vec<Vec<f64>>, usize)> {
         let free = &white.free;
-        let given: Vec<f64> = free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
+        let given = first_coordinates(free);
         if !free.iter().any(is_length) {
             return Ok((vec![given], 0));
         }

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Fit, Measurement};
+use crate::master::MasterEquation;
 use crate::{Error, Result};
 
 /// The numbers of the sizes of errors, which are free where they are not given.
@@ -141,16 +142,69 @@ impl FreeParameter {
     }
 }
 
-/// The value of a role at these coordinates, or a `fixed` one where it is not free.
-pub(super) fn value_of(free: &[FreeParameter], role: Role, coordinates: &[f64], fixed: f64) -> f64 {
+/// The coordinates of the first values.
+pub(super) fn first_coordinates(free: &[FreeParameter]) -> Vec<f64> {
+    free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect()
+}
+
+/// The values at coordinates.
+pub(super) fn values_at(free: &[FreeParameter], coordinates: &[f64]) -> Vec<f64> {
+    free.iter().zip(coordinates).map(|(parameter, &u)| parameter.value(u)).collect()
+}
+
+/// The value of a role at these coordinates, if it is free.
+pub(super) fn value_of(free: &[FreeParameter], role: Role, coordinates: &[f64]) -> Option<f64> {
     let found = free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
-    found.map_or(fixed, |(parameter, &u)| parameter.value(u))
+    found.map(|(parameter, &u)| parameter.value(u))
+}
+
+/// The names and values of the numbers of the contacts of a curve, from the values of all numbers.
+pub(super) fn of_contacts<'a>(
+    free: &'a [FreeParameter],
+    values: &[f64],
+    curve: usize,
+) -> Vec<(&'a str, f64)> {
+    let own = |parameter: &FreeParameter| parameter.role == Role::Contacts && parameter.applies_to(curve);
+    let of_contacts = free.iter().zip(values).filter(|(parameter, _)| own(parameter));
+    of_contacts.map(|(parameter, &value)| (parameter.quantity.as_str(), value)).collect()
 }
 
 /// Σ(u − m)²/s² over the priors.
 pub(super) fn priors_at(free: &[FreeParameter], coordinates: &[f64]) -> f64 {
     let known = free.iter().zip(coordinates);
     known.filter_map(|(parameter, u)| parameter.prior.map(|[mean, std]| ((u - mean) / std).powi(2))).sum()
+}
+
+/// The free numbers of these names in a fit of steady sliding, each as `finished` leaves it: numbers of the contacts for which
+/// `is_known` is true, or one of `others`, which have a name, a role and a first value.
+///
+/// # Errors
+/// A name that is unknown, given twice, or without a derivative; those of `finished`.
+pub(super) fn named(
+    names: &[String],
+    (equation, is_known): (&MasterEquation, impl Fn(&str) -> bool),
+    others: &[(&str, Role, f64)],
+    finished: impl Fn(FreeParameter) -> Result<FreeParameter>,
+) -> Result<Vec<FreeParameter>> {
+    let parameters = equation.parameters();
+    let known = parameters.iter().filter(|known| is_known(&known.name));
+    let known = known.map(|known| (known.name.as_ref(), Role::Contacts, known.value));
+    let known: Vec<_> = known.chain(others.iter().copied()).collect();
+    let mut free: Vec<FreeParameter> = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        let key = format!("free.{i}");
+        if free.iter().any(|other| other.name == *name) {
+            return Err(Error::invalid(key, "each key once", name));
+        }
+        let Some(&(_, role, start)) = known.iter().find(|known| known.0 == name) else {
+            let known: Vec<&str> = known.iter().map(|known| known.0).collect();
+            return Err(Error::invalid(key, format!("one of {}", known.join(", ")), name));
+        };
+        let logarithmic =
+            if role == Role::Contacts { equation.is_positive(name)? } else { role == Role::Background };
+        free.push(finished(FreeParameter::new(name, role, logarithmic, start))?);
+    }
+    Ok(free)
 }
 
 /// The free numbers with what is known of them beforehand.
@@ -191,7 +245,7 @@ fn mixture_of_weight(parameter: &FreeParameter) -> Option<&str> {
 }
 
 /// The curve that a name belongs to, if it begins with `curve.` and its number, and the name of the quantity.
-fn of_curve(name: &str) -> (Option<usize>, &str) {
+pub(super) fn of_curve(name: &str) -> (Option<usize>, &str) {
     let own = name.strip_prefix("curve.").and_then(|rest| rest.split_once('.'));
     own.and_then(|(curve, quantity)| Some((curve.parse().ok()?, quantity)))
         .map_or((None, name), |(curve, quantity)| (Some(curve), quantity))
@@ -287,8 +341,7 @@ impl Fit {
             free.push(of_force("reading", Role::Reading, reading));
         }
         if let Some(longest) = self.errors.drift {
-            let spacing = |curve: &Measurement| curve.range() / (curve.positions.len() - 1) as f64;
-            let spacing = self.curves.iter().map(spacing).fold(f64::INFINITY, f64::min);
+            let spacing = self.curves.iter().map(Measurement::spacing).fold(f64::INFINITY, f64::min);
             free.push(of_force("drift.amplitude", Role::DriftAmplitude, drift));
             free.push(FreeParameter {
                 bounds: [spacing.min(DRIFT_LENGTH * longest).ln(), longest.ln()],

@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::ended::Ended;
 use super::estimates::Estimates;
-use super::free::FreeParameter;
+use super::free::{FreeParameter, first_coordinates};
 use super::friction::WithError;
 use super::interval::TWO_SIDED;
 use super::likelihood::{Errors, Likelihood};
@@ -102,7 +102,7 @@ impl Fit {
         if !fit.is_profiled() {
             free.extend(fit.free_errors_of(found));
         }
-        let coordinates: Vec<f64> = free.iter().map(|number| number.coordinate(number.start)).collect();
+        let coordinates = first_coordinates(&free);
         let likelihood =
             fit.likelihood_near((free, found.reading), &coordinates, &mut Part::new(monitor, 0.04, 0.06))?;
         let likelihood = Likelihood { smoothness: Some(smoothness), ..likelihood };
@@ -312,7 +312,7 @@ impl FreeForm {
         })
     }
 
-    /// The same at 201 thresholds, over all but 1e-5 of the contacts at either end.
+    /// [`Self::band`] at 201 thresholds, over all but 1e-5 of the contacts at either end.
     ///
     /// # Errors
     /// Those of [`Self::band`].

@@ -6,7 +6,7 @@ use super::matrix;
 use super::score::Score;
 use super::search::{Objective, Optimum, SHORT, search_from};
 use crate::Result;
-use crate::monitor::Monitor;
+use crate::monitor::{Aside, Monitor, Part};
 use crate::numerics::roots::brent_root;
 use crate::numerics::student::two_sided;
 
@@ -62,7 +62,8 @@ fn profile_to<O: Objective>(
     held[number] = true;
     let mut start = optimum.coordinates.clone();
     start[number] = u;
-    let Some(trial) = likelihood.trial(&start, monitor)? else { return Ok(f64::INFINITY) };
+    let aside = &mut Aside { fraction: 0.0, monitor };
+    let Some(trial) = likelihood.trial(&start, aside)? else { return Ok(f64::INFINITY) };
     let step = u - optimum.coordinates[number];
     if likelihood.free()[number].is_of_errors() && step.abs() <= NEAR {
         let fall = fall_of_others(optimum, number, step).filter(|fall| CERTAIN * fall < short);
@@ -154,11 +155,12 @@ pub(super) fn by_profile<O: Objective>(
     let quantile = TWO_SIDED.quantile(likelihood.freedom());
     let half = if optimum.at_bound[number] { UNKNOWN } else { quantile * error };
     let rise = likelihood.rise(quantile);
-    let mut end = |step: f64| -> Result<f64> {
-        let found = end_of_rise(ended, (number, start, step), (rise, ACCURACY * step.abs()), monitor)?;
+    let mut end = |side: f64, done: f64| -> Result<f64> {
+        let (step, part) = (side * half, &mut Part::new(monitor, done, 0.5));
+        let found = end_of_rise(ended, (number, start, step), (rise, ACCURACY * step.abs()), part)?;
         Ok(parameter.value(found.clamp(parameter.bounds[0], parameter.bounds[1])))
     };
-    Ok([end(-half)?, end(half)?])
+    Ok([end(-1.0, 0.0)?, end(1.0, 0.5)?])
 }
 
 /// The coordinate, from `start` in the direction of `step`, where the profile has risen by `rise`, to `accuracy`.
@@ -179,7 +181,10 @@ fn end_of_rise<O: Objective>(
         if let Some((_, above)) = known.iter().find(|(at, _)| *at == u) {
             return *above;
         }
-        match profile_to(ended, (number, u), short, monitor) {
+        // Most searches end after a few trials.
+        let tried = known.len() as f64;
+        let aside = &mut Aside { fraction: tried / (tried + 4.0), monitor };
+        match profile_to(ended, (number, u), short, aside) {
             Ok(deviance) => {
                 let risen = deviance.min(lowest + 1e6) - lowest - rise;
                 // The rise goes with the square of the step.
@@ -187,8 +192,9 @@ fn end_of_rise<O: Objective>(
                 known[known.len() - 1].1
             }
             Err(error) => {
+                // A zero ends the search.
                 failed = Some(error);
-                f64::NAN
+                0.0
             }
         }
     };
@@ -197,9 +203,6 @@ fn end_of_rise<O: Objective>(
     for _ in 0..STEPS {
         let outside = inside + step;
         let risen = above(outside);
-        if risen.is_nan() {
-            break;
-        }
         if risen >= 0.0 {
             found = brent_root(&mut above, inside, outside, accuracy).unwrap_or(outside);
             break;

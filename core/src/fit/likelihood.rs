@@ -7,7 +7,7 @@ use faer::Mat;
 use super::Fit;
 use super::error_covariance::{ErrorCovariance, ErrorPart, ErrorSizes, KnownCovariance, trace_of_product};
 use super::expected::{self, ExpectedReadings};
-use super::free::{FreeParameter, Role, UNREAD, priors_at};
+use super::free::{FreeParameter, Role, UNREAD, priors_at, value_of, values_at};
 use super::matrix::product;
 use super::restricted::Restricted;
 use super::score::Score;
@@ -142,11 +142,6 @@ impl Likelihood {
         self.free.len() as f64 - penalised
     }
 
-    /// The values at coordinates.
-    pub fn values(&self, coordinates: &[f64]) -> Vec<f64> {
-        self.free.iter().zip(coordinates).map(|(parameter, &u)| parameter.value(u)).collect()
-    }
-
     /// The likelihood at coordinates; `None` where it is 0 or not defined, such as beyond the range of a number.
     ///
     /// # Errors
@@ -165,7 +160,7 @@ impl Likelihood {
         coordinates: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Vec<ExpectedReadings>>> {
-        let values = self.values(coordinates);
+        let values = values_at(&self.free, coordinates);
         let numbers = (self.free.as_slice(), values.as_slice());
         match expected::expected_readings((&self.fit.equation, &self.fit.curves), numbers, monitor) {
             Err(Error::Invalid { .. } | Error::TooLarge { .. }) => Ok(None),
@@ -263,12 +258,6 @@ impl Likelihood {
         Some(CurvePoint { readings, covariance, residuals, whitened, sizes })
     }
 
-    /// The value of a free number of the errors.
-    fn of_errors(&self, role: Role, coordinates: &[f64]) -> Option<f64> {
-        let found = self.free.iter().zip(coordinates).find(|(parameter, _)| parameter.role == role);
-        found.map(|(parameter, &u)| parameter.value(u))
-    }
-
     /// The standard deviation of the independent error of a reading at coordinates.
     fn reading(&self, (coordinates, fitted): (&[f64], f64), residuals: &[Mat<f64>]) -> f64 {
         let reading = match self.errors {
@@ -278,7 +267,7 @@ impl Likelihood {
             }
             Errors::RenewedWhite { reading, .. } => reading,
             Errors::Modelled(_) => {
-                self.of_errors(Role::Reading, coordinates).or(self.fit.errors.reading).unwrap_or(0.0)
+                value_of(&self.free, Role::Reading, coordinates).or(self.fit.errors.reading).unwrap_or(0.0)
             }
         };
         reading.max(self.least_reading())
@@ -291,7 +280,7 @@ impl Likelihood {
 
     /// The sizes of errors of a curve at coordinates.
     fn sizes(&self, (curve, coordinates): (usize, &[f64]), reading: f64) -> ErrorSizes {
-        let drift = |role| self.of_errors(role, coordinates);
+        let drift = |role| value_of(&self.free, role, coordinates);
         ErrorSizes {
             noise: self.noise_factor(curve, coordinates),
             reading,
@@ -345,7 +334,7 @@ impl Likelihood {
         trial: &LikelihoodPoint,
         monitor: &mut dyn Monitor,
     ) -> Result<Vec<Mat<f64>>> {
-        let values = self.values(coordinates);
+        let values = values_at(&self.free, coordinates);
         let numbers = (self.free.as_slice(), values.as_slice());
         let readings: Vec<&ExpectedReadings> = trial.curves.iter().map(|curve| &curve.readings).collect();
         expected::derivatives((&readings, &self.fit.curves), numbers, monitor)

@@ -47,7 +47,7 @@ pub(super) fn expected_fall(score: &Score, step: &[f64]) -> f64 {
 }
 
 /// The information of the `active` numbers in units that make its diagonal 1.
-fn scaled(information: &Mat<f64>, active: &[usize]) -> Mat<f64> {
+pub(super) fn scaled(information: &Mat<f64>, active: &[usize]) -> Mat<f64> {
     let scale = |k: usize| information[(k, k)].sqrt();
     Mat::from_fn(active.len(), active.len(), |i, j| {
         information[(active[i], active[j])] / (scale(active[i]) * scale(active[j]))

@@ -1,6 +1,6 @@
 //! What was measured: a curve of force, the machine that measured it, and the errors of its readings.
 
-use crate::error::{not_negative, positive};
+use crate::error::{all_finite, as_many, finite, not_negative, positive};
 use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
@@ -251,13 +251,10 @@ impl Measurement {
             return Err(Error::invalid("position", "two positions or more", self.positions.len()));
         }
         for (key, values) in [("position", &self.positions), ("force", &self.forces)] {
-            if let Some(i) = values.iter().position(|value| !value.is_finite()) {
-                return Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i]));
-            }
+            all_finite(key, values)?;
         }
-        if !self.forces.is_empty() && self.forces.len() != self.positions.len() {
-            let expected = format!("{} forces, one for each position", self.positions.len());
-            return Err(Error::invalid("force", expected, self.forces.len()));
+        if !self.forces.is_empty() {
+            as_many("force", self.forces.len(), (self.positions.len(), "forces, one for each position"))?;
         }
         if !self.members.is_empty() && self.members.len() != self.positions.len() {
             let expected = format!("members of {} readings, or of none", self.positions.len());
@@ -283,9 +280,7 @@ impl Machine {
         not_negative("compliance", self.compliance)?;
         not_negative("background", self.background)?;
         for (key, value) in [("offset", self.offset), ("trend", self.trend), ("origin", self.origin)] {
-            if !value.is_finite() {
-                return Err(Error::invalid(key, "a finite number", value));
-            }
+            finite(key, value)?;
         }
         Ok(())
     }

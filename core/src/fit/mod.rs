@@ -88,7 +88,7 @@ use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
 use ended::Ended;
-use free::{FreeParameter, Role};
+use free::{FreeParameter, Role, first_coordinates};
 use likelihood::{Errors, Likelihood};
 use search::{ONE_ERROR, Optimum, SHORT, search_each};
 
@@ -119,7 +119,7 @@ impl Fit {
         self
     }
 
-    /// The numbers to vary: names of [`MasterEquation::parameters`], and `compliance`, `offset`, `trend`, `origin`. A name after
+    /// The numbers to vary: names of [`MasterEquation::parameters`], and `compliance`, `background`, `offset`, `trend`, `origin`. A name after
     /// `curve.0.`, `curve.1.`, … is that of a number of one curve, all others are common to the curves.
     #[must_use]
     pub fn free<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
@@ -267,8 +267,7 @@ impl Fit {
             return Err(Error::invalid("drift.longest", expected, longest));
         }
         free.extend(self.free_errors(0.0, 0.0));
-        let coordinates: Vec<f64> =
-            free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
+        let coordinates = first_coordinates(&free);
         let white = Likelihood {
             fit: self.clone(),
             free,

@@ -6,7 +6,7 @@ use super::ended::Ended;
 use super::error_covariance::{KnownCovariance, NEGLIGIBLE};
 use super::estimates::Estimates;
 use super::expected::ExpectedReadings;
-use super::free::FreeParameter;
+use super::free::{FreeParameter, first_coordinates};
 use super::hierarchical::Hierarchical;
 use super::likelihood::{CurvePoint, Errors, KnownErrors, LastErrors, Likelihood, LikelihoodPoint};
 use super::search::{COARSE, Optimum, SHORT, search_from};
@@ -35,9 +35,7 @@ impl Fit {
     ) -> Result<Estimates> {
         let Optimum { mut coordinates, trial, mut solutions, .. } = first;
         free.extend(self.free_errors(0.02 * roughness(&trial), 0.5 * trial.reading()));
-        let errors = free[coordinates.len()..].iter().map(|parameter| parameter.coordinate(parameter.start));
-        let errors: Vec<f64> = errors.collect();
-        coordinates.extend(errors);
+        coordinates.extend(first_coordinates(&free[coordinates.len()..]));
         let likelihood = |fit: Self| Likelihood {
             fit,
             free: free.clone(),

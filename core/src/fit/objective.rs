@@ -63,12 +63,8 @@ impl Objective for Likelihood {
         }
     }
 
-    /// Of a profiled size of errors the deviance is ν ln Σr², which rises by ν ln(1 + t²/ν) (D. M. Bates and D. G. Watts, *Nonlinear
-    /// Regression Analysis and Its Applications*, 1988).
-    fn rise(&self, quantile: f64) -> f64 {
-        let square = quantile * quantile;
-        let profiled = self.freedom().filter(|_| matches!(self.errors, Errors::ProfiledWhite { .. }));
-        profiled.map_or(square, |freedom| freedom * (square / freedom).ln_1p())
+    fn is_profiled(&self) -> bool {
+        matches!(self.errors, Errors::ProfiledWhite { .. })
     }
 
     fn without_solutions(

@@ -2,7 +2,9 @@
 
 use super::Estimates;
 use super::expected::{ExpectedReadings, Values};
+use super::free::values_at;
 use super::measurement::Measurement;
+use crate::error::all_finite;
 use crate::monitor::{Monitor, Part};
 use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
@@ -38,14 +40,12 @@ impl Estimates {
                 curve,
             ));
         }
-        if let Some(i) = positions.iter().position(|y| !y.is_finite()) {
-            return Err(Error::invalid(format!("position.{i}"), "a finite number", positions[i]));
-        }
+        all_finite("position", positions)?;
         let mut order: Vec<usize> = (0..positions.len()).collect();
         sort_by_number(&mut order, |&a| positions[a]);
         let Some(&last) = order.last() else { return Ok(Prediction::default()) };
         let (likelihood, coordinates) = (&self.ended.likelihood, &self.ended.optimum.coordinates);
-        let values = likelihood.values(coordinates);
+        let values = values_at(&likelihood.free, coordinates);
         let numbers = (likelihood.free.as_slice(), values.as_slice());
         let rising = order.iter().map(|&i| positions[i]).collect();
         let machine = self.curves()[curve].machine;

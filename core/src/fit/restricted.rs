@@ -11,7 +11,7 @@ use faer::prelude::Solve;
 use faer::{Mat, Side};
 
 use super::error_covariance::ErrorCovariance;
-use super::matrix::product;
+use super::matrix::{product, scaled};
 
 /// Eigenvalue of the scaled information below which a combination of numbers does not change the curve, as N beside ⟨k⟩.
 const UNDETERMINED: f64 = 1e-10;
@@ -38,16 +38,12 @@ impl Restricted {
         let all = Self { curves: derivatives, known: prior };
         let information = all.information(covariances);
         let moving: Vec<usize> = (0..count).filter(|&k| information[(k, k)] > 0.0).collect();
-        let scale = |i: usize| information[(moving[i], moving[i])].sqrt();
-        let scaled = Mat::from_fn(moving.len(), moving.len(), |i, j| {
-            information[(moving[i], moving[j])] / (scale(i) * scale(j))
-        });
-        let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
+        let eigen = scaled(&information, &moving).self_adjoint_eigen(Side::Lower).ok()?;
         let determined: Vec<usize> = (0..moving.len()).filter(|&j| eigen.S()[j] > UNDETERMINED).collect();
         let mut combinations = Mat::zeros(count, determined.len());
         for (j, &direction) in determined.iter().enumerate() {
             for (i, &k) in moving.iter().enumerate() {
-                combinations[(k, j)] = eigen.U()[(i, direction)] / scale(i);
+                combinations[(k, j)] = eigen.U()[(i, direction)] / information[(k, k)].sqrt();
             }
         }
         (!determined.is_empty()).then(|| Self {

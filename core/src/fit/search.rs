@@ -82,9 +82,18 @@ pub(super) trait Objective {
         None
     }
 
-    /// By how much the deviance rises where a number is `quantile` of its standard errors from its estimate.
+    /// Whether errors of one unknown size have the most probable one for any values of the other numbers.
+    fn is_profiled(&self) -> bool {
+        self.freedom().is_some()
+    }
+
+    /// By how much the deviance rises where a number is `quantile` of its standard errors from its estimate. Of a profiled size of
+    /// errors the deviance is ν ln Σr², which rises by ν ln(1 + t²/ν) (D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
+    /// and Its Applications*, 1988).
     fn rise(&self, quantile: f64) -> f64 {
-        quantile * quantile
+        let square = quantile * quantile;
+        let profiled = self.freedom().filter(|_| self.is_profiled());
+        profiled.map_or(square, |freedom| freedom * (square / freedom).ln_1p())
     }
 
     /// The coordinates of the highest likelihood, with the numbers that are `held` fixed and to within `short`, as far as they follow
@@ -183,7 +192,7 @@ pub(super) fn search_from<O: Objective>(
     at: (&[bool], f64),
     monitor: &mut dyn Monitor,
 ) -> Result<Optimum<O::Point>> {
-    let score = likelihood.score(start, &trial, monitor)?;
+    let score = likelihood.score(start, &trial, &mut Aside { fraction: 0.0, monitor })?;
     search_from_score(likelihood, (start, trial, score), at, monitor)
 }
 

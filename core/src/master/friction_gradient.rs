@@ -53,7 +53,7 @@ impl Pull {
     ///
     /// ∂F_s is ∂F/∂θ at a smooth maximum, whose motion has no effect at first order; ∂K_c is minus the slope of ∂F/∂θ
     /// where F falls most steeply. At a kink of F the motion of the kink adds to them. With C the mean life, F_k =
-    /// N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − F_k ∫S_θ)/C; the root φ̂(s₁) = 1 that sets X* = −1/Re s₁ moves by
+    /// N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − (F_k/N_c⟨k⟩) ∫S_θ)/C; the root φ̂(s₁) = 1 that sets X* = −1/Re s₁ moves by
     /// s₁ Ŝ_θ(s₁)/φ̂'(s₁), since φ̂_θ = −s Ŝ_θ.
     ///
     /// # Errors

@@ -160,8 +160,8 @@ impl Pull {
         self.renewal.stretch_density(position, stretches, monitor)
     }
 
-    /// F_s and X_s: the maximum of F on (0, distance) and its position, at a jump the left limit; the first
-    /// of equal maxima. `None` if F, to within the tolerance, does not fall after it, or ends higher.
+    /// F_s and X_s: the maximum of F on [0, distance) and its position, at a jump the left limit; the first
+    /// of equal maxima, X_s = 0 if F falls from the start and does not reach F(0) again. `None` if F, to within the tolerance, does not fall after it, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
         self.peak().map(|(peak, _)| peak)
     }
@@ -170,12 +170,12 @@ impl Pull {
     pub(super) fn peak(&self) -> Option<(Extremum, usize)> {
         let slack = self.slack() * unit_force(&self.renewal.reformed);
         let cells = 0..=self.last_cell();
-        let mut best = (0.0, f64::NEG_INFINITY, 0);
+        let mut best = (0.0, self.renewal.force.value_in(0, 0.0), 0);
         for cell in cells.clone() {
             for (position, value) in self.peaks(cell) {
                 // Later maxima count only if they are higher by more than the error: of equal ones
                 // the first is returned.
-                if position > 0.0 && value > best.1 + slack {
+                if value > best.1 + slack {
                     best = (position, value, cell);
                 }
             }

@@ -11,7 +11,7 @@ use crate::contacts::{Ageing, Contacts};
 use crate::life::Life;
 use crate::monitor::{Monitor, Watch};
 
-/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and c_j =
+/// The relaxation spectrum: F(X) = F_k + N_c⟨k⟩ Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and c_j =
 /// φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
 ///
 /// φ is the breaking density of re-formed contacts, m their carried force, φ₀ the breaking density of the

@@ -2,7 +2,10 @@
 
 use std::f64::consts::LN_10;
 
+use super::extent;
 use super::separable::{GROWTH, SeparableFit, gradient, linear};
+use crate::error::{all_finite, as_many};
+use crate::{Error, Result};
 
 /// Healing: static friction grows with the logarithm of the hold time, from a cutoff time on.
 ///
@@ -43,11 +46,13 @@ impl Healing {
     /// A cutoff time a thousand times shorter than the shortest hold counts as none. `None` for fewer than 4
     /// holds, or if the longest hold is not longer than the cutoff time: the growth is then not logarithmic.
     pub fn read(hold: &[f64], force: &[f64]) -> Option<Self> {
-        let (shortest, longest) = ends(hold);
+        let (shortest, longest) = extent(hold);
         if hold.len() < FEWEST || hold.len() != force.len() {
             return None;
         }
-        let fit = SeparableFit::of(&GROWTH, hold, force, (SHORTEST * shortest, LONGEST * longest))?;
+        let weights = vec![1.0; hold.len()];
+        let range_of_cutoff = (SHORTEST * shortest, LONGEST * longest);
+        let fit = SeparableFit::of(&GROWTH, hold, (force, &weights), range_of_cutoff)?;
         if fit.scale >= longest {
             return None;
         }
@@ -59,14 +64,15 @@ impl Healing {
             per_decade: LN_10 * fit.size,
             cutoff: Some(fit.scale),
             at_one: fit.offset + fit.size * at_one[1],
-            residual: fit.residual(),
-            residual_relative: fit.residual() / range(force),
+            residual: fit.residual,
+            residual_relative: fit.residual / range(force),
         })
     }
 
     /// Linear regression on the logarithm of the hold time.
     fn straight(hold: &[f64], force: &[f64]) -> Option<Self> {
-        let (at_one, slope, squares) = linear(hold.iter().map(|t| t.log10()), force)?;
+        let decades: Vec<f64> = hold.iter().map(|t| t.log10()).collect();
+        let (at_one, slope, squares) = linear(&decades, force, &vec![1.0; hold.len()])?;
         let residual = (squares / hold.len() as f64).sqrt();
         let residual_relative = residual / range(force);
         Some(Self { per_decade: slope, cutoff: None, at_one, residual, residual_relative })
@@ -79,14 +85,31 @@ impl Healing {
     }
 }
 
-/// The shortest and the longest hold.
-pub(super) fn ends(hold: &[f64]) -> (f64, f64) {
-    (hold.iter().copied().fold(f64::INFINITY, f64::min), hold.iter().copied().fold(0.0, f64::max))
+/// Checks the times of holds, and the lists of forces, each after its name.
+///
+/// # Errors
+/// Fewer than 4 holds; numbers of forces that differ from theirs; numbers that are not finite; hold times that are not above 0.
+pub(super) fn check_holds<'a>(
+    hold: &[f64],
+    forces: impl IntoIterator<Item = (&'a str, &'a [f64])>,
+) -> Result<()> {
+    if hold.len() < FEWEST {
+        return Err(Error::invalid("hold", format!("at least {FEWEST} holds"), hold.len()));
+    }
+    for (key, forces) in forces {
+        as_many(key, forces.len(), (hold.len(), "forces, one for each hold"))?;
+        all_finite(key, forces)?;
+    }
+    all_finite("hold", hold)?;
+    match hold.iter().position(|time| *time <= 0.0) {
+        Some(i) => Err(Error::invalid(format!("hold.{i}"), "a time above 0", hold[i])),
+        None => Ok(()),
+    }
 }
 
 fn range(force: &[f64]) -> f64 {
-    let low = force.iter().copied().fold(f64::INFINITY, f64::min);
-    force.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+    let (low, high) = extent(force);
+    high - low
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! (1944); D. W. Marquardt, J. Soc. Ind. Appl. Math. 11, 431 (1963)).
 
 use crate::Result;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::linear::solve;
 
 /// Largest number of iterations: along a narrow curved valley, as that of b and D of peaks by the slip law, they are many.
@@ -31,7 +31,6 @@ pub(super) fn least_squares<const N: usize>(
     let Some(mut left) = residuals(&values) else { return Ok(None) };
     let (mut squares, mut damping) = (sum(&left), 1e-3);
     for _ in 0..ITERATIONS {
-        report(monitor, 0.0)?;
         let Some(slopes) = slopes(&values, &changes, &left, &residuals) else { break };
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let normal: [[f64; N]; N] =
@@ -40,6 +39,7 @@ pub(super) fn least_squares<const N: usize>(
         let before = squares;
         let mut improved = false;
         while damping < 1e10 {
+            report(monitor, 0.0)?;
             let step = solve(damped(normal, damping), right);
             let trial = step.map(|step| std::array::from_fn(|i| values[i] + step[i]));
             let tried = trial.and_then(|trial| Some((trial, residuals(&trial)?)));
@@ -56,6 +56,26 @@ pub(super) fn least_squares<const N: usize>(
         }
     }
     Ok(Some((values, squares)))
+}
+
+/// The fit with the least sum of squares of those that `fit` finds from each of `starts`: its values, and that sum.
+///
+/// # Errors
+/// Those of `fit`; a stop by the monitor.
+pub(super) fn best_of<S, V>(
+    starts: &[S],
+    monitor: &mut dyn Monitor,
+    fit: impl Fn(&S, &mut dyn Monitor) -> Result<Option<(V, f64)>>,
+) -> Result<Option<(V, f64)>> {
+    let mut best: Option<(V, f64)> = None;
+    for (i, start) in starts.iter().enumerate() {
+        let found = fit(start, &mut Aside { fraction: i as f64 / starts.len() as f64, monitor })?;
+        if found.as_ref().is_some_and(|found| best.as_ref().is_none_or(|best| found.1 < best.1)) {
+            best = found;
+        }
+    }
+    report(monitor, 1.0)?;
+    Ok(best)
 }
 
 /// The matrix of the normal equations with a larger diagonal, by which a parameter that nothing depends on stays as it is.

@@ -7,12 +7,12 @@
 //! (N. M. Beeler, T. E. Tullis and J. D. Weeks, Geophys. Res. Lett. 21, 1987 (1994); C. Marone, Annu. Rev. Earth Planet. Sci. 26,
 //! 643 (1998)). The equations are those of a slider behind a spring (`spring_friction`).
 
-use super::healing::FEWEST;
-use super::levenberg_marquardt::{CHANGE, least_squares};
-use super::measured_velocity_step::finite;
+use super::extent;
+use super::healing::check_holds;
+use super::levenberg_marquardt::{CHANGE, best_of, least_squares};
 use super::spring_friction::{SpringFriction, StateLaw, StateVariable};
-use crate::error::positive;
-use crate::monitor::{Monitor, report};
+use crate::error::{finite, positive};
+use crate::monitor::Monitor;
 use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
@@ -81,19 +81,10 @@ impl MachineHealing {
     ) -> Result<Self> {
         check(tests, direct)?;
         let curve = HoldForces::new(tests, law)?;
-        let mut best: Option<([f64; 3], f64)> = None;
-        let starts = curve.starts(direct);
-        for (i, start) in starts.iter().enumerate() {
-            report(monitor, i as f64 / starts.len() as f64)?;
-            let changes = [direct.map_or(CHANGE, |_| 0.0), CHANGE * curve.range, CHANGE];
-            let found = least_squares(*start, changes, |values| curve.residuals(values), monitor)?;
-            if let Some(found) = found
-                && best.is_none_or(|best| found.1 < best.1)
-            {
-                best = Some(found);
-            }
-        }
-        report(monitor, 1.0)?;
+        let changes = [direct.map_or(CHANGE, |_| 0.0), CHANGE * curve.range, CHANGE];
+        let best = best_of(&curve.starts(direct), monitor, |start, part| {
+            least_squares(*start, changes, |values| curve.residuals(values), part)
+        })?;
         let undescribed =
             || Error::invalid("force", "healing behind this spring", "a slider that runs away in every fit");
         let (values, squares) = best.ok_or_else(undescribed)?;
@@ -138,8 +129,7 @@ struct HoldForces<'a> {
 impl<'a> HoldForces<'a> {
     fn new(tests: &'a HoldTests<'a>, law: StateLaw) -> Result<Self> {
         let forces = tests.peak.iter().chain(tests.held.unwrap_or_default());
-        let (low, high) = forces
-            .fold((tests.before, tests.before), |(low, high), force| (low.min(*force), high.max(*force)));
+        let (low, high) = extent(forces.chain([&tests.before]));
         if high <= low {
             return Err(Error::invalid("force", "forces that differ from that of steady sliding", low));
         }
@@ -150,7 +140,7 @@ impl<'a> HoldForces<'a> {
     fn starts(&self, direct: Option<f64>) -> Vec<[f64; 3]> {
         let HoldTests { hold, peak, velocity, .. } = *self.tests;
         let longest = (0..hold.len()).max_by(|&i, &j| hold[i].total_cmp(&hold[j])).unwrap_or(0);
-        let shortest = hold.iter().copied().fold(f64::INFINITY, f64::min);
+        let (shortest, _) = extent(hold);
         let mut starts = Vec::new();
         for distance in DISTANCES.map(|factor| factor * velocity * shortest) {
             let grown = (velocity * hold[longest] / distance).ln_1p();
@@ -197,22 +187,8 @@ impl<'a> HoldForces<'a> {
 
 fn check(tests: &HoldTests<'_>, direct: Option<f64>) -> Result<()> {
     let HoldTests { hold, peak, held, before, velocity, stiffness } = *tests;
-    if hold.len() < FEWEST {
-        return Err(Error::invalid("hold", format!("at least {FEWEST} holds"), hold.len()));
-    }
-    for (key, forces) in [("force", Some(peak)), ("held", held)] {
-        let Some(forces) = forces else { continue };
-        if forces.len() != hold.len() {
-            let expected = format!("{} forces, one for each hold", hold.len());
-            return Err(Error::invalid(key, expected, forces.len()));
-        }
-        finite(key, forces)?;
-    }
-    finite("hold", hold)?;
-    if let Some(i) = hold.iter().position(|time| *time <= 0.0) {
-        return Err(Error::invalid(format!("hold.{i}"), "a time above 0", hold[i]));
-    }
-    finite("before", &[before]).map_err(|_| Error::invalid("before", "a finite number", before))?;
+    check_holds(hold, [("force", peak)].into_iter().chain(held.map(|held| ("held", held))))?;
+    finite("before", before)?;
     positive("velocity", velocity)?;
     positive("stiffness", stiffness)?;
     match (direct, held) {

@@ -3,11 +3,12 @@
 //! The load point moves at v₀ until X_T = 0 and at v from there on. The equations are those of a slider behind a spring
 //! (`spring_friction`).
 
-use super::levenberg_marquardt::{CHANGE, least_squares};
+use super::extent;
+use super::levenberg_marquardt::{CHANGE, best_of, least_squares};
 use super::spring_friction::{SpringFriction, StateLaw, StateVariable};
 use super::velocity_step::{FEWEST, VelocityStep};
-use crate::error::positive;
-use crate::monitor::{Monitor, report};
+use crate::error::{all_finite, as_many, positive};
+use crate::monitor::Monitor;
 use crate::numerics::order::sort_by_number;
 use crate::{Error, Result};
 
@@ -66,9 +67,7 @@ impl MachineStep {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         check(displacement, force, ratio, stiffness)?;
-        let (low, high) = force.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), force| {
-            (low.min(*force), high.max(*force))
-        });
+        let (low, high) = extent(force);
         if high <= low {
             return Err(Error::invalid("force", "a force that changes", low));
         }
@@ -100,15 +99,9 @@ fn check(displacement: &[f64], force: &[f64], ratio: f64, stiffness: f64) -> Res
     if ratio == 1.0 {
         return Err(Error::invalid("ratio", "another velocity after the step", ratio));
     }
-    if displacement.len() != force.len() {
-        let expected = format!("{} forces, one for each displacement", displacement.len());
-        return Err(Error::invalid("force", expected, force.len()));
-    }
-    for (name, values) in [("displacement", displacement), ("force", force)] {
-        if let Some(i) = values.iter().position(|value| !value.is_finite()) {
-            return Err(Error::invalid(format!("{name}.{i}"), "a finite number", values[i]));
-        }
-    }
+    as_many("force", force.len(), (displacement.len(), "forces, one for each displacement"))?;
+    all_finite("displacement", displacement)?;
+    all_finite("force", force)?;
     if let Some(i) = displacement.windows(2).position(|pair| pair[1] <= pair[0]) {
         let expected = format!("a number above {}", displacement[i]);
         return Err(Error::invalid(format!("displacement.{}", i + 1), expected, displacement[i + 1]));
@@ -180,21 +173,9 @@ impl StepCurve<'_> {
 
     /// The best of the fits from these starts.
     fn fitted(&self, starts: &[(Vec<f64>, usize)], monitor: &mut dyn Monitor) -> Result<MachineStep> {
-        let mut best: Option<(Vec<f64>, f64)> = None;
-        for (i, (values, states)) in starts.iter().enumerate() {
-            report(monitor, i as f64 / starts.len() as f64)?;
-            let found = if *states == 1 {
-                self.nearest::<4>(values, monitor)?
-            } else {
-                self.nearest::<6>(values, monitor)?
-            };
-            if let Some(found) = found
-                && best.as_ref().is_none_or(|best| found.1 < best.1)
-            {
-                best = Some(found);
-            }
-        }
-        report(monitor, 1.0)?;
+        let best = best_of(starts, monitor, |(values, states), part| {
+            if *states == 1 { self.nearest::<4>(values, part) } else { self.nearest::<6>(values, part) }
+        })?;
         let Some((values, squares)) = best else {
             return Err(Error::invalid(
                 "force",

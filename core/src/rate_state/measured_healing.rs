@@ -4,10 +4,9 @@ use std::f64::consts::LN_10;
 
 use serde::{Deserialize, Serialize};
 
-use super::MeasuredValue;
 use super::generalised::{GeneralisedFit, ROUNDING, ScaledCurve, straight};
-use super::healing::{FEWEST, LONGEST, SHORTEST, ends};
-use super::measured_velocity_step::finite;
+use super::healing::{LONGEST, SHORTEST, check_holds};
+use super::{MeasuredValue, extent};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
@@ -51,7 +50,7 @@ impl MeasuredHealing {
     /// As [`Self::read`]; stopped by the monitor.
     pub fn read_with(hold: &[f64], force: &[f64], monitor: &mut dyn Monitor) -> Result<Self> {
         check(hold, force)?;
-        let (shortest, longest) = ends(hold);
+        let (shortest, longest) = extent(hold);
         let columns =
             |cutoff: f64| vec![vec![1.0; hold.len()], hold.iter().map(|t| (t / cutoff).ln_1p()).collect()];
         let by_cutoff = |cutoff: f64, coefficients: &[f64]| -> Vec<f64> {
@@ -118,21 +117,7 @@ fn undetermined() -> Error {
 }
 
 fn check(hold: &[f64], force: &[f64]) -> Result<()> {
-    if hold.len() < FEWEST {
-        return Err(Error::invalid("hold", format!("at least {FEWEST} holds"), hold.len()));
-    }
-    if force.len() != hold.len() {
-        return Err(Error::invalid(
-            "force",
-            format!("{} forces, one for each hold", hold.len()),
-            force.len(),
-        ));
-    }
-    finite("hold", hold)?;
-    finite("force", force)?;
-    if let Some(i) = hold.iter().position(|time| *time <= 0.0) {
-        return Err(Error::invalid(format!("hold.{i}"), "a time above 0", hold[i]));
-    }
+    check_holds(hold, [("force", force)])?;
     let mut durations = hold.to_vec();
     durations.sort_by(f64::total_cmp);
     durations.dedup();
@@ -140,9 +125,7 @@ fn check(hold: &[f64], force: &[f64]) -> Result<()> {
         let expected = format!("holds of at least {PARAMETERS} different durations");
         return Err(Error::invalid("hold", expected, durations.len()));
     }
-    let (low, high) = force
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (value.min(low), value.max(high)));
+    let (low, high) = extent(force);
     if high - low <= ROUNDING * low.abs().max(high.abs()) {
         let expected = "forces that change with the hold time, so that the cutoff time follows";
         return Err(Error::invalid("force", expected, format!("{low} after every hold")));

@@ -6,6 +6,7 @@ use super::drift::MeasuredNoise;
 use super::generalised::{GeneralisedFit, ScaledCurve};
 use super::velocity_step::{FEWEST, scales};
 use super::{MeasuredValue, OrnsteinUhlenbeck};
+use crate::error::{all_finite, as_many, finite};
 use crate::monitor::Monitor;
 use crate::numerics::ljung_box::ljung_box;
 use crate::{Error, Result};
@@ -280,15 +281,9 @@ fn undetermined() -> Error {
 }
 
 fn check(position: &[f64], force: &[f64], ratio: f64, reading: &StepReading) -> Result<()> {
-    if force.len() != position.len() {
-        return Err(Error::invalid(
-            "force",
-            format!("{} forces, one for each position", position.len()),
-            force.len(),
-        ));
-    }
-    finite("position", position)?;
-    finite("force", force)?;
+    as_many("force", force.len(), (position.len(), "forces, one for each position"))?;
+    all_finite("position", position)?;
+    all_finite("force", force)?;
     if let Some(first) = force.first().filter(|first| force.iter().all(|force| force == *first)) {
         return Err(Error::invalid("force", "forces that change", format!("{first} alone")));
     }
@@ -298,18 +293,9 @@ fn check(position: &[f64], force: &[f64], ratio: f64, reading: &StepReading) -> 
     if reading.average == 0 {
         return Err(Error::invalid("average", "a number of points, 1 or more", 0));
     }
-    if let Some(before) = reading.before.filter(|before| !before.is_finite()) {
-        return Err(Error::invalid("before", "a finite number", before));
-    }
+    reading.before.map(|before| finite("before", before)).transpose()?;
     match reading.peak.filter(|peak| !(*peak >= 0.0 && peak.is_finite())) {
         Some(peak) => Err(Error::invalid("peak", "a position relative to the step, 0 or above", peak)),
-        None => Ok(()),
-    }
-}
-
-pub(super) fn finite(key: &str, values: &[f64]) -> Result<()> {
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(i) => Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i])),
         None => Ok(()),
     }
 }

@@ -72,6 +72,12 @@ pub struct MeasuredValue {
     pub high: Option<f64>,
 }
 
+/// The smallest and the largest of some values.
+fn extent<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
+    let values = values.into_iter();
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
+}
+
 impl MeasuredValue {
     /// The same with an interval that contains that of another one.
     fn widened(self, other: Self) -> Self {

@@ -23,28 +23,33 @@ pub(super) struct SeparableFit {
     pub offset: f64,
     pub size: f64,
     pub scale: f64,
-    squares: f64,
-    points: usize,
+    /// Root of the weighted mean of the squared residuals.
+    pub residual: f64,
 }
 
 impl SeparableFit {
-    /// Least squares, with a scale between `low` and `high`: linear in offset and size for each scale.
-    pub fn of(shape: &FitShape, x: &[f64], y: &[f64], (low, high): (f64, f64)) -> Option<Self> {
+    /// Least squares of `y` at `x`, each with its weight, and a scale between `low` and `high`: linear in offset and size for each
+    /// scale.
+    pub fn of(
+        shape: &FitShape,
+        x: &[f64],
+        (y, weights): (&[f64], &[f64]),
+        (low, high): (f64, f64),
+    ) -> Option<Self> {
         if x.len() < 4 || x.len() != y.len() || !(low > 0.0 && high.is_finite()) {
             return None;
         }
-        let best = |scale: f64| linear(x.iter().map(|x| (shape.value)(x / scale)), y);
+        let best = |scale: f64| {
+            let column: Vec<f64> = x.iter().map(|x| (shape.value)(x / scale)).collect();
+            linear(&column, y, weights)
+        };
         let scale = nearest_scale(|scale| best(scale).map_or(f64::INFINITY, |fit| fit.2), (low, high))?;
         let (offset, size, squares) = best(scale)?;
         // A singular matrix: the values do not determine all three numbers.
         let gradients = x.iter().map(|x| gradient(shape, size, scale, *x));
         solve(normal(gradients), [1.0; 3])?;
-        Some(Self { offset, size, scale, squares, points: x.len() })
-    }
-
-    /// Root mean square of the residuals.
-    pub fn residual(&self) -> f64 {
-        (self.squares / self.points as f64).sqrt()
+        let residual = (squares / weights.iter().sum::<f64>()).sqrt();
+        Some(Self { offset, size, scale, residual })
     }
 }
 
@@ -67,12 +72,13 @@ pub(super) fn gradient(shape: &FitShape, size: f64, scale: f64, x: f64) -> [f64;
     [1.0, (shape.value)(z), -size * (shape.slope)(z) * z / scale]
 }
 
-/// Linear regression of y on a column: offset, size and the sum of squared residuals.
-pub(super) fn linear(column: impl Iterator<Item = f64> + Clone, y: &[f64]) -> Option<(f64, f64, f64)> {
-    let rows = || column.clone().map(|c| [1.0, c]).zip(y);
-    let right = rows().fold([0.0; 2], |sum, (row, y)| [sum[0] + y * row[0], sum[1] + y * row[1]]);
-    let [offset, size] = solve(normal(rows().map(|row| row.0)), right)?;
-    let squares = rows().map(|(row, y)| (y - offset - size * row[1]).powi(2)).sum();
+/// Linear regression of `y` on a column, with weights: offset, size and the weighted sum of squared residuals.
+pub(super) fn linear(column: &[f64], y: &[f64], weights: &[f64]) -> Option<(f64, f64, f64)> {
+    let points = || column.iter().zip(y).zip(weights).map(|((c, y), weight)| (*c, *y, *weight));
+    let right = points().fold([0.0; 2], |sum, (c, y, weight)| [sum[0] + weight * y, sum[1] + weight * y * c]);
+    let rows = points().map(|(c, _, weight)| [1.0, c].map(|entry| weight.sqrt() * entry));
+    let [offset, size] = solve(normal(rows), right)?;
+    let squares = points().map(|(c, y, weight)| weight * (y - offset - size * c).powi(2)).sum();
     Some((offset, size, squares))
 }
 

@@ -1,5 +1,6 @@
 //! Rate-and-state parameters of a computed velocity step.
 
+use super::extent;
 use super::separable::{DECAY, SeparableFit};
 
 /// Rate-and-state parameters of a computed velocity step; forces in the unit of the curve.
@@ -29,7 +30,7 @@ pub struct VelocityStep {
     pub before: f64,
     /// X_p, the position of the peak (that of the step itself if there is none), relative to the step.
     pub peak: f64,
-    /// Root-mean-square residual of the fit, a force.
+    /// Root-mean-square residual of the fit over the distance, a force.
     pub residual: f64,
     /// The residual relative to the difference between the largest and the smallest force from F₀ on.
     pub residual_relative: f64,
@@ -42,30 +43,31 @@ impl VelocityStep {
     /// Fits the curve after a step of the velocity by the factor `ratio`: `position` relative to the step,
     /// the `force` there, and the steady force F₀ = `before`.
     ///
-    /// Least squares over all points from the peak on, with X counted from it: in elastic contacts, as in
-    /// machines, the force cannot jump, so that the direct effect takes some distance. `None` for fewer than
-    /// 8 points or a ratio of 1.
+    /// The squared residuals are integrated over the distance from the peak on by the trapezoidal rule, so that it does not
+    /// matter where points are dense, and X is counted from the peak: in elastic contacts, as in machines, the force cannot
+    /// jump, so that the direct effect takes some distance. `None` for fewer than 8 points or a ratio of 1.
     pub fn read(position: &[f64], force: &[f64], before: f64, ratio: f64) -> Option<Self> {
         let size = ratio.ln();
         if size == 0.0 || !size.is_finite() {
             return None;
         }
         let range = range(force, before);
-        let peak = peak(force, size.signum())?;
+        let peak = peak(position, force, size.signum())?;
         let (displacement, force) = (position.get(peak..)?, force.get(peak..)?);
         let displacement: Vec<f64> = displacement.iter().map(|x| x - displacement[0]).collect();
         if displacement.len() < FEWEST {
             return None;
         }
-        let fit = SeparableFit::of(&DECAY, &displacement, force, scales(*displacement.last()?))?;
+        let weights = trapezoids(&displacement);
+        let fit = SeparableFit::of(&DECAY, &displacement, (force, &weights), scales(*displacement.last()?))?;
         Some(Self {
             direct: (fit.offset + fit.size - before) / size,
             evolution: fit.size / size,
             distance: fit.scale,
             before,
             peak: position[peak],
-            residual: fit.residual(),
-            residual_relative: fit.residual() / range,
+            residual: fit.residual,
+            residual_relative: fit.residual / range,
         })
     }
 
@@ -84,18 +86,25 @@ pub(super) fn scales(reach: f64) -> (f64, f64) {
 
 /// The difference between the largest and the smallest of the forces and `before`.
 fn range(force: &[f64], before: f64) -> f64 {
-    let (low, high) =
-        force.iter().fold((before, before), |(low, high), force| (low.min(*force), high.max(*force)));
+    let (low, high) = extent(force.iter().chain([&before]));
     high - low
 }
 
+/// The weights of the trapezoidal rule at the points `x`.
+fn trapezoids(x: &[f64]) -> Vec<f64> {
+    let last = x.len() - 1;
+    (0..x.len()).map(|i| 0.5 * (x[(i + 1).min(last)] - x[i.saturating_sub(1)])).collect()
+}
+
 /// Index of the point from which on the force relaxes: its extremum in the direction of the change of
-/// velocity, or the step itself if too few points follow the extremum.
-fn peak(force: &[f64], side: f64) -> Option<usize> {
+/// velocity, or the step itself if the extremum is in the second half of the distance, or too few points follow it.
+fn peak(position: &[f64], force: &[f64], side: f64) -> Option<usize> {
     let highest = (0..force.len()).max_by(|&i, &j| (side * force[i]).total_cmp(&(side * force[j])))?;
+    let reach = |i: usize| Some(position.get(i)? - position[0]);
     // A curve that only rises has its maximum at the end, and no direct effect to be seen: the fit
     // starts at the step.
-    Some(if 2 * highest < force.len() && force.len() - highest >= FEWEST { highest } else { 0 })
+    let early = 2.0 * reach(highest)? < reach(force.len() - 1)?;
+    Some(if early && force.len() - highest >= FEWEST { highest } else { 0 })
 }
 
 #[cfg(test)]
@@ -139,6 +148,26 @@ mod tests {
         // From the peak, a ln 10 above F₀, to the end, b ln 10 below it; the oscillation adds less than 2 × 1.5e-4.
         let range = 0.015 * f64::ln(10.0);
         assert!((read.residual / read.residual_relative - range).abs() < 3e-4, "{read:?}");
+    }
+
+    #[test]
+    fn dense_points_weigh_no_more() {
+        // Two decays, which one does not describe: what is fitted depends on where the squares are summed.
+        let force = |x: f64| 0.6 + 0.02 * (-x).exp() + 0.01 * (-0.2 * x).exp();
+        let read = |position: Vec<f64>| {
+            let forces: Vec<f64> = position.iter().map(|x| force(*x)).collect();
+            VelocityStep::read(&position, &forces, 0.6, 10.0).unwrap()
+        };
+        let even = read((0..=2000).map(|i| 0.01 * f64::from(i)).collect());
+        let uneven = read((0..=2000).map(|i| 20.0 * (f64::from(i) / 2000.0).powi(3)).collect());
+        // The trapezoidal rule leaves h²/12 of the second derivative, h = 0.03 at the end, where it is small.
+        for (even, uneven) in [
+            (even.direct, uneven.direct),
+            (even.evolution, uneven.evolution),
+            (even.distance, uneven.distance),
+        ] {
+            assert!((even / uneven - 1.0).abs() < 1e-4, "{even} {uneven}");
+        }
     }
 
     #[test]

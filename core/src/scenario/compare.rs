@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Task, exactly_one, positive};
+use crate::error::all_finite;
 use crate::rate_state::StateLaw;
 use crate::{Error, Result};
 
@@ -86,8 +87,8 @@ impl Compare {
             let expected = format!("{} forces, one for each {name}", along.len());
             return Err(Error::invalid("force", expected, force.len()));
         }
-        finite(name, along)?;
-        finite("force", force)?;
+        all_finite(name, along)?;
+        all_finite("force", force)?;
         match along.iter().position(|&value| value <= 0.0) {
             Some(i) if name != "position" => {
                 Err(Error::invalid(format!("{name}.{i}"), "a number above 0", along[i]))
@@ -145,12 +146,5 @@ fn abscissa(task: Task<'_>) -> Result<&'static str> {
             let expected = "a compared curve only with the tasks [pull], [[protocol]], [velocity_curve] and [hold_curve]";
             Err(Error::invalid("", expected, format!("one with [{}]", task.name())))
         }
-    }
-}
-
-fn finite(key: &str, values: &[f64]) -> Result<()> {
-    match values.iter().position(|v| !v.is_finite()) {
-        Some(i) => Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i])),
-        None => Ok(()),
     }
 }

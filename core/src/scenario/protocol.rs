@@ -205,6 +205,23 @@ impl Step {
         }
     }
 
+    /// Displacements from the beginning of the step at which forces are read in addition to the points of the trace: every 1/200
+    /// of the `mean` threshold up to twice the mean, where contacts break for the first time after the step, then at distances
+    /// that grow by 1 %. None is close to a point of the trace. Holds and ramps have none.
+    fn displacements_between(&self, mean: f64) -> Vec<f64> {
+        const FINE: f64 = 1.0 / 200.0;
+        const DENSE: f64 = 2.0;
+        const GROWTH: f64 = 0.01;
+        const CLOSE: f64 = 0.25;
+        let velocity = self.velocity.filter(|_| self.velocity_to.is_none()).unwrap_or(0.0);
+        let reach = velocity * self.duration();
+        let spacing = reach / (self.points - 1) as f64;
+        let distance = |x: f64| if x < DENSE * mean { FINE * mean } else { GROWTH * x };
+        let next = |x: &f64| Some(x + distance(*x)).filter(|next| next > x);
+        let apart = |x: &f64| (x - spacing * (x / spacing).round()).abs() > CLOSE * distance(*x);
+        std::iter::successors(Some(FINE * mean), next).take_while(|x| *x < reach).filter(apart).collect()
+    }
+
     fn unramped(&self) -> Result<()> {
         let refused =
             |pieces| Error::invalid("pieces", "no pieces but those of a ramp (velocity_to)", pieces);
@@ -263,6 +280,17 @@ impl Protocol {
             times.extend((1..last).map(inside).chain([ends[1]]));
         }
         times
+    }
+
+    /// Times at which forces are read in addition to those of the trace, in increasing order, so that maxima and what is read from
+    /// velocity steps do not depend on the number of points. `mean` is the mean threshold.
+    pub(crate) fn times_between(&self, mean: f64) -> Vec<f64> {
+        let knots = self.knots();
+        let of_step = |(step, &begin): (&Step, &f64)| {
+            let velocity = step.velocity.unwrap_or(0.0);
+            step.displacements_between(mean).into_iter().map(move |x| begin + x / velocity)
+        };
+        self.0.iter().zip(&knots).flat_map(of_step).collect()
     }
 
     /// The number of points of the trace.

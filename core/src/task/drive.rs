@@ -140,7 +140,7 @@ fn at_a_velocity(
 ) -> Result<Output<DriveNumbers>> {
     const PULL: f64 = 0.1;
     let Model { contacts, initial, .. } = model;
-    in_time::check_size(protocol, model, monitor)?;
+    in_time::check_size((protocol, 0), model, monitor)?;
     let velocity = protocol.0[0].velocities().0;
     let equation = MasterEquation::at_with(
         contacts.clone(),
@@ -156,7 +156,7 @@ fn at_a_velocity(
         Some(block) => in_time::behind(model, protocol, block, part)
             .map(|(sliding, record, accuracy)| (Some(sliding), record, accuracy))?,
         None => {
-            let (_, trace, record) = in_time::rigid(model, protocol, part)?;
+            let (_, trace, record) = in_time::rigid(model, (protocol, &[]), part)?;
             (None, record, Some(ForceAccuracy::in_time(model, trace.error)))
         }
     };

@@ -58,31 +58,35 @@ const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> 
     Column::new(name, long_name, quantity, &["point"])
 }
 
-/// Refuses, before any work, a trace that does not fit in memory.
+/// Refuses, before any work, a trace that does not fit in memory, with the number of points `between` those of the protocol.
 ///
 /// # Errors
 /// A trace too large for the memory.
-pub(super) fn check_size(protocol: &scenario::Protocol, model: &Model, monitor: &dyn Monitor) -> Result<()> {
+pub(super) fn check_size(
+    (protocol, between): (&scenario::Protocol, usize),
+    model: &Model,
+    monitor: &dyn Monitor,
+) -> Result<()> {
     let traces = if model.ensemble.is_some() { 2 } else { 1 };
-    let points = protocol.points();
+    let points = protocol.points().saturating_add(between);
     fits("protocol", points * WIDTH * traces, || format!("a trace of {points} points"), monitor)
 }
 
-/// Moves a rigid slider. Returns the protocol in the pieces that were followed, its trace, and the variables of the trace and of the
-/// force of the ensemble.
+/// Moves a rigid slider. Returns the protocol in the pieces that were followed, its trace with readings at the times `between`, too,
+/// and the variables of the trace without these and of the force of the ensemble.
 ///
 /// # Errors
 /// Errors of the solvers, a stop by the monitor.
 pub(super) fn rigid(
     model: &Model,
-    protocol: &scenario::Protocol,
+    motion: (&scenario::Protocol, &[f64]),
     monitor: &mut dyn Monitor,
 ) -> Result<(scenario::Protocol, Trace, Record)> {
     let Model { contacts, initial, .. } = model;
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
-    let (protocol, mut trace) = followed(model, protocol, &mut Part::new(monitor, 0.0, master))?;
+    let (protocol, mut trace) = followed(model, motion, &mut Part::new(monitor, 0.0, master))?;
     let (history, times) = (protocol.build()?, protocol.times());
-    let mut record = trace_record(&trace, !contacts.rules.delay.is_none());
+    let mut record = trace_record(&trace.at(&times), !contacts.rules.delay.is_none());
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
         let (history, times) = settled(model, (&history, &times), &mut Aside { fraction: master, monitor })?;
@@ -96,26 +100,36 @@ pub(super) fn rigid(
     Ok((protocol, trace, record))
 }
 
-/// Follows a rigid slider. Returns the protocol in the pieces that were followed.
+/// Follows a rigid slider with readings at the times of the protocol and `between` them. Returns the protocol in the pieces that were
+/// followed.
 ///
 /// # Errors
 /// Errors of the solver; an accuracy that is not reached; stopped by the monitor.
 fn followed(
     model: &Model,
-    protocol: &scenario::Protocol,
+    (protocol, between): (&scenario::Protocol, &[f64]),
     monitor: &mut dyn Monitor,
 ) -> Result<(scenario::Protocol, Trace)> {
     let required = model.master_equation.tolerance;
     let accuracy = (model.master_equation.tolerance_in_time(&model.contacts.rules), required);
     let follow = |protocol: &scenario::Protocol, part: &mut dyn Monitor| {
         let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
-        let motion = (&protocol.build()?, &protocol.times()[..]);
+        let motion = (&protocol.build()?, &merged(protocol.times(), between)[..]);
         let trace = Transport::follow_as_required(&mut build, motion, accuracy, part)?;
         let error = trace.error;
         Ok((trace, error))
     };
     let (protocol, trace, error) = over_ramps((model, protocol), monitor, follow, |trace| &trace.force)?;
     Ok((protocol, Trace { error, ..trace }))
+}
+
+/// The times and those `between` that are none of them, in increasing order.
+fn merged(mut times: Vec<f64>, between: &[f64]) -> Vec<f64> {
+    let new = |time: &&f64| times.binary_search_by(|known| known.total_cmp(time)).is_err();
+    let new: Vec<f64> = between.iter().filter(new).copied().collect();
+    times.extend(new);
+    times.sort_by(f64::total_cmp);
+    times
 }
 
 /// Follows a protocol with an estimate of what the pieces of ramps change. It is of second order in their number: the difference

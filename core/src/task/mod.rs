@@ -163,6 +163,7 @@ fn summarised(scenario: &Scenario, model: &Model, output: Output<Numbers>) -> (S
         accuracy,
         contacts: contacts.count,
         background_force: background_force(contacts, &numbers),
+        normal_load: contacts.normal_load,
         sample,
         seed,
         disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),

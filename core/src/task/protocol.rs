@@ -59,8 +59,9 @@ pub(super) fn run(
     if model.interface.is_some() {
         return Err(Error::invalid("interface", "none: Protocol::run_interface moves an interface", "one"));
     }
-    in_time::check_size(task, model, monitor)?;
-    let (task, trace, mut record) = in_time::rigid(model, task, monitor)?;
+    let between = task.times_between(model.contacts.thresholds.mean());
+    in_time::check_size((task, between.len()), model, monitor)?;
+    let (task, trace, mut record) = in_time::rigid(model, (task, &between), monitor)?;
     let steps = steps(model, &task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
     let compare = model.compare.as_ref().map(|curve| compared(curve, &trace, &mut record));
     let numbers = ProtocolNumbers { force_error: trace.error, steps, compare };
@@ -78,7 +79,7 @@ pub(super) fn run_block(
     block: &scenario::Block,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<BlockNumbers>> {
-    in_time::check_size(task, model, monitor)?;
+    in_time::check_size((task, 0), model, monitor)?;
     let (sliding, mut record, accuracy) = in_time::behind(model, task, block, monitor)?;
     let mut numbers = BlockNumbers { sliding, steps: Vec::new(), compare: None };
     if let Some(curve) = &model.compare {
@@ -131,16 +132,16 @@ fn steps(
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<ProtocolStep>> {
     let mut frictions = Vec::new();
-    let (mut previous, mut first) = (0, 0);
+    let places = places(task, &trace.time);
     let mut steps = Vec::new();
     for (i, step) in task.0.iter().enumerate() {
-        let last = first + step.points - 1;
+        let (first, last) = (places[i], places[i + 1]);
         let (position, force) = (&trace.position[first..=last], &trace.force[first..=last]);
         let velocity = step.velocities().1;
         let changed = changed_from(task, i);
         let compared = match (changed, &model.compare) {
             (Some(before), Some(curve)) => {
-                let ends = [trace.position[previous], position[0], position[position.len() - 1]];
+                let ends = [trace.position[places[i - 1]], position[0], position[position.len() - 1]];
                 compared_step(curve, ends, velocity / before, monitor)?
             }
             _ => ComparedStep::default(),
@@ -157,9 +158,14 @@ fn steps(
             not_read: compared.not_read,
             ..moved(step, position, force)
         });
-        (previous, first) = (first, last);
     }
     Ok(steps)
+}
+
+/// The places in `time` at which the steps begin, and that of the end of the last one.
+fn places(task: &scenario::Protocol, time: &[f64]) -> Vec<usize> {
+    let place = |knot: &f64| time.partition_point(|at| at < knot).min(time.len().saturating_sub(1));
+    task.knots().iter().map(place).collect()
 }
 
 /// A step of the protocol with its positions and forces, and nothing read from them but the peak.
@@ -201,10 +207,7 @@ fn steps_behind(
     let [time, drive, force] =
         ["time", "drive", "spring_force"].map(|name| record.values(name).unwrap_or_default());
     let (rising, there) = once_each(drive, force);
-    let knots = task.knots();
-    // The trace has a point at each knot, and more of them where the slider slips.
-    let at = |time_of: f64| time.partition_point(|time| *time < time_of).min(time.len().saturating_sub(1));
-    let places: Vec<usize> = knots.iter().map(|knot| at(*knot)).collect();
+    let places = places(task, time);
     let mut steps = Vec::new();
     for (i, step) in task.0.iter().enumerate() {
         let (first, last) = (places[i], places[i + 1]);
@@ -343,6 +346,19 @@ fn once_each(position: &[f64], force: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// before the step.
 fn read(before: f64, after: f64, position: &[f64], force: &[f64]) -> Option<RateState> {
     let displacement: Vec<f64> = position.iter().map(|x| x - position[0]).collect();
-    VelocityStep::read(&displacement, force, force[0], after / before)
+    let (displacement, force) = with_extremum(displacement, force.to_vec(), (after - before).signum());
+    VelocityStep::read(&displacement, &force, force[0], after / before)
         .map(|step| RateState::new(before, &step))
+}
+
+/// The points with one more at the extremum between them, the largest force times `side`.
+fn with_extremum(mut position: Vec<f64>, mut force: Vec<f64>, side: f64) -> (Vec<f64>, Vec<f64>) {
+    let sided: Vec<f64> = force.iter().map(|force| side * force).collect();
+    let top = peak(&position, &sided);
+    let next = position.partition_point(|x| *x < top.position);
+    if position.get(next).is_some_and(|x| *x > top.position) {
+        position.insert(next, top.position);
+        force.insert(next, side * top.force);
+    }
+    (position, force)
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity::block::{CreepAccuracy, CreepLoad, CreepPath};
-use asperity::contacts::{Ageing, Contacts, Initial, Rules, Temperature};
+use asperity::contacts::{Ageing, Contacts, FreeTime, Initial, Rules, Temperature};
 use asperity::law::{Gaussian, Law, Point};
 use asperity::master::{MasterEquation, Transport};
 
@@ -290,6 +290,14 @@ fn impossible_loads_are_refused() {
         let reported = load.follow(&transport, accuracy, &mut ()).unwrap_err().to_string();
         assert!(reported.starts_with(words), "{reported}");
     }
+    // The drag of free contacts is not followed, and is refused.
+    let mut viscous = contacts(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), ENERGY);
+    viscous.rules.free_friction.viscosity = 0.1;
+    viscous.rules.delay = FreeTime::Fixed(1.0);
+    let transport = Transport::new(viscous, &Initial::default()).unwrap();
+    let load = CreepLoad { force: 0.5, rate: 1.0, duration: 1.0 };
+    let reported = load.follow(&transport, accuracy, &mut ()).unwrap_err().to_string();
+    assert!(reported.starts_with("contacts: expected free contacts without viscosity"), "{reported}");
 }
 
 /// Slow creep: while the slip is small, the contacts that were there at first carry the force, and each that breaks at x = f is

@@ -159,6 +159,11 @@ fn curves_show_equilibria_and_the_potential() {
         // Third derivatives of some 1/σ² over 6, times 0.005².
         near(slope, form.force(x) - stiffness * (1.6 - x), 2e-3);
     }
+    // Both ends are there, whatever the rounding of positions between them.
+    for (length, points) in [(1.7, 201), (0.7, 101), (3.3, 1001)] {
+        let curve = Curve::new(&curve::gaussian(0.1), length, points, &mut ()).unwrap();
+        assert_eq!((curve.position.len(), curve.position.last().copied()), (points, Some(length)));
+    }
     let jumps = Curve::new(&curve::identical(), 2.5, 6, &mut ()).unwrap();
     let at_one: Vec<_> = (0..jumps.position.len()).filter(|&i| jumps.position[i] == 1.0).collect();
     near(jumps.force[at_one[0]], 1.0, 0.0_f64.max(f64::EPSILON));

@@ -115,6 +115,25 @@ fn the_law_of_creep_holds_for_thresholds_that_scatter() {
 }
 
 #[test]
+fn the_law_of_creep_is_given_for_distributed_thresholds_where_it_holds() {
+    // E₀/T = 20 to 100 of the mean threshold. The fifths of the contacts at either end for which it may not hold are near the
+    // others, for which it is off by 1 % at most.
+    let mut given = 0;
+    for law in [gaussian(1.0, 0.1), gaussian(1.0, 0.2), lognormal(1.0, 0.3), rectangular(0.5, 1.5)] {
+        for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+            for (energy, exponent) in
+                [0.025, 0.0125, 0.005].into_iter().flat_map(|energy| (-14..=-1).map(move |e| (energy, e)))
+            {
+                let Some(off) = off_creep(&law, energy, barrier, 10.0_f64.powi(exponent)) else { continue };
+                assert!(off < 1e-2, "{law:?} {barrier:?} {energy} 1e{exponent}: {off}");
+                given += 1;
+            }
+        }
+    }
+    assert!(given > 100, "{given}");
+}
+
+#[test]
 fn heat_may_make_friction_fall_with_velocity() {
     // k = 1, T = 0.05. Among broad thresholds heat shortens the lives of the weak most: what is left of the contacts is strong.
     let curve = |law: &SharedLaw, velocities: &[f64]| -> Vec<f64> {

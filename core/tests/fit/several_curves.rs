@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial};
 use asperity::fit::{ErrorModel, Estimates, Fit, Measurement};
-use asperity::law::{Mixture, Point, SharedLaw};
+use asperity::law::{Mixture, Point, Rectangular, SharedLaw};
 use asperity::master::MasterEquation;
 
 use super::pulls::{contacts, exact, positions, simulated, spread};
@@ -32,6 +32,21 @@ fn two_halves_of_a_measurement_know_as_much_as_both_alone() {
     }
     assert_eq!(both.readings.len(), 2);
     assert_eq!(both.misfit.unwrap().degrees_of_freedom, 298);
+}
+
+#[test]
+fn a_number_on_which_the_curve_does_not_depend_is_refused() {
+    // No contact breaks before X = 0.9, so that none re-forms.
+    let law = |low, high| -> SharedLaw { Arc::new(Rectangular::new(low, high).unwrap()) };
+    let equation =
+        MasterEquation::new(Contacts::new(law(0.9, 1.1), law(0.0, 0.2)), &Initial::default()).unwrap();
+    let positions: Vec<f64> = (0..=70).map(|i| 0.01 * f64::from(i)).collect();
+    let pull = equation.pull(0.7).unwrap();
+    let forces = positions.iter().map(|&x| pull.force(x)).collect();
+    let known = ErrorModel { contacts: false, reading: Some(0.01), ..ErrorModel::default() };
+    let fit = Fit::new(equation, Measurement::new(positions, forces)).errors(known);
+    let refused = fit.free(["stiffness", "reforming.max"]).run().unwrap_err().to_string();
+    assert!(refused.contains("reforming.max, on which it does not depend"), "{refused}");
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn compare(contacts: &Contacts, initial: &Initial, coupling: LatticeCoupling, ev
     let mut lattice = Lattice::new(contacts, initial.clone(), &coupling, SEED, Disorder::Annealed).unwrap();
     let mut largest = 0;
     for event in 0..events {
-        let (ours, theirs) = (lattice.next_event(), plain.next_event());
+        let (ours, theirs) = (lattice.next_event(&mut ()).unwrap(), plain.next_event());
         let whole = |a: &Avalanche| (a.size, a.area, a.duration, if ties { 0 } else { a.epicentre });
         assert_eq!(whole(&ours), whole(&theirs), "{coupling:?}, event {event}: {ours:?}, {theirs:?}");
         let real = |a: &Avalanche| [a.drive, a.released, a.force_before, a.force_after];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::common::pulled::near;
-use asperity::block::{Block, Drive, Loading, Slip, StickSlip};
+use asperity::block::{Block, Drive, Loading, Regime, Slip, StickSlip};
 use asperity::contacts::{Ageing, Contacts, Initial};
 use asperity::history::{History, Piece};
 use asperity::law::{Gaussian, Point};
@@ -236,6 +236,16 @@ fn drops_in_time_are_those_of_the_spring() {
             near(slip.drop(), stiffness * slip.slip(), 1e-3);
         }
     }
+}
+
+#[test]
+fn a_slider_that_turns_below_its_background_force_does_not_run_away() {
+    // It turns at drives below B, from which it slides back only at 0.4 − B: the contacts carry at most 0.6 of their 0.796.
+    let run = pulled(&slider(Loading::Force, Slip::Reset, 1.0), &[1.6, 0.0, 0.3, -1.6]);
+    let last = run.trace[run.trace.len() - 1];
+    assert!(!matches!(run.regime, Regime::Runaway), "{}", run.regime);
+    near(last.drive, -1.6, 1e-12);
+    near(last.force, -1.6, CLOSE);
 }
 
 #[test]

@@ -21,6 +21,7 @@ impl Reader<'_> {
     }
 }
 
+/// Each method asks the visitor for the kind of value that it expects only, so that of each type no more than this is compiled.
 impl<'de> Deserializer<'de> for Reader<'_> {
     type Error = Fault;
 
@@ -37,14 +38,15 @@ impl<'de> Deserializer<'de> for Reader<'_> {
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.0.kind {
-            Kind::Integer(_) | Kind::Float(_) => self.deserialize_any(visitor),
+            Kind::Integer(number) => visitor.visit_i64(number),
+            Kind::Float(number) => visitor.visit_f64(number),
             _ => self.refuse("a number"),
         }
     }
 
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.0.kind {
-            Kind::Integer(0..) => self.deserialize_any(visitor),
+            Kind::Integer(number @ 0..) => visitor.visit_i64(number),
             // 1e5 is a float in TOML.
             Kind::Float(number) if (0.0..=LARGEST_WHOLE).contains(&number) && number.fract() == 0.0 => {
                 visitor.visit_u64(number as u64)
@@ -57,15 +59,15 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     }
 
     fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0.kind {
-            Kind::Text(_) => self.deserialize_any(visitor),
+        match &self.0.kind {
+            Kind::Text(text) => visitor.visit_str(text),
             _ => self.refuse("text in quotes"),
         }
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0.kind {
-            Kind::List(_) => self.deserialize_any(visitor),
+        match &self.0.kind {
+            Kind::List(items) => visitor.visit_seq(Items(items.iter().enumerate())),
             _ => self.refuse("a list in [ ]"),
         }
     }
@@ -76,8 +78,8 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        match self.0.kind {
-            Kind::Table(_) => self.deserialize_any(visitor),
+        match &self.0.kind {
+            Kind::Table(entries) => visitor.visit_map(Entries { rest: entries.iter(), current: None }),
             _ => self.refuse(&format!("a table with {}", fields.join(", "))),
         }
     }

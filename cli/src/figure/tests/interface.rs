@@ -5,6 +5,7 @@ use asperity::scenario::Figure;
 use asperity::task::summary::{Catalogue, InterfaceNumbers, Largest, Numbers};
 use asperity_runner::output::Outcome;
 
+use super::super::advance::Advance;
 use super::{draw, frames, raw, style, svg, timed};
 
 /// Events of sizes 1, 2, 3 … over a lattice of 3 × 4 contacts, shown twice.
@@ -42,6 +43,24 @@ pub fn lattice(events: usize) -> Outcome {
     add("column", Quantity::Number, &["column"], numbers(4));
     add("cell_force", Quantity::Force, &["map_drive", "row", "column"], numbers(24));
     outcome
+}
+
+#[test]
+fn the_force_after_an_event_in_time_is_drawn_where_it_ends() {
+    let mut outcome = lattice(2);
+    let mut add = |name: &str, quantity, along: &[&str], values: &[f64]| {
+        outcome.record.push(name, name, quantity, along, values.to_vec());
+    };
+    add("time", Quantity::Time, &["point"], &(0..41).map(|i| 2.0 * f64::from(i)).collect::<Vec<_>>());
+    add("event_time", Quantity::Time, &["event"], &[0.0, 2.0]);
+    let without = Advance::of(&outcome.record).unwrap().ends(&outcome.record);
+    assert_eq!(without, [1.0, 2.0]);
+    // The drive, from 1 to 41, moves by 1/2 per unit of time.
+    let mut add = |values: &[f64]| {
+        outcome.record.push("event_duration", "duration", Quantity::Time, &["event"], values.to_vec());
+    };
+    add(&[1.0, 1e3]);
+    assert_eq!(Advance::of(&outcome.record).unwrap().ends(&outcome.record), [1.5, 41.0]);
 }
 
 #[test]

@@ -188,8 +188,9 @@ impl CreepBalance<'_> {
         let mut failed = None;
         let value = |x: f64| {
             f(self, x).unwrap_or_else(|error| {
+                // A zero ends the search.
                 failed = Some(error);
-                f64::NAN
+                0.0
             })
         };
         let root = brent_root_between(value, ends, accuracy);

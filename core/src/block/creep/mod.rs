@@ -80,8 +80,8 @@ impl CreepLoad {
     /// Moves a slider over a copy of `contacts`, from balance at rest.
     ///
     /// # Errors
-    /// A force below that of the contacts; a rate, duration, unit or tolerance that is not above 0; contacts whose free ones are
-    /// viscous, or that push the slider back; those of the contacts; stopped by the monitor.
+    /// A force below that of the contacts; a rate, duration, unit or tolerance that is not above 0; contacts of which free
+    /// ones are viscous, as soon as there are any; those of the contacts; stopped by the monitor.
     pub fn follow(
         self,
         contacts: &dyn RateDependentContacts,
@@ -120,7 +120,7 @@ impl CreepLoad {
     }
 }
 
-/// A slider on its way.
+/// A slider that creeps under a force, step by step.
 struct CreepingSlider {
     contacts: Box<dyn RateDependentContacts>,
     accuracy: CreepAccuracy,
@@ -165,6 +165,11 @@ impl CreepingSlider {
             report(monitor, fraction)?;
             if !self.steps(ramp, &mut Aside { fraction, monitor })? {
                 return Ok(true);
+            }
+            // Their drag is in no balance of forces.
+            let viscosity = self.contacts.free_friction().viscosity;
+            if viscosity > 0.0 {
+                return Err(Error::invalid("contacts", "free contacts without viscosity", viscosity));
             }
             if ramp.rate == 0.0 && self.path.is_steady(RENEWED * self.accuracy.unit, self.accuracy.tolerance)
             {
@@ -308,7 +313,7 @@ impl CreepingSlider {
         } else {
             self.path.states.push(CreepState::of(contacts.as_ref(), end, contacts.position(), after));
         }
-        // Contacts at rest leave the last known pace.
+        // Contacts at rest leave the last known velocity.
         self.slowness = if after.is_finite() { after } else { self.slowness };
         (self.time, self.contacts) = (end, contacts);
     }

@@ -1,4 +1,4 @@
-//! The way of a creeping slider.
+//! The path of a creeping slider.
 
 use crate::rate_dependent::RateDependentContacts;
 
@@ -28,7 +28,7 @@ impl CreepState {
         let [start, end] = [self.slowness, next.slowness].map(|slowness| slowness * by / during);
         let rest = 1.0 - share;
         let smooth = share * share * (3.0 - 2.0 * share) + share * rest * (start * rest - end * share);
-        // Beside a slider at rest the pace is not known.
+        // Beside a slider at rest the velocity is not known.
         let smooth = if smooth.is_finite() { smooth.clamp(0.0, 1.0) } else { share };
         Self {
             time: self.time + smooth * during,
@@ -44,7 +44,7 @@ impl CreepState {
     }
 }
 
-/// The way of a slider under an imposed force.
+/// The path of a slider under an imposed force.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CreepPath {
@@ -100,7 +100,7 @@ impl CreepPath {
     /// The last state.
     ///
     /// # Panics
-    /// Never: a way has a first state.
+    /// Never: a path has a first state.
     pub fn last(&self) -> CreepState {
         self.states[self.states.len() - 1]
     }
@@ -141,7 +141,7 @@ impl CreepPath {
         Some(states[after - 1].towards(&states[after], position))
     }
 
-    /// The largest difference from another way as a length: of times to failure relative to them in units of length, or of last
+    /// The largest difference from another path as a length: of times to failure relative to them in units of length, or of last
     /// positions.
     pub fn difference(&self, other: &Self, unit: f64) -> f64 {
         match (self.failure_time(), other.failure_time()) {

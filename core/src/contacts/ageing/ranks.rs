@@ -136,9 +136,13 @@ impl std::fmt::Debug for RankTable {
 impl RankTable {
     /// Ages from s to τ, each twice the one before.
     pub(super) fn octaves(&self) -> Vec<f64> {
-        let oldest = self.time * (SPACING * (self.rows.len() - 1) as f64).exp_m1();
-        let doubled = |age: &f64| Some(2.0 * age);
+        let (oldest, doubled) = (self.oldest(), |age: &f64| Some(2.0 * age));
         std::iter::successors(Some(self.time), doubled).take_while(|age| *age < oldest / OLDEST).collect()
+    }
+
+    /// The last tabulated age, from which on thresholds are those of mature contacts.
+    pub(super) fn oldest(&self) -> f64 {
+        self.time * (SPACING * (self.rows.len() - 1) as f64).exp_m1()
     }
 
     /// The thresholds of contacts whose distribution is `fresh` when they form, which matures in the time τ.

@@ -215,6 +215,17 @@ impl ThresholdEvolution {
         }
     }
 
+    /// The age from which on no threshold falls any more.
+    pub(crate) fn settled(&self) -> f64 {
+        /// Relaxation times after which nothing is left of the fresh distribution.
+        const SETTLED: f64 = 64.0;
+        match &self.kind {
+            Kind::Constant | Kind::Logarithmic { .. } => 0.0,
+            Kind::Gaussian { time, .. } => SETTLED * time,
+            Kind::Ranked(ranks) => ranks.oldest(),
+        }
+    }
+
     /// The rank of contacts with fresh threshold h_0, if contacts keep it. Thresholds at many ages are found
     /// faster from it.
     pub(crate) fn rank(&self, fresh: f64) -> Option<Rank> {

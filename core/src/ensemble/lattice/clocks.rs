@@ -14,9 +14,6 @@ use crate::{Error, Result};
 /// A hazard so small that it is not subtracted.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// Ages in units of the time of the rule after which a threshold no longer falls.
-const SETTLED: f64 = 64.0;
-
 /// What an avalanche says of the contacts that it changes.
 pub(super) trait Timekeeping {
     /// A contact whose stretch is about to jump: `number` and fresh threshold are computed only if needed. Returns by
@@ -221,7 +218,7 @@ impl Clocks {
             return;
         }
         self.breaking.seek(number as u64, contact.drawn.into());
-        contact.left = -self.breaking.uniform().ln();
+        contact.left = self.breaking.exponential();
         contact.drawn = self.breaking.taken() as u32;
     }
 
@@ -308,7 +305,8 @@ impl Clocks {
         true
     }
 
-    /// The time after which a contact would break if its threshold stayed as it is, long enough to be resolved.
+    /// The time after which a contact would break if its threshold stayed as it is, long enough to be resolved; at rest without a
+    /// temperature that in which its threshold may fall.
     fn likely(&self, site: Site, drive: f64) -> f64 {
         /// Part of the time in which the contact crosses its threshold, or breaks at its rate.
         const RESOLVED: f64 = 1e-9;
@@ -316,7 +314,7 @@ impl Clocks {
         let threshold = site.fresh + self.strengthening(site.number, site.fresh);
         let rate = self.thermal.map_or(0.0, |thermal| thermal.rate(stretch, threshold));
         if self.velocity == 0.0 && rate == 0.0 {
-            return SETTLED * self.evolution.time_scale();
+            return self.evolution.settled();
         }
         let crossing = threshold / self.velocity;
         let passage = (threshold - stretch).max(0.0) / self.velocity.max(f64::MIN_POSITIVE);

@@ -17,11 +17,6 @@ pub struct LatticeCoupling {
 }
 
 impl LatticeCoupling {
-    /// Contacts between open edges.
-    pub fn new(shape: Shape, neighbours: f64, connection: f64) -> Self {
-        Self { shape, edges: Edges::Open, neighbours, connection }
-    }
-
     /// Springs for which each neighbour gains the fraction α of the force that a breaking contact releases:
     /// K_int = α, K_0 = 1 − zα.
     pub fn with_alpha(shape: Shape, edges: Edges, alpha: f64) -> Self {

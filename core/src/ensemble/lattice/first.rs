@@ -8,7 +8,7 @@ impl Lattice {
     /// Drives the contacts until each has broken; returns the drives of their first breaks, along rows.
     ///
     /// # Errors
-    /// Stopped by the monitor, which receives the fraction that has broken, as [`Lattice::next_event_with`].
+    /// Stopped by the monitor, which receives the fraction that has broken, as [`Lattice::next_event`].
     pub fn first_breaks(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let mut first = vec![f64::INFINITY; self.size()];
         let (mut broken, mut events, mut fraction) = (0, 0, 0.0);
@@ -17,8 +17,8 @@ impl Lattice {
                 fraction = broken as f64 / first.len() as f64;
                 report(monitor, fraction)?;
             }
-            let drive = self.next_event_with(&mut Aside { fraction, monitor })?.drive;
-            for contact in self.scar() {
+            let drive = self.next_event(&mut Aside { fraction, monitor })?.drive;
+            for contact in self.broken_contacts() {
                 broken += usize::from(first[contact] == f64::INFINITY);
                 first[contact] = first[contact].min(drive);
             }

@@ -85,9 +85,14 @@ pub enum Until {
 /// # let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
 /// use asperity::ensemble::Disorder;
 /// use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
-/// use asperity::shape::Shape;
+/// use asperity::shape::{Edges, Shape};
 ///
-/// let coupling = LatticeCoupling::new(Shape::Square([32, 32]), 1.0, 1.0);
+/// let coupling = LatticeCoupling {
+///     shape: Shape::Square([32, 32]),
+///     edges: Edges::Open,
+///     neighbours: 1.0,
+///     connection: 1.0,
+/// };
 /// let mut lattice = Lattice::new(contacts, Initial::default(), &coupling, 1, Disorder::Annealed)?;
 /// let mut breaks = 0;
 /// lattice.run(Until::Events(100), &mut |avalanche| breaks += avalanche.size)?;
@@ -167,6 +172,12 @@ impl Lattice {
         Self::check(&contacts, coupling)?;
         let what = format!("a lattice of {} contacts", coupling.shape.size());
         fits("cells", what, Self::bytes(coupling.shape), monitor.memory())?;
+        // Places, those around the edges included, are numbers of 32 bits.
+        let [rows, columns] = coupling.shape.sides().map(|side| side as u64 + 2);
+        if rows.saturating_mul(columns) > u64::from(u32::MAX) {
+            let expected = format!("up to {} contacts, with the places around the edges", u32::MAX);
+            return Err(Error::invalid("cells", expected, coupling.shape.size()));
+        }
         let unit = stiffness(&contacts)?;
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
@@ -253,7 +264,7 @@ impl Lattice {
     }
 
     /// The contacts that broke in the last avalanche, in the order of their first breaks.
-    pub fn scar(&self) -> impl Iterator<Item = usize> {
+    pub fn broken_contacts(&self) -> impl Iterator<Item = usize> {
         self.scar.iter().map(|&place| self.grid.number(place as usize))
     }
 
@@ -268,7 +279,7 @@ impl Lattice {
     /// The same with a monitor.
     ///
     /// # Errors
-    /// As [`Lattice::run`]; stopped by the monitor, as [`Lattice::next_event_with`]: the lattice can continue.
+    /// As [`Lattice::run`]; stopped by the monitor, as [`Lattice::next_event`]: the lattice can continue.
     pub fn run_with(
         &mut self,
         until: Until,
@@ -288,7 +299,7 @@ impl Lattice {
                 fraction = done.max(0.0);
                 report(monitor, fraction)?;
             }
-            each(&self.next_event_with(&mut Aside { fraction, monitor })?);
+            each(&self.next_event(&mut Aside { fraction, monitor })?);
             events += 1;
         }
         match until {
@@ -308,19 +319,13 @@ impl Lattice {
         }
     }
 
-    /// Drives the contacts to the next break, and runs its avalanche.
-    ///
-    /// # Panics
-    /// Contacts at rest of which none will break.
-    pub fn next_event(&mut self) -> Avalanche {
-        self.next_event_with(&mut ()).expect("an avalanche that no monitor stops")
-    }
-
-    /// The same with a monitor, which hears of no progress.
+    /// Drives the contacts to the next break, and runs its avalanche. The monitor is asked, and told of no progress.
     ///
     /// # Errors
-    /// Contacts at rest of which none will break; stopped by the monitor, maybe within the avalanche: it is then the next one, and goes on as if it had not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is that before it.
-    pub fn next_event_with(&mut self, monitor: &mut dyn Monitor) -> Result<Avalanche> {
+    /// Contacts at rest of which none will break; stopped by the monitor, maybe within the avalanche: it is then the next one, and
+    /// goes on as if it had not been stopped. Until then [`Lattice::forces`] are those of the moment, and [`Lattice::force`] is
+    /// that before it.
+    pub fn next_event(&mut self, monitor: &mut dyn Monitor) -> Result<Avalanche> {
         let event = match self.ongoing.take() {
             Some(event) => event,
             None => self.begin_event()?,

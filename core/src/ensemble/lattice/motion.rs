@@ -68,6 +68,9 @@ impl Lattice {
         let sizes = (lattice.size(), lattice.grid.places());
         let mut clocks = Clocks::new(&ensemble, velocity, unit, sizes, monitor)?;
         for number in 0..lattice.size() {
+            if number % ASK == 0 {
+                report(monitor, 0.0)?;
+            }
             // In a relaxed start contacts above their thresholds break at once, and draw nothing.
             if lattice.ends[lattice.grid.place(number)] > 0.0 {
                 clocks.draw(number);
@@ -130,6 +133,9 @@ impl Lattice {
         }
         let Some(clocks) = &mut self.clocks else { return Err(no_time("velocity", velocity)) };
         for number in 0..self.grid.size() {
+            if number % ASK == 0 {
+                report(monitor, 0.0)?;
+            }
             let place = self.grid.place(number) as u32;
             clocks.count(site(&self.grid, &self.births, &self.born, &self.ends, place), self.drive);
         }

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::super::free::{FreeParameter, Role, priors_at, value_of};
+use super::super::free::{FreeParameter, Role, of_contacts, priors_at, value_of, values_at};
 use super::super::matrix::product;
 use super::super::score::Score;
 use super::super::search::Objective;
@@ -83,10 +83,8 @@ impl SteadyLikelihood {
     }
 
     fn equation(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<MasterEquation> {
-        let of_contacts = self.free.iter().zip(coordinates);
-        let of_contacts = of_contacts.filter(|(parameter, _)| parameter.role == Role::Contacts);
-        let values: Vec<_> = of_contacts.map(|(p, &u)| (p.name.as_str(), p.value(u))).collect();
-        self.fit.equation.with_parameters(&values, monitor)
+        let values = values_at(&self.free, coordinates);
+        self.fit.equation.with_parameters(&of_contacts(&self.free, &values, 0), monitor)
     }
 
     fn expected(
@@ -174,8 +172,9 @@ impl Objective for SteadyLikelihood {
 
     fn trial(&self, coordinates: &[f64], monitor: &mut dyn Monitor) -> Result<Option<SteadyPoint>> {
         let Some((equation, expected)) = self.expected(coordinates, monitor)? else { return Ok(None) };
-        let offset = value_of(&self.free, Role::Offset, coordinates, self.fit.offset);
-        let reading = value_of(&self.free, Role::Reading, coordinates, self.fit.reading.unwrap_or(0.0));
+        let value = |role: Role| value_of(&self.free, role, coordinates);
+        let offset = value(Role::Offset).unwrap_or(self.fit.offset);
+        let reading = value(Role::Reading).or(self.fit.reading).unwrap_or(0.0);
         let mut point = SteadyPoint { equation, expected, offset, reading, deviance: 0.0 };
         let n = self.readings();
         let term = |k: usize| {

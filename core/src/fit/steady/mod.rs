@@ -43,9 +43,9 @@ pub use estimates::{FittedSpectrum, SteadyEstimates};
 pub use record::SteadyRecord;
 
 use super::ended::Ended;
-use super::free::{FreeParameter, Prior, Role, with_priors};
+use super::free::{FreeParameter, Prior, Role, named, with_priors};
 use super::search::{SHORT, search_each};
-use crate::error::positive;
+use crate::error::{finite, not_negative, positive};
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
@@ -147,11 +147,9 @@ impl SteadyFit {
     fn checked(&self) -> Result<Vec<FreeParameter>> {
         self.record.check()?;
         if let Some(reading) = self.reading {
-            crate::error::not_negative("reading", reading)?;
+            not_negative("reading", reading)?;
         }
-        if !self.offset.is_finite() {
-            return Err(Error::invalid("offset", "a finite number", self.offset));
-        }
+        finite("offset", self.offset)?;
         let mut free = self.free_parameters()?;
         let (n, least) = (self.record.forces.len(), LEAST * free.len());
         if n < least {
@@ -171,29 +169,13 @@ impl SteadyFit {
     /// # Errors
     /// A name that is unknown, given twice, or without a derivative; none; a prior of a number that is fixed.
     fn free_parameters(&self) -> Result<Vec<FreeParameter>> {
-        let known = self.equation.parameters();
-        let known: Vec<_> = known.iter().filter(|known| !known.name.starts_with("initial.")).collect();
-        let mut free: Vec<FreeParameter> = Vec::new();
-        for (i, name) in self.free.iter().enumerate() {
-            let key = format!("free.{i}");
-            if free.iter().any(|other| other.name == *name) {
-                return Err(Error::invalid(key, "each key once", name));
+        let contacts = (&self.equation, |name: &str| !name.starts_with("initial."));
+        let free = named(&self.free, contacts, &[("offset", Role::Offset, self.offset)], |parameter| {
+            if parameter.logarithmic {
+                positive(&parameter.name, parameter.start)?;
             }
-            let parameter = if name == "offset" {
-                FreeParameter::new(name, Role::Offset, false, self.offset)
-            } else if let Some(known) = known.iter().find(|known| known.name == *name) {
-                let logarithmic = self.equation.is_positive(name)?;
-                if logarithmic {
-                    positive(name, known.value)?;
-                }
-                FreeParameter::new(name, Role::Contacts, logarithmic, known.value)
-            } else {
-                let mut names: Vec<&str> = known.iter().map(|known| known.name.as_ref()).collect();
-                names.push("offset");
-                return Err(Error::invalid(key, format!("one of {}", names.join(", ")), name));
-            };
-            free.push(parameter);
-        }
+            Ok(parameter)
+        })?;
         with_priors(free, &self.priors)
     }
 

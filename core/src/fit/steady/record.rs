@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
-use crate::error::positive;
+use crate::error::{all_finite, as_many, positive};
 use crate::{Error, Result};
 
 /// How far a position may be from its place in a record of equal spacing, in spacings: positions are written with few digits.
@@ -29,14 +29,10 @@ impl SteadyRecord {
         if n < 2 {
             return Err(Error::invalid("position", "two positions or more", n));
         }
-        if forces.len() != n {
-            return Err(Error::invalid("force", format!("{n} forces, one for each position"), forces.len()));
-        }
+        as_many("force", forces.len(), (n, "forces, one for each position"))?;
         let spacing = (positions[n - 1] - positions[0]) / (n - 1) as f64;
         let key = |i: usize| format!("position.{i}");
-        if let Some(i) = positions.iter().position(|x| !x.is_finite()) {
-            return Err(Error::invalid(key(i), "a finite number", positions[i]));
-        }
+        all_finite("position", positions)?;
         if spacing <= 0.0 {
             return Err(Error::invalid(key(n - 1), "positions that rise", positions[n - 1]));
         }
@@ -70,9 +66,7 @@ impl SteadyRecord {
     /// A spacing that is not above 0; a force that is not finite; forces that are all the same.
     pub(super) fn check(&self) -> Result<()> {
         positive("spacing", self.spacing)?;
-        if let Some(i) = self.forces.iter().position(|force| !force.is_finite()) {
-            return Err(Error::invalid(format!("force.{i}"), "a finite number", self.forces[i]));
-        }
+        all_finite("force", &self.forces)?;
         if let Some(first) = self.forces.first().filter(|first| self.forces.iter().all(|f| f == *first)) {
             return Err(Error::invalid("force", "forces that scatter", format!("{first} only")));
         }

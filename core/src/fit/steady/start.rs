@@ -5,7 +5,7 @@
 //! first with wide peaks, which overlap, and then with ever narrower ones. This needs no new lives: with lengths a times as
 //! large, the autocovariance is a² c(u/a).
 
-use super::super::free::Role;
+use super::super::free::{Role, first_coordinates};
 use super::super::search::Objective;
 use super::expected::ExpectedRecord;
 use super::likelihood::{SteadyLikelihood, SteadyPoint};
@@ -30,8 +30,7 @@ impl SteadyLikelihood {
     /// # Errors
     /// Errors of the solver; stopped by the monitor.
     pub fn first_values(&self, monitor: &mut dyn Monitor) -> Result<Option<Vec<Vec<f64>>>> {
-        let given: Vec<f64> =
-            self.free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
+        let given = first_coordinates(&self.free);
         let Some(point) = self.trial(&given, &mut Part::new(monitor, 0.0, 0.1))? else { return Ok(None) };
         let kept = self.with_size(&given, &point);
         let Some(moved) = self.with_length(&given, &point, &mut Aside { fraction: 0.1, monitor })? else {

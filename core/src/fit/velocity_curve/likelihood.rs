@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::super::free::{FreeParameter, Role, UNREAD, priors_at, value_of};
+use super::super::free::{FreeParameter, Role, UNREAD, of_contacts, priors_at, value_of, values_at};
 use super::super::matrix::product;
 use super::super::score::Score;
 use super::super::search::Objective;
@@ -88,10 +88,8 @@ impl VelocityLikelihood {
         velocity: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<MasterEquation> {
-        let of_contacts = self.free.iter().zip(coordinates);
-        let of_contacts = of_contacts.filter(|(parameter, _)| parameter.role == Role::Contacts);
-        let values: Vec<_> = of_contacts.map(|(p, &u)| (p.name.as_str(), p.value(u))).collect();
-        let contacts = self.equation.contacts_with(&values)?;
+        let values = values_at(&self.free, coordinates);
+        let contacts = self.equation.contacts_with(&of_contacts(&self.free, &values, 0))?;
         MasterEquation::reformed(contacts, Some(velocity), monitor)
     }
 
@@ -129,12 +127,12 @@ impl VelocityLikelihood {
 
     /// The offset alone.
     pub fn offset(&self, coordinates: &[f64]) -> f64 {
-        value_of(&self.free, Role::Offset, coordinates, self.fit.offset)
+        value_of(&self.free, Role::Offset, coordinates).unwrap_or(self.fit.offset)
     }
 
     /// The background force alone.
     pub fn background(&self, coordinates: &[f64]) -> f64 {
-        value_of(&self.free, Role::Background, coordinates, self.fit.background)
+        value_of(&self.free, Role::Background, coordinates).unwrap_or(self.fit.background)
     }
 
     /// The standard deviations of readings with these residuals.
@@ -313,12 +311,5 @@ impl Objective for VelocityLikelihood {
 
     fn freedom(&self) -> Option<f64> {
         self.estimates_errors().then(|| self.degrees())
-    }
-
-    /// Of a size of errors that is estimated the deviance is ν ln Σr², which rises by ν ln(1 + t²/ν) (D. M. Bates and D. G. Watts,
-    /// *Nonlinear Regression Analysis and Its Applications*, 1988).
-    fn rise(&self, quantile: f64) -> f64 {
-        let square = quantile * quantile;
-        self.freedom().map_or(square, |freedom| freedom * (square / freedom).ln_1p())
     }
 }

@@ -1,6 +1,6 @@
 //! Forces of steady sliding, measured at several velocities.
 
-use crate::error::positive;
+use crate::error::{all_finite, as_many, positive};
 use crate::{Error, Result};
 
 /// Forces of steady sliding, measured at several velocities.
@@ -35,17 +35,12 @@ impl MeasuredVelocityCurve {
         }
         let lists = [("force", Some(&self.forces)), ("error", self.errors.as_ref())];
         for (key, list) in lists.into_iter().filter_map(|(key, list)| Some((key, list?))) {
-            if list.len() != n {
-                return Err(Error::invalid(key, format!("{n} values, one for each velocity"), list.len()));
-            }
+            as_many(key, list.len(), (n, "values, one for each velocity"))?;
         }
         let above = [("velocity", Some(&self.velocities)), ("error", self.errors.as_ref())];
         for (key, list) in above.into_iter().filter_map(|(key, list)| Some((key, list?))) {
             list.iter().enumerate().try_for_each(|(i, &x)| positive(&format!("{key}.{i}"), x).map(drop))?;
         }
-        if let Some(i) = self.forces.iter().position(|force| !force.is_finite()) {
-            return Err(Error::invalid(format!("force.{i}"), "a finite number", self.forces[i]));
-        }
-        Ok(())
+        all_finite("force", &self.forces)
     }
 }

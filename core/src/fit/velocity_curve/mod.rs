@@ -41,10 +41,10 @@ pub use estimates::{FittedVelocityCurve, VelocityCurveEstimates};
 pub use measured::MeasuredVelocityCurve;
 
 use super::ended::Ended;
-use super::free::{BACKGROUND, FreeParameter, Prior, Role, with_priors};
+use super::free::{BACKGROUND, FreeParameter, Prior, Role, named, with_priors};
 use super::search::{SHORT, search_each};
 use crate::contacts::Contacts;
-use crate::error::{not_negative, positive};
+use crate::error::{finite, not_negative, positive};
 use crate::master::MasterEquation;
 use crate::monitor::{Monitor, Part, Rising};
 use crate::{Error, Result};
@@ -170,9 +170,7 @@ impl VelocityCurveFit {
             }
         }
         not_negative(BACKGROUND, self.background)?;
-        if !self.offset.is_finite() {
-            return Err(Error::invalid("offset", "a finite number", self.offset));
-        }
+        finite("offset", self.offset)?;
         let free = self.free_parameters(equation)?;
         let known = self.reading.is_some() || self.curve.errors.is_some();
         let without_prior = free.iter().filter(|parameter| parameter.prior.is_none()).count();
@@ -191,36 +189,18 @@ impl VelocityCurveFit {
     /// # Errors
     /// A name that is unknown, given twice, or without a first value above 0; none; a prior of a number that is fixed.
     fn free_parameters(&self, equation: &MasterEquation) -> Result<Vec<FreeParameter>> {
-        let known = equation.parameters();
-        let known: Vec<_> = known.iter().filter(|known| is_of_sliding(&known.name)).collect();
-        let mut free: Vec<FreeParameter> = Vec::new();
-        for (i, name) in self.free.iter().enumerate() {
-            let key = format!("free.{i}");
-            if free.iter().any(|other| other.name == *name) {
-                return Err(Error::invalid(key, "each key once", name));
-            }
-            let (role, logarithmic, start) = match name.as_str() {
-                "offset" => (Role::Offset, false, self.offset),
-                BACKGROUND => (Role::Background, true, self.background),
-                _ => match known.iter().find(|known| known.name == *name) {
-                    Some(known) => (Role::Contacts, equation.is_positive(name)?, known.value),
-                    None => {
-                        let names = known.iter().map(|known| known.name.as_ref());
-                        let names: Vec<&str> = names.chain([BACKGROUND, "offset"]).collect();
-                        return Err(Error::invalid(key, format!("one of {}", names.join(", ")), name));
-                    }
-                },
-            };
-            if logarithmic && start <= 0.0 {
+        let others = [(BACKGROUND, Role::Background, self.background), ("offset", Role::Offset, self.offset)];
+        let free = named(&self.free, (equation, is_of_sliding), &others, |mut parameter| {
+            let start = parameter.start;
+            if parameter.logarithmic && start <= 0.0 {
                 let expected = "a first value above 0 of a free number that is positive";
-                return Err(Error::invalid(name.clone(), expected, start));
+                return Err(Error::invalid(parameter.name, expected, start));
             }
-            let mut parameter = FreeParameter::new(name, role, logarithmic, start);
-            if let Some(scale) = self.scale(name, equation) {
+            if let Some(scale) = self.scale(&parameter.name, equation) {
                 parameter.bounds[0] = (SMALLEST * scale).min(start).ln();
             }
-            free.push(parameter);
-        }
+            Ok(parameter)
+        })?;
         with_priors(free, &self.priors)
     }
 

@@ -4,7 +4,7 @@
 //! times are all a times as long have at the velocity v the friction of the first ones at av: one curve over a wide range of
 //! velocities gives the curve of every factor.
 
-use super::super::free::Role;
+use super::super::free::{Role, first_coordinates};
 use super::likelihood::VelocityLikelihood;
 use crate::contacts::{FreeFriction, FreeTime};
 use crate::monitor::{Monitor, Part};
@@ -27,8 +27,7 @@ impl VelocityLikelihood {
     /// # Errors
     /// First values without steady sliding; errors of the solver; stopped by the monitor.
     pub fn first_values(&self, monitor: &mut dyn Monitor) -> Result<Vec<Vec<f64>>> {
-        let given: Vec<f64> =
-            self.free.iter().map(|parameter| parameter.coordinate(parameter.start)).collect();
+        let given = first_coordinates(&self.free);
         let jobs: Vec<(&[f64], f64)> = self.velocities.iter().map(|&v| (given.as_slice(), v)).collect();
         let found = self.frictions(&jobs, &mut Part::new(monitor, 0.0, 0.2))?;
         let Some(friction) = found.into_iter().map(|found| Some(found?.0)).collect::<Option<Vec<f64>>>()

@@ -27,6 +27,22 @@ pub struct Trace {
 }
 
 impl Trace {
+    /// The readings at these times, which are times of the trace.
+    pub(crate) fn at(&self, times: &[f64]) -> Self {
+        let place = |time: &f64| self.time.partition_point(|t| t < time).min(self.time.len() - 1);
+        let places: Vec<usize> = times.iter().map(place).collect();
+        let of = |values: &[f64]| places.iter().map(|&i| values[i]).collect();
+        Self {
+            time: of(&self.time),
+            position: of(&self.position),
+            velocity: of(&self.velocity),
+            force: of(&self.force),
+            breaking_rate: of(&self.breaking_rate),
+            free: of(&self.free),
+            error: self.error,
+        }
+    }
+
     /// Refuses a trace whose estimated error exceeds the required one of F/(N_c⟨k⟩) per mean threshold;
     /// `unit` is N_c⟨k⟩ × the mean threshold.
     ///

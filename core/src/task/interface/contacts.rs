@@ -27,8 +27,8 @@ pub struct DrivenContacts {
 impl DrivenContacts {
     /// Drives the contacts through the next avalanche.
     pub(super) fn next(&mut self, monitor: &mut dyn Monitor) -> Result<BrokenContacts> {
-        let avalanche = self.lattice.next_event_with(monitor)?;
-        let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };
+        let avalanche = self.lattice.next_event(monitor)?;
+        let scar = if self.chain { self.lattice.broken_contacts().collect() } else { Vec::new() };
         Ok(BrokenContacts { avalanche, scar })
     }
 }

@@ -47,6 +47,10 @@ pub struct Summary {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "force"))]
     pub background_force: Option<f64>,
+    /// Normal load, by which forces are divided for friction coefficients; absent if none is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
+    pub normal_load: Option<f64>,
     /// Number of contacts of the finite-size band and of the ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-dimension" = "1"))]
