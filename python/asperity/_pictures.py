@@ -241,12 +241,13 @@ def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
     if "ensemble_persistent_stiffness" in record:
         mean = record["ensemble_persistent_stiffness"]
         shown = (mean > low) & (mean < high)
-        bars = np.nan_to_num(record["ensemble_persistent_stiffness_std"])
-        bars = np.minimum(bars, np.maximum(mean - low, 0.0))
+        std = np.nan_to_num(record["ensemble_persistent_stiffness_std"])
+        # On a logarithmic axis they end at its lower end.
+        bars = np.array([np.minimum(std, np.maximum(mean - low, 0.0)), std])
         if shown.any():
             label = "end of persistence ± std, single contacts"
             x = record["velocity"][shown]
-            ax.errorbar(x, mean[shown], bars[shown], linestyle="none", marker="o", color=ink(), label=label)
+            ax.errorbar(x, mean[shown], bars[:, shown], linestyle="none", marker="o", color=ink(), label=label)
     ax.set_xscale("log")
     ax.set_yscale("log")
     named(record, ax, ("velocity", "v"), ("stiffness", "K"))

@@ -236,6 +236,7 @@ def _collect(
     running: dict[Future[tuple[Any, float]], int] = {}
     # One case after the other at first, until it is known how long one takes.
     size = 1
+    shown(left)
     try:
         while running or sent < len(missing):
             workers = _workers(executor)
@@ -257,6 +258,10 @@ def _collect(
     except BaseException:
         for future in running:
             future.cancel()
+        # What has come back meanwhile is kept.
+        for future in running:
+            if future.done() and not future.cancelled() and future.exception() is None:
+                add(future.result()[0])
         raise
 
 

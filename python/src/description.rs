@@ -91,7 +91,8 @@ impl Description {
 
     fn __hash__(&self) -> PyResult<u64> {
         let mut hasher = DefaultHasher::new();
-        self.json()?.hash(&mut hasher);
+        // 0 and −0 are equal.
+        self.json()?.replace("-0.0", "0.0").hash(&mut hasher);
         Ok(hasher.finish())
     }
 

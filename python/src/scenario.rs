@@ -1,6 +1,6 @@
 //! The scenario of a model and a task, as a dictionary.
 
-use asperity::scenario::{self, Law, TaskStart};
+use asperity::scenario::{self, Law, Task, TaskStart};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -135,7 +135,7 @@ impl Known {
         let first = match (name, table) {
             ("pull" | "drive", Value::Table(table)) => Some(table),
             ("protocol", Value::Array(steps)) => steps.first_mut().and_then(Value::as_table_mut),
-            ("block" | "master_equation" | "ensemble" | "units" | "figure" | "compare", _) => return Ok(()),
+            _ if !Task::NAMES.contains(&name) => return Ok(()),
             _ => None,
         };
         let expected = "\"conditional\", except for a pull, a drive and a protocol";

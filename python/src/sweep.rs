@@ -305,6 +305,8 @@ pub fn cases<'py>(
     let (text, name, folder, overrides) = specification;
     let input = parsed(py, (&text, &name, &folder, &overrides))?;
     let plan = Plan::unchecked(&input).map_err(|e| error::scenario(&e))?;
+    asperity_runner::threads::check(threads)
+        .map_err(|expected| error::invalid("threads", expected, threads))?;
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyOSError::new_err(error.to_string()))?;
     let found =
@@ -356,6 +358,8 @@ fn on_threads<T: Send>(
     let refused = |found: &dyn fmt::Display| {
         Error::invalid("threads", "a number of threads that the system allows", found)
     };
+    asperity_runner::threads::check(threads)
+        .map_err(|expected| Error::invalid("threads", expected, threads))?;
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| refused(&error))?;
     let (done, stopped, memory) = (AtomicU64::new(0), AtomicBool::new(false), monitor.memory());
     thread::scope(|scope| {

@@ -212,7 +212,8 @@ fn concluded<T>(
     let memory = memory::in_environment().map_err(PyValueError::new_err)?;
     let mut watch = Watch { progress, memory, called: Instant::now(), most: 0.0, raised: None };
     match (work(&mut watch)?, watch.raised.take()) {
-        (Err(Error::Stopped), Some(raised)) => Err(raised),
+        // What was raised while the last part of the work was done is not lost.
+        (Err(Error::Stopped) | Ok(_), Some(raised)) => Err(raised),
         (Err(other), _) => Err(error::core(other)),
         (Ok(done), _) => {
             if watch.progress.is_some() {

@@ -55,6 +55,45 @@ sweep = { keep = ["catalogue.events"], over = { "interface.connection" = [0.1, 0
     assert!(cases[0].iter().all(|case| case.kept.is_ok()), "{:?}", cases[0]);
 }
 
+/// A case that meets a limit that no memory raises has failed, on any number of threads.
+#[test]
+fn a_case_beyond_a_fixed_limit_has_failed() {
+    let text = r#"
+contacts.thresholds.mixture = [
+    { weight = 0.5, law.point.at = 1.0 },
+    { weight = 0.3, law.point.at = 1.41421356 },
+    { weight = 0.2, law.point.at = 1.7320508 },
+]
+pull = { distance = 2.0, points = 2 }
+sweep = { keep = ["kinetic_friction"], over = { "pull.distance" = [2.0, 3.0, 400.0] } }
+"#;
+    let input = input::parse(text, "text", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(&input).unwrap();
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let cases = pool.install(|| asperity_runner::sweep::compute(&plan, &[0, 1, 2], &mut ())).unwrap();
+        assert_eq!(cases.iter().map(|case| case.number).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(cases.iter().map(|case| case.kept.is_ok()).collect::<Vec<_>>(), [true, true, false]);
+        assert!(cases[2].kept.as_ref().is_err_and(|why| why.contains("jumps and kinks")), "{:?}", cases[2]);
+    }
+}
+
+/// Replicas of renormalisation, each of several runs with seeds of their own, share none of them.
+#[test]
+fn replicas_of_several_runs_share_no_seed() {
+    let text = r#"
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+interface = { cells = [8, 8], contacts = "one", coupling.neighbours = { stiffness = 0.2 }, connection = 0.2 }
+renormalisation.runs = 3
+ensemble.seed = 5
+sweep = { keep = ["renormalisation.mean"], repeat = 3, over = { "interface.connection" = [0.2] } }
+"#;
+    let input = input::parse(text, "text", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::new(&input).unwrap();
+    let seeds = [0, 1, 2].map(|case| plan.case(case).unwrap().ensemble.unwrap().seed);
+    assert_eq!(seeds, [5, 8, 11]);
+}
+
 const FULL: &str = r#"
 [sweep]
 keep = ["kinetic_friction"]

@@ -13,9 +13,12 @@ pub struct Quenched {
 }
 
 impl Quenched {
-    /// F(X)/(N_c⟨k⟩), to about 1e-13 of X; after the break where contacts break together.
+    /// F(X)/(N_c⟨k⟩), to about 1e-13 of X; after the break where contacts break together. Not a number beyond [`Self::reach`].
     #[must_use]
     pub fn force(&self, position: f64) -> f64 {
+        if position > self.reach() {
+            return f64::NAN;
+        }
         let law = &self.thresholds;
         let mean = law.mean();
         let below = |x: f64| mean - law.upper_moment(1, x);

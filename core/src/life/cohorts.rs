@@ -224,6 +224,10 @@ impl Outline {
                 stops[stops.partition_point(|&u| u <= before)..].first().copied().unwrap_or(f64::INFINITY);
             // A cell that would end just beyond a breakpoint ends on it.
             let to = if stop < 1.25 * next { stop } else { next };
+            // Sums that are no numbers never converge; they are reported as what they are.
+            if !to.is_finite() {
+                break;
+            }
             let here = at(to);
             let first = edges.len();
             split(at, [(before, left), (to, here.survival)], start.survival, &mut edges);

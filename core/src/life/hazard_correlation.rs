@@ -66,6 +66,8 @@ struct PathPart<'a> {
 
 /// Error of the integral of C over a cell, in mean thresholds.
 const TOLERANCE: f64 = 1e-9;
+/// Largest error of them that is accepted.
+const MISSED: f64 = 1e-7;
 /// Error of the rule for a panel of starts.
 const LEFT_OUT: f64 = 1e-11;
 /// Fraction of contacts, or of what they contribute, that is left out.
@@ -101,8 +103,10 @@ pub(super) fn of(
         correlated.at(u, watch)
     };
     let tolerance = Resolution::Mean(TOLERANCE * contacts.thresholds.mean());
-    let (both, _) = Piecewise::resolve_all(both, &edges, end, tolerance);
-    watch.check().map(|()| Some(both))
+    let (both, missed) = Piecewise::resolve_all(both, &edges, end, tolerance);
+    watch.check()?;
+    // Where noise hides the values, another form is more accurate.
+    Ok((missed <= MISSED * contacts.thresholds.mean()).then_some(both))
 }
 
 impl<'a> Correlated<'a> {

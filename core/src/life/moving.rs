@@ -12,7 +12,7 @@ use super::thermal_hazard::blur;
 use super::timed::Timed;
 use super::waits::Waits;
 use crate::Result;
-use crate::contacts::{Ageing, Closure, Contacts, FreeTime, Temperature, ThresholdFokkerPlanck};
+use crate::contacts::{Ageing, Barrier, Closure, Contacts, FreeTime, Temperature, ThresholdFokkerPlanck};
 use crate::law::SharedLaw;
 use crate::monitor::{Monitor, Watch};
 
@@ -74,9 +74,14 @@ pub fn moving(
 
 /// Whether temperature breaks contacts further below their thresholds than rounding.
 ///
-/// They break about δ ln(ωδ/v) below, or with that probability within δ = T/(k x̄).
+/// They break about δ ln(ωδ/v) below, or with that probability within δ = T/(k x̄); where the barrier vanishes as the power 3/2 of
+/// the distance, within x̄ (2δ/x̄)^{2/3}.
 fn is_felt(temperature: &Temperature, contacts: &Contacts, velocity: f64) -> bool {
     const ROUNDING: f64 = 1e-13;
-    let near = blur(contacts, temperature);
-    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * contacts.thresholds.mean()
+    let (mean, blur) = (contacts.thresholds.mean(), blur(contacts, temperature));
+    let near = match temperature.barrier {
+        Barrier::Elastic | Barrier::Bell => blur,
+        Barrier::Catastrophe => mean * (2.0 * blur / mean).powf(2.0 / 3.0),
+    };
+    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * mean
 }

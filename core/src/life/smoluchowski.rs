@@ -17,7 +17,7 @@ use crate::numerics::piecewise::Piecewise;
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above the stretch of
 /// formation.
 ///
-/// The equation is solved by [`Evolution`] twice, the second time with a hundredth of the tolerance; the
+/// The equation is solved by [`Evolution`] twice, the second time with a hundred times the tolerance; the
 /// difference is the error estimate.
 #[derive(Debug, Clone)]
 pub(super) struct FokkerPlanckLife {

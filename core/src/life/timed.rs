@@ -362,7 +362,9 @@ impl Cohort for AgeingCohort {
         let (met, speed) = self.running_maximum.value_and_slope(advance);
         let (age, stretch) = (advance / velocity, self.start + advance);
         let mut survival_moments = SurvivalMoments::default();
-        let (mut reached, mut cached) = (law.density(met) * speed, met);
+        // While a threshold falls faster than the stretch rises, none is reached, even where the density is infinite.
+        let reached = if speed == 0.0 { 0.0 } else { law.density(met) * speed };
+        let (mut reached, mut cached) = (reached, met);
         if let Some(thermal_hazard) = &self.of.thermal_hazard {
             let exposed = thermal_hazard.at(self.start, advance);
             let evaluated = self.evaluated.swap(true, Ordering::Relaxed);

@@ -5,8 +5,8 @@ use super::gradient::Gradient;
 use super::pull::Pull;
 use crate::numerics::roots::brent_root;
 
-/// Cells in which the position of the slider is sought for a position of the drive.
-const CELLS: usize = 2048;
+/// Rounding of a position, relative to the distance of the pull.
+const SLACK: f64 = 1e-12;
 
 /// The force at positions X_T = X + cF(X) of the drive, with c the compliance of the machine (a length per force) and X the
 /// position of the slider.
@@ -46,25 +46,45 @@ impl Pull {
             let reached = drive.iter().all(|&x| x <= last * (1.0 + 1e-12));
             return reached.then(|| drive.iter().map(|x| x.max(0.0)).collect());
         }
-        let at = |cell: usize| last * (cell as f64 / CELLS as f64);
-        let lead = |x: f64| x + compliance * self.force(x);
-        let (mut low, mut high) = (0, 1);
+        let start = compliance * self.force(0.0);
+        let mut parts = self.parts_of_cells();
+        let mut part = parts.next()?;
         let mut found = Vec::with_capacity(drive.len());
         for &top in drive {
-            while high < CELLS && lead(at(high)) < top {
-                if lead(at(high)) <= lead(at(low)) {
+            if top <= start {
+                found.push(0.0);
+                continue;
+            }
+            let lead = |cell: usize, x: f64| x + compliance * self.force_in(cell, x);
+            let (cell, low, end) = loop {
+                let (cell, low, high) = part;
+                let end = self.rises_up_to(compliance, part);
+                if lead(cell, end) >= top {
+                    break (cell, low, end);
+                }
+                if end < high {
                     return None;
                 }
-                (low, high) = (high, high + 1);
-            }
-            let moves = top > lead(0.0);
-            found.push(if moves {
-                brent_root(|x| lead(x) - top, at(low), at(high), 1e-14 * last)?
-            } else {
-                0.0
-            });
+                part = parts.next()?;
+                // The force falls where contacts break together.
+                if lead(part.0, part.1) < lead(cell, high) - SLACK * last {
+                    return None;
+                }
+            };
+            found.push(brent_root(|x| lead(cell, x) - top, low, end, 1e-14 * last).unwrap_or(low));
         }
         Some(found)
+    }
+
+    /// Where X + cF(X) begins to fall on a part of a cell, its upper end if it does not.
+    fn rises_up_to(&self, compliance: f64, (cell, low, high): (usize, f64, f64)) -> f64 {
+        let slope = |x: f64| 1.0 + compliance * self.slope_in(cell, x);
+        if slope(low) <= 0.0 {
+            return low;
+        }
+        let middle = 0.5 * (low + high);
+        let falls = [(low, middle), (middle, high)].into_iter().find(|&(_, end)| slope(end) <= 0.0);
+        falls.map_or(high, |(from, to)| brent_root(slope, from, to, 0.0).unwrap_or(from))
     }
 }
 

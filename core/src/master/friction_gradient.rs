@@ -90,9 +90,18 @@ impl Pull {
     fn relaxation_difference(&self, name: &str, monitor: &mut dyn Monitor) -> Result<f64> {
         /// Step relative to the value.
         const STEP: f64 = 1e-2;
+        /// Shortest step, in which rounding of X* is still small.
+        const SHORTEST: f64 = 1e-4;
         let known = self.parameters().into_iter().find(|parameter| parameter.name == name);
         let value = known.map_or(f64::NAN, |parameter| parameter.value);
-        let step = STEP * value.abs();
+        let mut step = STEP * value.abs();
+        // Shorter where the steps leave the range of the parameter.
+        let far = EIGHTH_ORDER.len() as f64;
+        let mut refused =
+            |away: f64| self.equation.with_parameters(&[(name, value + away)], monitor).is_err();
+        while step > SHORTEST * value.abs() && (refused(far * step) || refused(-far * step)) {
+            step *= 0.5;
+        }
         let mut length = |away: f64| -> Result<f64> {
             let equation = self.equation.with_parameters(&[(name, value + away)], monitor)?;
             Ok(equation.relaxation_with(monitor)?.length())

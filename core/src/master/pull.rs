@@ -263,6 +263,23 @@ impl Pull {
         if inside.1 < least.1 { inside } else { least }
     }
 
+    /// F and F' at a position in a cell.
+    pub(super) fn force_in(&self, cell: usize, position: f64) -> f64 {
+        self.stiffness * self.renewal.force.value_in(cell, position)
+    }
+
+    pub(super) fn slope_in(&self, cell: usize, position: f64) -> f64 {
+        self.stiffness * self.renewal.slope.value_in(cell, position)
+    }
+
+    /// The cells of the pull in parts in which no two extrema of F' are expected, each with its cell.
+    pub(super) fn parts_of_cells(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let edges = &self.renewal.force.boundaries;
+        (0..=self.last_cell()).flat_map(move |cell| {
+            windows(edges[cell], edges[cell + 1].min(self.distance)).map(move |(low, high)| (cell, low, high))
+        })
+    }
+
     /// Estimated error of F/(N_c⟨k⟩), a length: errors of the lives, of the solution of the renewal equation
     /// and of the polynomials.
     pub fn error_estimate(&self) -> f64 {

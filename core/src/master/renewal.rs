@@ -8,7 +8,7 @@ use crate::life::{Births, Layer, Life, ORDERS};
 use crate::monitor::{Aside, Monitor, Rising};
 use crate::numerics::breakpoints::{Atom, Breakpoint};
 use crate::numerics::legendre::NODES;
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::{largest, sort_by_number};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::{Accuracy, Kernel, Solution, solve};
 use crate::{Error, Result};
@@ -195,10 +195,6 @@ impl RenewalSolution {
         let rate = rate.part(past, u).mirrored().shifted(u);
         self.reformed.born(&Births { rate, atoms, breakpoints })
     }
-}
-
-fn largest(errors: impl Iterator<Item = f64>) -> f64 {
-    errors.fold(0.0, f64::max)
 }
 
 /// Length, in mean lives, over which slopes of forces are measured at least: over less, they are lost in the

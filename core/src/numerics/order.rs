@@ -10,6 +10,11 @@ pub(crate) fn sort_by_number<T>(items: &mut [T], number: impl Fn(&T) -> f64) {
     }
 }
 
+/// The largest of numbers of 0 or above; not a number if one of them is none, which no comparison with what is allowed lets pass.
+pub(crate) fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |largest, number| if number.is_nan() || number > largest { number } else { largest })
+}
+
 /// The exchanges, one after the other, that bring items into the order of their numbers.
 fn exchanges(keys: &mut [(f64, usize)]) -> Vec<(usize, usize)> {
     if keys.is_sorted_by(|a, b| a.0.total_cmp(&b.0).is_le()) {
@@ -35,6 +40,15 @@ fn exchanges(keys: &mut [(f64, usize)]) -> Vec<(usize, usize)> {
 mod tests {
     use super::*;
     use crate::random::{Purpose, Stream};
+
+    #[test]
+    fn a_number_that_is_none_is_the_largest() {
+        assert_eq!(largest([1.0, 3.0, 2.0].into_iter()), 3.0);
+        assert_eq!(largest(std::iter::empty()), 0.0);
+        for numbers in [[f64::NAN, 1.0], [1.0, f64::NAN]] {
+            assert!(largest(numbers.into_iter()).is_nan());
+        }
+    }
 
     #[test]
     fn it_sorts_as_the_standard_library_does() {

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::size;
 use crate::{Error, Result};
 
 /// Draws from the posterior of a fit by the No-U-turn sampler.
@@ -29,7 +30,7 @@ impl FitPosterior {
     /// Checks every value.
     ///
     /// # Errors
-    /// The first invalid value.
+    /// The first invalid value; more draws than fit in memory.
     pub fn check(&self) -> Result<()> {
         if self.draws < 4 {
             return Err(Error::invalid("draws", "4 draws or more of each chain", self.draws));
@@ -37,6 +38,6 @@ impl FitPosterior {
         if self.chains == 0 {
             return Err(Error::invalid("chains", "1 chain or more", self.chains));
         }
-        Ok(())
+        size::check("draws", self.chains.saturating_mul(self.draws), size::BYTES_PER_POINT)
     }
 }

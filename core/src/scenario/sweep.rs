@@ -128,9 +128,7 @@ impl Sweep {
             let SweepAxis::List(values) = axis else { continue };
             let mut seen = HashSet::new();
             for (i, value) in values.iter().enumerate() {
-                let text =
-                    value.number().map_or_else(|| format!("{value:?}"), |number| format!("{number:?}"));
-                if !seen.insert(text) {
+                if !seen.insert(value.distinct()) {
                     return Err(Error::invalid(
                         format!("over.{key}.{i}"),
                         "values that differ",
@@ -223,6 +221,11 @@ impl Scenario {
         .into_iter()
         .flatten()
         .collect()
+    }
+
+    /// How many seeds from the given ones on a case uses, which replicas are to have for themselves.
+    pub fn seeds_of_a_case(&self) -> u64 {
+        self.renormalisation.as_ref().map_or(1, |renormalisation| renormalisation.runs as u64)
     }
 
     /// Checks that the scenario is one case; `instead` says what computes a sweep.

@@ -165,13 +165,18 @@ impl SweepRange {
 }
 
 impl SweepValue {
-    /// The value, if it is a number.
+    /// The value, if it is a number that floating-point numbers have: whole ones up to 2⁵³.
     pub fn number(&self) -> Option<f64> {
         match *self {
-            Self::Whole(number) => Some(number as f64),
+            Self::Whole(number) => (number.unsigned_abs() <= 1 << 53).then_some(number as f64),
             Self::Number(number) => Some(number),
             _ => None,
         }
+    }
+
+    /// Text that is the same for values that are: 1 and 1.0.
+    pub(super) fn distinct(&self) -> String {
+        self.number().map_or_else(|| format!("{self:?}"), |number| format!("{number:?}"))
     }
 }
 

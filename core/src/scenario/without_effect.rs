@@ -33,7 +33,9 @@ impl Scenario {
     }
 
     fn initial_stretches(&self) -> Vec<Reason> {
-        let steady = self.velocity_curve.is_some() || self.hold_curve.is_some() || self.spectrum.is_some();
+        // The stability of a velocity curve has the critical stiffness of a first pull.
+        let curve = self.velocity_curve.as_ref().is_some_and(|curve| !curve.stability);
+        let steady = curve || self.hold_curve.is_some() || self.spectrum.is_some();
         let given = steady && self.initial != Law::zero();
         given
             .then_some(("initial", "the task begins in steady sliding: the table has no effect"))

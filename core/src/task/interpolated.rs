@@ -1,10 +1,10 @@
 //! A variable of a result at other places along its coordinate, so that results can be compared point by point.
 
 use super::is_coordinate;
-use crate::record::Record;
+use crate::record::{Record, Variable};
 use crate::{Error, Result};
 
-/// The variable called `name`, which has one dimension, at `places` along its coordinate: linear between its points, NaN beyond
+/// The variable called `name`, which has one dimension, at `places` along its [`coordinate`]: linear between its points, NaN beyond
 /// them. Where it jumps, at two points of the same coordinate, the value is the one after the jump.
 ///
 /// # Errors
@@ -12,18 +12,23 @@ use crate::{Error, Result};
 pub fn interpolated(record: &Record, name: &str, places: &[f64]) -> Result<Vec<f64>> {
     let refused = |found: &str| Error::invalid(name, "a variable along one rising coordinate", found);
     let variable = record.get(name).ok_or_else(|| refused("none of this name"))?;
-    let [dimension] = &variable.dimensions[..] else {
+    if variable.dimensions.len() != 1 {
         return Err(refused(&format!("one along {}", variable.dimensions.join(" and "))));
-    };
-    let along = record
-        .variables
-        .iter()
-        .find(|v| is_coordinate(&v.name, &v.dimensions) && v.dimensions[0] == *dimension);
-    let along = along.ok_or_else(|| refused("one without a coordinate"))?;
+    }
+    let along = coordinate(record, variable).ok_or_else(|| refused("one without a coordinate"))?;
     if !along.values.is_sorted() {
         return Err(refused(&format!("one whose {} falls", along.name)));
     }
     Ok(places.iter().map(|&place| linear(&along.values, &variable.values, place)).collect())
+}
+
+/// The coordinate of a variable along one dimension: the first other variable that is one of this dimension.
+pub fn coordinate<'a>(record: &'a Record, variable: &Variable) -> Option<&'a Variable> {
+    let [dimension] = &variable.dimensions[..] else { return None };
+    let along = |v: &&Variable| {
+        is_coordinate(&v.name, &v.dimensions) && v.dimensions[0] == *dimension && v.name != variable.name
+    };
+    record.variables.iter().find(along)
 }
 
 /// The function through the points (x, y), with rising x, at a place.
@@ -62,6 +67,8 @@ mod tests {
         let error = |name| interpolated(&record(), name, &[0.0]).unwrap_err().to_string();
         assert!(error("missing").contains("none of this name"));
         assert!(error("count").contains("without a coordinate"));
+        // A coordinate is not its own.
+        assert!(error("position").contains("without a coordinate"));
         let mut falling = record();
         falling.variables[0].values[3] = 0.5;
         assert!(interpolated(&falling, "force", &[0.0]).unwrap_err().to_string().contains("position falls"));

@@ -69,7 +69,7 @@ pub use fit_velocity_curve::velocity_curve_of_fit;
 pub use grid::Grid;
 pub use in_time::finite_size_tolerance;
 pub use interface::cells_in_time;
-pub use interpolated::interpolated;
+pub use interpolated::{coordinate, interpolated};
 pub use linear_stability::{LinearStability, stability};
 pub use posterior::record_posterior;
 pub use pull::record_pull;

@@ -102,6 +102,13 @@ fn a_soft_machine_slips() {
     assert!(pull.against_drive(1.02 / critical, &DRIVE).is_none());
     // Up to the maximum of F nothing slips.
     assert!(pull.against_drive(1.02 / critical, &DRIVE[..4]).is_some());
+    // However long the pull: the slider slips between two positions that are close to each other.
+    let narrow = Contacts::new(gaussian(1.0, 0.05), point(0.0));
+    let narrow = MasterEquation::new(narrow, &Initial::default()).unwrap();
+    let (long, drive) = (narrow.pull(120.0).unwrap(), [0.5, 1.0, 1.5, 2.5]);
+    assert!(long.critical_stiffness() > 6.6);
+    assert!(long.against_drive(1.0 / 6.5, &drive).is_none());
+    assert!(long.against_drive(1.0 / 7.5, &drive).is_some());
     assert!(pull.against_drive(0.0, &[5.1]).is_none());
     assert!(pull.against_drive(0.1, &[1.0, 7.0]).is_none());
 }

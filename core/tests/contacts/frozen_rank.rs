@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::common::finite_volumes::{Diffusion, DiffusionStep, NO_FLOOR, Work};
 use crate::common::sliders::Impatient;
-use crate::common::{contacts, gaussian, initial, lognormal, point, weibull};
+use crate::common::{contacts, gamma, gaussian, initial, lognormal, master, point, weibull};
 use asperity::contacts::{
     Ageing, Contacts, Initial, Start, Temperature, ThresholdEvolution, ThresholdFokkerPlanck,
 };
@@ -205,4 +205,21 @@ fn thresholds_of_any_size_that_mature_slide_as_single_contacts_do() {
         println!("{expected}: {} ± {}", trace.force[0], trace.error[0]);
         assert!(errors < 4.0, "{expected}, {} ± {}", trace.force[0], trace.error[0]);
     }
+}
+
+/// Slow sliding of contacts whose fresh thresholds have an infinite density at 0: they are mature before they have stretched, and no
+/// number of the pull is lost to the infinite density of thresholds that none of them has any more.
+#[test]
+fn an_infinite_density_of_fresh_thresholds_leaves_numbers() {
+    let (fresh, mature) = (gamma(1.0, 1.5), gaussian(3.0, 0.3));
+    let mut slow = contacts(&fresh, &point(0.0));
+    slow.rules.ageing = Some(Ageing::FrozenRank { mature: mature.clone(), time: 1.0 });
+    let ageing = MasterEquation::at(slow, &initial(&point(0.0)), 1e-11).unwrap().pull(5.0).unwrap();
+    let athermal = master(&mature, &point(0.0), &point(0.0)).pull(5.0).unwrap();
+    for x in [0.5, 1.5, 2.8, 3.2, 4.5] {
+        // What has not matured after an advance of 1e-10.
+        let (found, expected) = (ageing.force(x), athermal.force(x));
+        assert!((found - expected).abs() < 1e-6, "{x}: {found} {expected}");
+    }
+    assert!(ageing.error_estimate() < 1e-6, "{:e}", ageing.error_estimate());
 }

@@ -393,4 +393,10 @@ fn the_relaxation_length_of_exponential_thresholds_is_their_mean() {
     let found = equation.pull(4.0).unwrap().friction_gradient("thresholds.mean").unwrap();
     // The length of the tail is closed; its difference of eighth order has the rounding of 1e-16 over a step of 1e-2.
     assert!((found.relaxation_length - 1.0).abs() < 1e-12, "{}", found.relaxation_length);
+    // A weight near 1, of which the usual steps would be above 1; the tail is that of the exponential part whatever its weight.
+    let parts = [(0.97, exponential(1.0)), (0.03, gaussian(2.0, 0.2))];
+    let equation =
+        MasterEquation::new(Contacts::new(mixture(&parts), point(0.0)), &Initial::default()).unwrap();
+    let found = equation.pull(5.0).unwrap().friction_gradient("thresholds.0.weight").unwrap();
+    assert!(found.relaxation_length.abs() < 1e-6, "{}", found.relaxation_length);
 }

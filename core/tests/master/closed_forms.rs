@@ -294,6 +294,7 @@ fn identical_contacts_never_settle() {
 #[test]
 fn quenched_thresholds_lose_step() {
     let form = Quenched { thresholds: Arc::new(law::Gaussian::new(1.0, 0.05).unwrap()) };
+    assert!(form.force(1e12).is_nan());
     close(form.force(6.25), 0.452365, 6e-7);
     close(form.force(0.5), 0.5, 1e-14);
     close(form.kinetic_friction(), 0.5, 1e-15);

@@ -3,7 +3,8 @@
 use asperity::record::{Quantity, Record, Variable};
 
 use super::{Known, creep, stability};
-use crate::picture::{Curve, Form, Key, Panel, Pen, Series};
+use crate::digits::rounded;
+use crate::picture::{Curve, Form, Key, Panel, Pen, Series, escaped};
 
 /// What is drawn of a task.
 pub struct Kind {
@@ -55,6 +56,7 @@ pub fn panel(known: &Known<'_>, record: &Record) -> Option<Panel> {
     let mut curves = match kind.y {
         "creep_position" => creep::curves(record, known.labels()),
         "persistent_stiffness" => stability::curves(record),
+        "kinetic_friction" if record.get("temperature").is_some() => temperatures(known, record),
         _ => vec![single(known, record, kind)],
     };
     curves.iter_mut().for_each(|curve| placed(curve, kind.logarithmic));
@@ -77,10 +79,25 @@ pub fn panel(known: &Known<'_>, record: &Record) -> Option<Panel> {
     Some(panel)
 }
 
-/// The variables along the axes, of one length.
+/// The variables along the axes, with as many values as there are of the first one, or rows of so many.
 fn both<'a>(record: &'a Record, kind: &Kind) -> Option<[&'a Variable; 2]> {
     let (x, y) = (record.get(kind.x)?, record.get(kind.y)?);
-    (!x.values.is_empty() && x.values.len() == y.values.len()).then_some([x, y])
+    let rows = y.dimensions.len() > 1 && y.values.len().is_multiple_of(x.values.len().max(1));
+    (!x.values.is_empty() && (x.values.len() == y.values.len() || rows)).then_some([x, y])
+}
+
+/// A curve of friction against velocity for each temperature.
+fn temperatures<'a>(known: &Known<'_>, record: &'a Record) -> Vec<Curve<'a>> {
+    let velocities = values(record, "velocity");
+    let rows = values(record, "kinetic_friction").chunks(velocities.len().max(1));
+    let unit = escaped(&known.labels().unit(Quantity::Energy));
+    let curve = |(i, (row, temperature)): (usize, (&'a [f64], &f64))| {
+        let (color, form) = style(i);
+        let label = format!("<i>T</i> = {}{unit}", rounded(*temperature, 4));
+        let x = known.series(record, "velocity");
+        Curve { key: Key::new(&label, color, form), x, y: Series::own(row.to_vec()) }
+    };
+    rows.zip(values(record, "temperature")).enumerate().map(curve).collect()
 }
 
 fn single<'a>(known: &Known<'_>, record: &'a Record, kind: &Kind) -> Curve<'a> {

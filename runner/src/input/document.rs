@@ -160,7 +160,12 @@ impl Kind {
             DeValue::String(text) => Self::Text(text.into_owned()),
             DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
                 Ok(integer) => Self::Integer(integer),
-                Err(_) => Self::float(number.as_str()),
+                Err(_) if number.radix() == 10 => Self::float(number.as_str()),
+                // It is refused as too large for a whole number.
+                Err(_) => Self::Float(
+                    u128::from_str_radix(number.as_str(), number.radix())
+                        .map_or(f64::INFINITY, |number| number as f64),
+                ),
             },
             DeValue::Float(number) => Self::float(number.as_str()),
             DeValue::Boolean(truth) => Self::Boolean(truth),

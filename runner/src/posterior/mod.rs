@@ -149,7 +149,11 @@ fn on_threads(
     let workers = rayon::current_num_threads().min(chains);
     let made: Vec<OnceLock<Result<Vec<Drawn>>>> = (0..chains).map(|_| OnceLock::new()).collect();
     let shared = Shared::default();
+    // Parallel loops of a chain run on its share of the threads: those of the caller's pool may be none of this process.
+    let share = rayon::current_num_threads() / workers;
     let work = || {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(share).use_current_thread().build();
+        let _pool = pool.expect("a pool with the thread that asks for it");
         loop {
             let number = shared.taken.fetch_add(1, Ordering::Relaxed);
             let Some(place) = made.get(number) else { break };

@@ -54,7 +54,7 @@ pub fn compute(
                 kept(keep, &summary, &outcome.record)
             }
             Err(asperity::Error::Stopped) => return Err(asperity::Error::Stopped),
-            Err(error) if fits_alone(&error, memory) => return Err(error),
+            Err(error) if monitor.memory() < memory && fits_alone(&error, memory) => return Err(error),
             Err(error) => Err(error.to_string()),
         },
     };

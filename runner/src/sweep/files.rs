@@ -1,5 +1,6 @@
 //! The folder of a finished sweep: the scenario, a summary, a table and `sweep.nc`.
 
+use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 
@@ -94,10 +95,11 @@ impl KeptReport {
     const PIECE: usize = 1 << 16;
 
     fn new(variable: &Labelled) -> io::Result<Self> {
-        let mut words: Vec<(String, usize)> = Vec::new();
+        let (mut words, mut places) = (Vec::<(String, usize)>::new(), HashMap::new());
         if let Values::Texts(texts) = &variable.values {
             for text in texts.iter().filter(|text| !text.is_empty()) {
-                match words.iter_mut().find(|(word, _)| word == text) {
+                let place = *places.entry(text.as_str()).or_insert(words.len());
+                match words.get_mut(place) {
                     Some((_, count)) => *count += 1,
                     None => words.push((text.clone(), 1)),
                 }

@@ -138,13 +138,7 @@ fn curves(declared: &Record) -> impl Iterator<Item = &asperity::record::Variable
 
 /// The coordinate of a variable along one dimension.
 fn coordinate(declared: &Record, variable: &asperity::record::Variable) -> Option<(String, Quantity)> {
-    let [dimension] = &variable.dimensions[..] else { return None };
-    let on = |v: &&asperity::record::Variable| {
-        task::is_coordinate(&v.name, &v.dimensions)
-            && v.dimensions[0] == *dimension
-            && v.name != variable.name
-    };
-    declared.variables.iter().find(on).map(|found| (found.name.clone(), found.quantity))
+    task::coordinate(declared, variable).map(|found| (found.name.clone(), found.quantity))
 }
 
 #[cfg(test)]

@@ -134,7 +134,8 @@ impl Plan {
                 choices.push(Choice { key, index, number: values[index].number() });
             }
             if dimension.keys.is_empty() {
-                seeds.extend(self.seeds.iter().map(|&(key, seed)| (key, seed.wrapping_add(index as u64))));
+                let further = (index as u64).wrapping_mul(self.scenario.seeds_of_a_case());
+                seeds.extend(self.seeds.iter().map(|&(key, seed)| (key, seed.wrapping_add(further))));
             }
         }
         if check { self.cases.check(&choices, &seeds) } else { self.cases.scenario(&choices, &seeds) }

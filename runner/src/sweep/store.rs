@@ -326,7 +326,11 @@ impl Store {
     fn merge(&self, files: &[PathBuf]) -> Result<PathBuf> {
         let mut cases: Vec<Case> = Vec::new();
         for path in files {
-            let bytes = fs::read(path).map_err(Error::system(path, "read"))?;
+            let bytes = match fs::read(path) {
+                // Another process has merged it.
+                Err(error) if error.kind() == ErrorKind::NotFound => continue,
+                read => read.map_err(Error::system(path, "read"))?,
+            };
             if let Ok(batch) = Batch::decode(&bytes) {
                 cases.extend(batch.unpacked());
             }

@@ -10,7 +10,7 @@ use super::force_after_break::{ForceAfterBreak, WeightedLife};
 use super::pull::{Pull, at};
 use super::renewal::{RenewalSolution, unit_force};
 use crate::monitor::{Monitor, Part, Watch, fits};
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::{largest, sort_by_number};
 use crate::{Error, Result};
 use losses::LossesAtBreaks;
 
@@ -114,7 +114,7 @@ impl Pull {
             let variance = at(square, positions[j]) - mean[j] * mean[j];
             row.last().map_or(0.0, |diagonal| (diagonal - variance).abs())
         };
-        let apart = triangle.iter().enumerate().map(apart).fold(0.0, f64::max);
+        let apart = largest(triangle.iter().enumerate().map(apart));
         let solved =
             initial.map_or(0.0, |(_, solved)| solved.error).max(after.error()).max(self.renewal.error);
         let unit = unit_force(&self.renewal.reformed);

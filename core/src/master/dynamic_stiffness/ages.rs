@@ -15,6 +15,7 @@ use num_complex::Complex64;
 use super::{ImmediateResponse, LIVES, beyond};
 use crate::Result;
 use crate::contacts::{Ageing, Contacts, ThresholdEvolution};
+use crate::law::Law;
 use crate::monitor::{Monitor, Part, report};
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::brent_root;
@@ -200,7 +201,26 @@ fn panels(contacts: &Contacts) -> Vec<f64> {
     borders.extend(law.breakpoints().iter().map(|b| b.position).filter(|at| (low..high).contains(at)));
     borders.sort_by(f64::total_cmp);
     borders.dedup();
-    borders
+    let mut resolved = vec![low];
+    borders.windows(2).for_each(|panel| resolve(law, (panel[0], panel[1]), &mut resolved));
+    resolved
+}
+
+/// Halves a panel until Gauss nodes on each part find the fraction of contacts in it, and adds their upper ends.
+fn resolve(law: &dyn Law, (low, high): (f64, f64), borders: &mut Vec<f64>) {
+    /// Fraction of contacts that may be missed in a panel.
+    const MISSED: f64 = 1e-8;
+    /// Width of the narrowest panels, relative to their place: those around point masses.
+    const NARROWEST: f64 = 1e-6;
+    let found = RULE.integrate(low, high, |h| law.density(h));
+    let missed = (law.survival(low) - law.survival(high) - found).abs();
+    if missed <= MISSED || high - low <= NARROWEST * high {
+        borders.push(high);
+        return;
+    }
+    let middle = 0.5 * (low + high);
+    resolve(law, (low, middle), borders);
+    resolve(law, (middle, high), borders);
 }
 
 impl ImmediateResponse for AgeIntegrals {

@@ -53,6 +53,7 @@ use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
 use crate::monitor::{Aside, Cost, Monitor, Part, Watch, report};
+use crate::numerics::order::largest;
 use crate::rate_dependent::{ROUGH, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
@@ -368,7 +369,7 @@ impl Transport {
         if let Some(coarse) = coarse {
             // The error is estimated by the difference from the solution with the larger tolerance.
             let off = trace.force.iter().zip(&coarse.force).map(|(fine, rough)| (fine - rough).abs());
-            trace.error = off.fold(0.0, f64::max);
+            trace.error = largest(off);
         }
         Ok(trace)
     }

@@ -554,7 +554,7 @@ impl RankedThresholds {
         let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (fraction, _))| *fraction > 0.0);
         let times = standing.filter_map(|(atom, _)| {
             if self.evolution.is_constant() {
-                let time = (atom.position - place.stretch) / velocity;
+                let time = (velocity.signum() * atom.position - place.stretch) / velocity;
                 return (time >= 0.0 && time <= limit).then_some(time);
             }
             if ahead(atom, limit) > 0.0 {
