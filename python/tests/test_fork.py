@@ -42,6 +42,15 @@ def interface() -> Numbers:
     return slider.drive(1.5, 11)["force"]
 
 
+def sampled() -> Numbers:
+    """Draws from a posterior, whose chains run on threads of their own."""
+    contacts = asp.Contacts(asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.02, time=1.0))
+    velocity = np.logspace(-3.0, 1.0, 9)
+    force = 1.01 * asp.velocity_curve(contacts, velocity).kinetic_friction
+    found = asp.fit_velocity_curve(contacts, velocity, force, free=["count"], reading=0.01)
+    return found.sample(draws=20, chains=2, seed=1).draws["count"]
+
+
 def forked(work: Callable[[], Numbers]) -> Numbers:
     """What `work` finds in a forked process."""
     context = multiprocessing.get_context("fork")
@@ -61,7 +70,7 @@ def forked(work: Callable[[], Numbers]) -> Numbers:
     return found
 
 
-@pytest.mark.parametrize("work", [force, in_a_thread, interface])
+@pytest.mark.parametrize("work", [force, in_a_thread, interface, sampled])
 def test_a_fork_computes_the_same(work: Callable[[], Numbers]) -> None:
     assert np.array_equal(forked(work), work())
 
