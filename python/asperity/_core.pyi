@@ -3730,7 +3730,7 @@ class Rectangular(Law):
 
 @final
 class Relaxation:
-    """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
+    """The relaxation spectrum: F(X) = F_k + N_c⟨k⟩ Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
     the Laplace transform of the breaking density of re-formed contacts.
 
     Examples
@@ -4755,6 +4755,14 @@ class StickSlip(Record):
     @property
     def spring_force(self, /) -> _Array:
         """The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium."""
+
+    @property
+    def time(self, /) -> _Array | None:
+        """The times of the trace of motion in time, shape (n,); None without."""
+
+    @property
+    def velocity(self, /) -> _Array | None:
+        """The velocity of the slider along the trace of motion in time, shape (n,); None without."""
 
 @final
 class Tabulated(Law):

@@ -200,10 +200,15 @@ ALSO: dict[str, dict[str, Any]] = {
     "Spots.contacts": {"local_friction": 0.3},
     "fit_healing": {"a": 0.01},
     "sweep": {"over": {"contacts.thresholds.gaussian.std": [0.1]}, "keep": ["kinetic_friction"]},
+    "stability": {"span": (0.1, 1.0), "points": 3},
     "velocity_curve": {"span": (0.1, 1.0), "points": 3},
 }
 # Without these, an argument of the same callable cannot be given.
-INSTEAD = {("Spots.contacts", "shear_strength"): "local_friction", ("velocity_curve", "velocities"): "span"}
+INSTEAD = {
+    ("Spots.contacts", "shear_strength"): "local_friction",
+    ("stability", "velocities"): "span",
+    ("velocity_curve", "velocities"): "span",
+}
 
 # Methods of a block over contacts that depend on time.
 IN_TIME = {"Block.stability", "Block.stick_slip"}

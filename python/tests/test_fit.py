@@ -326,7 +326,7 @@ def test_contacts_of_every_kind_are_described_by_what_is_found() -> None:
             ("initial.mean", "reforming.std", "stiffness_per_threshold"),
         ),
         (
-            asp.Contacts(asp.Weibull(4.0, 1.0), temperature=asp.Temperature(0.02, 1.0), delay=0.05),
+            asp.Contacts(asp.Weibull(4.0, 1.0), temperature=asp.Temperature(0.05, 10.0), delay=0.05),
             {"velocity": 0.3},
             ("temperature.energy", "temperature.attempt_rate", "thresholds.scale"),
         ),
