@@ -247,7 +247,9 @@ def stick_slip(record: "Record", ax: "Axes", **style: Any) -> None:
         if shown.any():
             label = "end of persistence ± std, single contacts"
             x = record["velocity"][shown]
-            ax.errorbar(x, mean[shown], bars[:, shown], linestyle="none", marker="o", color=ink(), label=label)
+            ax.errorbar(
+                x, mean[shown], bars[:, shown], linestyle="none", marker="o", color=ink(), label=label
+            )
     ax.set_xscale("log")
     ax.set_yscale("log")
     named(record, ax, ("velocity", "v"), ("stiffness", "K"))

@@ -75,9 +75,7 @@ def _between(span: "tuple[float, float]") -> dict[str, float]:
     return {"from": low, "to": high}
 
 
-def _along(
-    velocities: "ArrayLike | None", span: "tuple[float, float] | None", points: int
-) -> dict[str, Any]:
+def _along(velocities: "ArrayLike | None", span: "tuple[float, float] | None", points: int) -> dict[str, Any]:
     if (velocities is None) == (span is None):
         found = "neither" if span is None else "both"
         raise TypeError(f"velocities: expected either velocities or a span, got {found}")

@@ -67,7 +67,8 @@ def test_stability_is_that_of_a_block() -> None:
         assert curve.growth_rate[number] == pytest.approx(found.growth_rate, rel=1e-9)
     assert curve.unstable == np.count_nonzero(curve.growth_rate > 0.0)
     rigid = asp.stability(AGEING, [0.1, 1.0])
-    assert rigid.growth_rate is None and rigid.velocity.tolist() == [0.1, 1.0]
+    assert rigid.growth_rate is None
+    assert rigid.velocity.tolist() == [0.1, 1.0]
 
 
 def test_measured_points_are_compared_where_they_were_measured() -> None:
