@@ -112,6 +112,33 @@ fn a_picture_has_the_places_of_the_numbers() {
 }
 
 #[test]
+fn friction_at_several_temperatures_has_a_curve_for_each() {
+    let text = "[contacts]
+thresholds.gaussian = { mean = 1.0, std = 0.2 }
+temperature = { energy = 0.05, attempt_rate = 1.0 }
+[velocity_curve]
+velocities = [1e-4, 1e-3, 1e-2]
+temperatures = [0.02, 0.1]
+";
+    let asked = Request { parts: vec![Part::Task], ..request(text, vec![]) };
+    let answer = Engine::default().answer(&asked, &mut ());
+    let view = answer.view.unwrap();
+    let motion = view.panels.iter().find(|panel| panel.id == "motion").unwrap();
+    assert!(["= 0.02<", "= 0.1<"].iter().all(|label| motion.svg.contains(label)), "{}", motion.svg);
+    // The places of the three forces, from the top of the picture; lines of the legend have no corner.
+    let places = ["blue", "orange"].map(|colour| -> Vec<f64> {
+        let stroke = format!("stroke=\"var(--{colour})\"");
+        let mut curves = motion.svg.split("<path d=\"M").filter(|path| path.contains(&stroke));
+        let curve =
+            curves.find_map(|path| path.split('"').next().filter(|points| points.contains('L'))).unwrap();
+        curve.split('L').map(|point| point.split_once(' ').unwrap().1.parse().unwrap()).collect()
+    });
+    assert!(places.iter().all(|curve| curve.len() == 3 && curve.is_sorted_by(|a, b| a > b)), "{places:?}");
+    // Friction rises with velocity, and warm contacts have less.
+    assert!(places[0].iter().zip(&places[1]).all(|(cold, warm)| cold < warm), "{places:?}");
+}
+
+#[test]
 fn units_are_labelled() {
     let view = shown(&format!("{TEXT}[units]\nlength = \"µm\"\nforce = \"mN\"\n"));
     let names: Vec<&str> =

@@ -246,6 +246,18 @@ def test_wrong_arguments_of_functions_are_refused(over: Any, kind: type[Exceptio
         asp.sweep(lambda x: x, {"x": [1.0]}, threads=0)
 
 
+def test_more_threads_than_a_machine_has_cores_for_are_refused() -> None:
+    pytest.importorskip("xarray")
+    scenario = {"contacts": {"thresholds": asp.Gaussian(1.0, 0.1)}, "pull": {"points": 11}}
+    with pytest.raises(ValueError, match="threads: expected a number from 1 to"):
+        asp.sweep(
+            scenario,
+            over={"contacts.thresholds.gaussian.std": [0.1]},
+            keep=["kinetic_friction"],
+            threads=10**6,
+        )
+
+
 @pytest.mark.parametrize("name", ["x", "failure", "a/b", "", 1])
 def test_a_result_with_a_name_that_is_taken_is_a_failure(tmp_path: Path, name: Any) -> None:
     pytest.importorskip("xarray")

@@ -78,7 +78,8 @@ fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> 
         ("slow sliding", format!("F_k → {}·v{at}", value(summary, viscosity, Quantity::Number)))
     }));
     let both = [("fast", Some(limits.fast)), ("slow", limits.slow)];
-    lines.extend(coefficients(summary, "friction coefficients", both));
+    let coefficients = coefficients(summary, "friction coefficients", both);
+    lines.extend(coefficients.map(|(name, text)| (name, format!("{text}{at}"))));
     lines
 }
 

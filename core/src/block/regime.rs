@@ -84,8 +84,8 @@ const ERRORS: f64 = 3.0;
 /// nearly equal for long before they cease.
 pub(super) const PERSISTENT: usize = 40;
 
-/// The same if slips would remain equal through half of [`PERSISTENT`] more, by their
-/// trend: what remains of scatter makes a trend over fewer uncertain.
+/// Number of slips from which on they are enough in motion in time, if by their trend they would remain equal through half of
+/// [`PERSISTENT`] more: what remains of scatter makes a trend over fewer uncertain.
 const SETTLED: usize = 16;
 
 /// A slip, from one equilibrium to another.

@@ -161,7 +161,8 @@ impl Pull {
     }
 
     /// F_s and X_s: the maximum of F on [0, distance) and its position, at a jump the left limit; the first
-    /// of equal maxima, X_s = 0 if F falls from the start and does not reach F(0) again. `None` if F, to within the tolerance, does not fall after it, or ends higher.
+    /// of equal maxima, X_s = 0 if F falls from the start and does not reach F(0) again. `None` if F, to within the
+    /// tolerance, does not fall after it, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
         self.peak().map(|(peak, _)| peak)
     }

@@ -285,12 +285,16 @@ impl Protocol {
     /// Times at which forces are read in addition to those of the trace, in increasing order, so that maxima and what is read from
     /// velocity steps do not depend on the number of points. `mean` is the mean threshold.
     pub(crate) fn times_between(&self, mean: f64) -> Vec<f64> {
-        let knots = self.knots();
-        let of_step = |(step, &begin): (&Step, &f64)| {
+        let of_step = |(step, begin): (&Step, f64)| {
             let velocity = step.velocity.unwrap_or(0.0);
             step.displacements_between(mean).into_iter().map(move |x| begin + x / velocity)
         };
-        self.0.iter().zip(&knots).flat_map(of_step).collect()
+        self.0.iter().zip(self.knots()).flat_map(of_step).collect()
+    }
+
+    /// The number of these times.
+    pub(crate) fn number_between(&self, mean: f64) -> usize {
+        self.0.iter().map(|step| step.displacements_between(mean).len()).sum()
     }
 
     /// The number of points of the trace.

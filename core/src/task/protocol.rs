@@ -59,8 +59,9 @@ pub(super) fn run(
     if model.interface.is_some() {
         return Err(Error::invalid("interface", "none: Protocol::run_interface moves an interface", "one"));
     }
-    let between = task.times_between(model.contacts.thresholds.mean());
-    in_time::check_size((task, between.len()), model, monitor)?;
+    let mean = model.contacts.thresholds.mean();
+    in_time::check_size((task, task.number_between(mean)), model, monitor)?;
+    let between = task.times_between(mean);
     let (task, trace, mut record) = in_time::rigid(model, (task, &between), monitor)?;
     let steps = steps(model, &task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
     let compare = model.compare.as_ref().map(|curve| compared(curve, &trace, &mut record));

@@ -180,6 +180,16 @@ fn stretches_add_up_to_the_contacts_and_carry_the_force() {
 }
 
 #[test]
+fn breaks_are_counted_up_to_the_present_position() {
+    let [population, _] = populations();
+    let mut slider =
+        Block::new(Loading::Rigid, Slip::Overdamped, None).unwrap().simulation(population).unwrap();
+    slider.run(0.95, &mut |_| ()).unwrap();
+    // The fraction Φ(−1/2) of the thresholds, of mean 1 and standard deviation 0.1; none has broken twice. The solver has 1e-10.
+    near(slider.broken().unwrap(), 0.308_537_538_725_987, 1e-8);
+}
+
+#[test]
 fn a_drive_that_makes_no_sense_is_refused() {
     let [population, _] = populations();
     let mut slider = soft(Slip::Reset).simulation(population).unwrap();

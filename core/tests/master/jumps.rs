@@ -6,7 +6,9 @@
 
 use std::sync::Arc;
 
-use crate::common::{contacts, exponential, gamma, initial, master, mixture, point, rectangular, weibull};
+use crate::common::{
+    contacts, exponential, gamma, gaussian, initial, master, mixture, point, rectangular, weibull,
+};
 use asperity::contacts::{Initial, Start, Stiffness};
 use asperity::exact::{self, ClosedForm, Erlang};
 use asperity::law::{SharedLaw, Tabulated};
@@ -141,6 +143,17 @@ fn rectangular_thresholds_of_every_width() {
 }
 
 #[test]
+fn a_force_that_falls_from_the_start_is_largest_there() {
+    // All contacts are stretched by 1.2, which only the strongest hold: F(0) = 1.2, and what re-forms at 0 carries far less later.
+    let pull = pulled(&gaussian(1.0, 0.1), &rest(), &point(1.2), 3.0);
+    let peak = pull.static_friction().unwrap();
+    assert!(peak.position == 0.0 && (peak.value - 1.2).abs() < PROMISED, "{peak:?}");
+    // Contacts that begin at 0 and those that begin weakly stretched carry more later.
+    let weakly = pulled(&gaussian(1.0, 0.1), &rest(), &point(0.1), 3.0).static_friction().unwrap();
+    assert!(weakly.position > 0.5 && weakly.value > 0.5, "{weakly:?}");
+}
+
+#[test]
 fn values_of_the_theory() {
     let quarter = pulled(&rectangular(0.75, 1.25), &rest(), &rest(), 5.0);
     for (position, force) in [(0.95, 0.61), (1.05, 0.51), (2.5, 0.483_072_916_667)] {
@@ -194,13 +207,7 @@ fn sums_of_exponentials() {
 #[test]
 fn contacts_without_memory_place_themselves_anywhere() {
     // Exponential thresholds break at the rate 1/x̄ whatever the stretch: F' = 1 − (F − r̄)/x̄, wherever R and Q_ini are.
-    let laws = [
-        gamma(0.3, 0.1),
-        rectangular(0.5, 2.5),
-        weibull(1.2, 0.4),
-        crate::common::gaussian(1.5, 0.2),
-        point(3.0),
-    ];
+    let laws = [gamma(0.3, 0.1), rectangular(0.5, 2.5), weibull(1.2, 0.4), gaussian(1.5, 0.2), point(3.0)];
     for (reforming, start) in laws.iter().zip(laws.iter().rev()) {
         let pull = pulled(&exponential(1.0), reforming, start, 20.0);
         let (settled, first) = (1.0 + reforming.mean(), start.mean());

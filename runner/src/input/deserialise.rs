@@ -21,7 +21,7 @@ impl Reader<'_> {
     }
 }
 
-/// Each method asks the visitor for the kind of value that it expects only, so that of each type no more than this is compiled.
+/// Each method calls those methods of the visitor only that take the kind of value it expects: of each type no others are compiled.
 impl<'de> Deserializer<'de> for Reader<'_> {
     type Error = Fault;
 
