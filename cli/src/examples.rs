@@ -38,6 +38,7 @@ const ORDER: &[&str] = &[
     "velocity-curve-mean-field",
     "velocity-step",
     "velocity-step-mean-field",
+    "load-step",
     "slide-hold-slide",
     "healing",
     "creep",

@@ -51,8 +51,13 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
-    let figures =
-        threads::on(arguments.threads, || draw(&mut outcome, (&stored, memory), (&style, arguments.quiet)))??;
+    let drawn =
+        threads::on(arguments.threads, || draw(&mut outcome, (&stored, memory), (&style, arguments.quiet)))?;
+    // Results that have been computed are written, whatever becomes of their pictures.
+    let (figures, missing) = match drawn {
+        Ok(figures) => (figures, None),
+        Err(failure) => (Vec::new(), Some(failure)),
+    };
     interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let results = (&outcome, Some(&stored));
     let written =
@@ -62,6 +67,9 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     }
     checkpoints.map_or(Ok(()), Checkpoints::remove)?;
     print_summary(&outcome.summary, &directory, &written, arguments)?;
+    if let Some(failure) = missing {
+        return Err(failure);
+    }
     match outcome.summary.numbers.fit() {
         Some(fit) if !fit.converged => Err(Failure::run(format!(
             "the fit has not converged; its last values and its misfit are in {}",

@@ -148,7 +148,7 @@ fn cells_beyond_the_memory_are_refused_with_what_they_need_and_what_there_is() {
     let parts =
         ["memory: up to 768 MiB for the interface, of 477 MiB available", "interface.cells", "4194304"];
     assert!(parts.iter().all(|part| said.contains(part)), "{said}");
-    assert!(said.contains("expected what fits in the 477 MiB of memory available"), "{said}");
+    assert!(said.contains("expected what fits in the 477 MiB of memory that is allowed"), "{said}");
     let quiet = errors(&folder.run(&["run", "cells.toml", "--memory", "500MB", "--quiet"]));
     assert!(!quiet.contains("memory: up to") && quiet.contains("768 MiB"), "{quiet}");
     assert!(!folder.path().join("out").exists(), "{:?}", folder.names());

@@ -43,6 +43,8 @@ pub enum Purpose {
     Posterior = 11,
     /// The times for which a contact is free after its breaks.
     FreeTimes = 12,
+    /// Whether a contact is one of those that form as the normal load rises.
+    Replacement = 13,
 }
 
 /// A stream of random words, addressed by seed, purpose and index.

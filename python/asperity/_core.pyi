@@ -1083,12 +1083,13 @@ class Ensemble(Model):
         Record
             A Record of variables of shape (n,), with n output points of all steps (steps share the point where they
             meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached fraction:
-            contacts that are broken and have not yet re-formed.
+            contacts that are broken and have not yet re-formed. Where relative_normal_load varies also that variable, as
+            for Transport.follow.
 
         Raises
         ------
         ValueError
-            For no steps, and for ageing by MeanField, which is not a rule for a single contact.
+            For no steps, a relative_normal_load of the first step that is not 1, and for ageing by MeanField, which is not a rule for a single contact.
         """
 
     def pull(
@@ -4611,14 +4612,17 @@ class Step(Description):
         ends; 2 or more.
     pieces
         The number of intervals of constant velocity that approximate a ramp, 64 by default.
+    relative_normal_load
+        The normal load in the step relative to that at the start of the first one, above 0; it changes at the beginning
+        of the step, and the number of contacts with it. In a first step only 1.
 
     Raises
     ------
     ValueError
         For none or more than one of hold, distance and duration; a velocity beside hold, or none without; a distance,
         a duration or a hold that is not above 0; a velocity or a velocity_to below 0, or a velocity of 0 over a
-        distance; velocity_to without a duration; pieces without velocity_to, or not from 1 to 65536; and fewer than 2
-        points.
+        distance; velocity_to without a duration; pieces without velocity_to, or not from 1 to 65536; fewer than 2
+        points; and a relative_normal_load that is not above 0.
 
     Examples
     --------
@@ -4640,6 +4644,7 @@ class Step(Description):
         velocity_to: _Number | None = None,
         points: SupportsIndex = 201,
         pieces: SupportsIndex | None = None,
+        relative_normal_load: _Number | None = None,
     ) -> Step: ...
     @property
     def distance(self, /) -> float | None:
@@ -4660,6 +4665,10 @@ class Step(Description):
     @property
     def points(self, /) -> int:
         """The number of points of the trace in the step."""
+
+    @property
+    def relative_normal_load(self, /) -> float | None:
+        """The normal load in the step relative to that at the start of the first one, or None where it was not given."""
 
     @property
     def velocity(self, /) -> float | None:
@@ -5012,12 +5021,14 @@ class Transport(Model):
             meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
             contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
             re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all
-            points).
+            points). Where relative_normal_load varies also that variable; at a time at
+            which it steps there are two points, before and after the step.
 
         Raises
         ------
         ValueError
-            For no steps.
+            For no steps, a relative_normal_load of the first step that is not 1, and another one than 1 with ageing by
+            MeanField.
         RuntimeError
             If that error is larger than a given tolerance.
         """

@@ -300,7 +300,8 @@ fn step_arguments(step: &scenario::Step, into: &Bound<'_, PyDict>) -> PyResult<(
     given(into, "hold", step.hold)?;
     given(into, "velocity_to", step.velocity_to)?;
     given(into, "points", (step.points != scenario::Step::default().points).then_some(step.points))?;
-    given(into, "pieces", step.pieces)
+    given(into, "pieces", step.pieces)?;
+    given(into, "relative_normal_load", step.relative_normal_load)
 }
 
 /// The arguments for [`interface`].

@@ -217,12 +217,13 @@ impl Ensemble {
     /// Record
     ///     A Record of variables of shape (n,), with n output points of all steps (steps share the point where they
     ///     meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached fraction:
-    ///     contacts that are broken and have not yet re-formed.
+    ///     contacts that are broken and have not yet re-formed. Where relative_normal_load varies also that variable, as
+    ///     for Transport.follow.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For no steps, and for ageing by MeanField, which is not a rule for a single contact.
+    ///     For no steps, a relative_normal_load of the first step that is not 1, and for ageing by MeanField, which is not a rule for a single contact.
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,
@@ -231,9 +232,13 @@ impl Ensemble {
     ) -> PyResult<Py<Record>> {
         let steps = steps.get("steps")?;
         let py = slf.py();
-        let (history, times) = transport::motion(steps)?;
+        let (motion, times) = transport::motion(steps)?;
         let ensemble = slf.as_super().get().ensemble();
-        let trace = watched(progress, py, |monitor| ensemble.follow_with(&history, &times, monitor))?;
+        let follow = |monitor: &mut dyn Monitor| match motion.steps().next() {
+            Some(_) => ensemble.follow_under_load(&motion, &times, monitor),
+            None => ensemble.follow_with(motion.history(), &times, monitor),
+        };
+        let trace = watched(progress, py, follow)?;
         Py::new(py, Record::new(py, transport::followed(trace), Units::default())?)
     }
 }

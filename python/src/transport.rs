@@ -1,6 +1,6 @@
 //! Contacts under a slider whose velocity varies.
 
-use asperity::history::History;
+use asperity::history::LoadedHistory;
 use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
@@ -38,14 +38,17 @@ use crate::watch::watched;
 ///     ends; 2 or more.
 /// pieces
 ///     The number of intervals of constant velocity that approximate a ramp, 64 by default.
+/// relative_normal_load
+///     The normal load in the step relative to that at the start of the first one, above 0; it changes at the beginning
+///     of the step, and the number of contacts with it. In a first step only 1.
 ///
 /// Raises
 /// ------
 /// ValueError
 ///     For none or more than one of hold, distance and duration; a velocity beside hold, or none without; a distance,
 ///     a duration or a hold that is not above 0; a velocity or a velocity_to below 0, or a velocity of 0 over a
-///     distance; velocity_to without a duration; pieces without velocity_to, or not from 1 to 65536; and fewer than 2
-///     points.
+///     distance; velocity_to without a duration; pieces without velocity_to, or not from 1 to 65536; fewer than 2
+///     points; and a relative_normal_load that is not above 0.
 ///
 /// Examples
 /// --------
@@ -63,10 +66,11 @@ impl Step {
     #[pyo3(
         signature = (
             velocity = None, *, distance = None, duration = None, hold = None, velocity_to = None,
-            points = Whole::new(201), pieces = None
+            points = Whole::new(201), pieces = None, relative_normal_load = None
         ),
-        text_signature = "(velocity=None, *, distance=None, duration=None, hold=None, velocity_to=None, points=201, pieces=None)"
+        text_signature = "(velocity=None, *, distance=None, duration=None, hold=None, velocity_to=None, points=201, pieces=None, relative_normal_load=None)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         velocity: Option<Real>,
         distance: Option<Real>,
@@ -75,6 +79,7 @@ impl Step {
         velocity_to: Option<Real>,
         points: Whole,
         pieces: Option<Whole>,
+        relative_normal_load: Option<Real>,
     ) -> PyResult<PyClassInitializer<Self>> {
         let velocity = velocity.get("velocity")?;
         let distance = distance.get("distance")?;
@@ -83,8 +88,18 @@ impl Step {
         let velocity_to = velocity_to.get("velocity_to")?;
         let points = points.get("points")?;
         let pieces = pieces.map(|pieces| pieces.get("pieces")).transpose()?;
-        let start = None;
-        let step = scenario::Step { velocity, velocity_to, distance, duration, hold, points, start, pieces };
+        let relative_normal_load = relative_normal_load.get("relative_normal_load")?;
+        let step = scenario::Step {
+            velocity,
+            velocity_to,
+            distance,
+            duration,
+            hold,
+            points,
+            start: None,
+            pieces,
+            relative_normal_load,
+        };
         step.check().map_err(|e| error::core(e.under("step")))?;
         Ok(Description::new(Plain::Step(step)).add_subclass(Self))
     }
@@ -130,6 +145,12 @@ impl Step {
     fn pieces(slf: &Bound<'_, Self>) -> Option<usize> {
         Self::plain(slf).pieces
     }
+
+    /// The normal load in the step relative to that at the start of the first one, or None where it was not given.
+    #[getter]
+    fn relative_normal_load(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).relative_normal_load
+    }
 }
 
 impl Step {
@@ -148,10 +169,10 @@ pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
     Ok(protocol)
 }
 
-/// Steps in the form for the solvers: the motion, and the output times.
-pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
+/// Steps in the form for the solvers: the motion with its normal load, and the output times.
+pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(LoadedHistory, Vec<f64>)> {
     let protocol = protocol(steps)?;
-    Ok((protocol.build().map_err(error::core)?, protocol.times()))
+    Ok((protocol.build_under_load().map_err(error::core)?, protocol.times()))
 }
 
 /// The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
@@ -264,12 +285,14 @@ impl Transport {
     ///     meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
     ///     contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
     ///     re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all
-    ///     points).
+    ///     points). Where relative_normal_load varies also that variable; at a time at
+    ///     which it steps there are two points, before and after the step.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For no steps.
+    ///     For no steps, a relative_normal_load of the first step that is not 1, and another one than 1 with ageing by
+    ///     MeanField.
     /// RuntimeError
     ///     If that error is larger than a given tolerance.
     #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
@@ -280,7 +303,7 @@ impl Transport {
     ) -> PyResult<Py<Record>> {
         let steps = steps.get("steps")?;
         let py = slf.py();
-        let (history, times) = motion(steps)?;
+        let (motion, times) = motion(steps)?;
         let Plain::Transport(interface, solved) = slf.as_super().as_super().get().plain() else {
             unreachable!("a transport is described as a transport");
         };
@@ -296,8 +319,16 @@ impl Transport {
         };
         let required = solved.own.tolerance;
         let follow = |monitor: &mut dyn Monitor| {
-            let (motion, accuracy) = ((&history, times.as_slice()), (usual, required));
-            master::Transport::follow_as_required(&mut build, motion, accuracy, monitor)
+            let (times, accuracy) = (times.as_slice(), (usual, required));
+            if motion.steps().next().is_none() {
+                let motion = (motion.history(), times);
+                return master::Transport::follow_as_required(&mut build, motion, accuracy, monitor);
+            }
+            let build = |tolerance: f64, monitor: &mut dyn Monitor| {
+                let fresh = master::Transport::fresh(&made.contacts, tolerance, monitor)?;
+                Ok([build(tolerance, monitor)?, fresh])
+            };
+            master::Transport::follow_under_load_as_required(build, (&motion, times), accuracy, monitor)
         };
         let trace = watched(progress, py, follow)?;
         Py::new(py, Record::new(py, columns(trace), Units::default())?)
@@ -323,6 +354,7 @@ fn columns(trace: master::Trace) -> record::Record {
     let words = "fraction of contacts breaking per time";
     add("breaking_frequency", words, Quantity::PerTime, trace.breaking_rate);
     add("free", "fraction of contacts that are detached", Quantity::Number, trace.free);
+    add_load(&mut record, trace.relative_normal_load);
     let error = vec![trace.error; record.values("time").map_or(0, <[f64]>::len)];
     record.push("force_error", "estimated error of the force", Quantity::Force, &["point"], error);
     record
@@ -337,5 +369,14 @@ pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
     add("force", "friction force", Quantity::Force, trace.force);
     add("force_error", "its standard error", Quantity::Force, trace.error);
     add("free", "fraction of contacts that are detached", Quantity::Number, trace.free);
+    add_load(&mut record, trace.relative_normal_load);
     record
+}
+
+/// Adds the normal load relative to that at the start, if it varies.
+fn add_load(record: &mut record::Record, loads: Vec<f64>) {
+    if loads.iter().any(|load| *load != 1.0) {
+        let words = "normal load relative to that at the start";
+        record.push("relative_normal_load", words, Quantity::Number, &["point"], loads);
+    }
 }

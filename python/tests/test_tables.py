@@ -21,6 +21,7 @@ RULES = [
     asp.MeanField(asp.Gaussian(1.0, 0.1), 0.5),
     asp.Step(1.0, duration=2.0, velocity_to=3.0, points=11, pieces=7),
     asp.Step(hold=2.0),
+    asp.Step(1.0, distance=2.0, relative_normal_load=0.5),
     LATTICE,
     asp.Interface(CONTACTS, [8], connection=0.5, neighbours=1.0, disorder=0.1, seed=3),
     asp.Interface(

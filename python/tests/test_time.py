@@ -53,6 +53,38 @@ def test_both_solvers_follow_the_same_way() -> None:
     assert np.all(np.abs(ensemble["force"] - trace["force"]) < 6 * ensemble["force_error"] + 1e-4)
 
 
+def test_both_solvers_follow_steps_of_the_normal_load() -> None:
+    steps = [
+        asp.Step(1.0, distance=1.2, points=5),
+        asp.Step(1.0, distance=2.0, points=9, relative_normal_load=1.5),
+        asp.Step(hold=10.0, points=3, relative_normal_load=0.5),
+    ]
+    trace = asp.Transport(GROWING).follow(steps)
+    # two points at each step of the load
+    assert trace["time"].shape == (5 + 8 + 2 + 2,)
+    loads = trace["relative_normal_load"]
+    assert loads.tolist() == [1.0] * 5 + [1.5] * 9 + [0.5] * 3
+    # contacts form unstretched, and are lost at random
+    assert trace["force"][4] == trace["force"][5]
+    assert trace["force"][14] == pytest.approx(trace["force"][13] / 3.0, rel=1e-12)
+    ensemble = asp.Ensemble(GROWING, size=20_000).follow(steps)
+    np.testing.assert_array_equal(ensemble["relative_normal_load"], loads)
+    # as above
+    assert np.all(np.abs(ensemble["force"] - trace["force"]) < 6 * ensemble["force_error"] + 1e-4)
+    constant = asp.Transport(GROWING).follow([asp.Step(1.0, distance=1.0, relative_normal_load=1.0)])
+    assert "relative_normal_load" not in constant
+
+
+def test_steps_of_the_normal_load_are_refused_where_they_are_not_followed() -> None:
+    steps = [asp.Step(0.1, distance=1.0), asp.Step(0.1, distance=1.0, relative_normal_load=2.0)]
+    block = asp.Block(asp.Transport(GROWING), 1.0, asp.Damped(1.0))
+    with pytest.raises(ValueError, match=r"relative_normal_load: expected 1, or none"):
+        block.follow(steps)
+    shared = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.MeanField(asp.Gaussian(1.0, 0.05), 0.0025))
+    with pytest.raises(ValueError, match="mean_field"):
+        asp.Transport(shared).follow(steps)
+
+
 def test_a_pull_at_a_velocity_is_a_way_at_one_velocity() -> None:
     pull = asp.MasterEquation(THERMAL, velocity=0.01).pull(3.0, 31)
     trace = asp.Transport(THERMAL).follow([asp.Step(0.01, distance=3.0, points=31)])
@@ -118,6 +150,7 @@ def test_rules_are_described() -> None:
         asp.Logarithmic(0.02, 1.0),
         asp.MeanField(asp.Gaussian(1.0, 0.05), 0.0025),
         asp.Step(1.0, duration=2.0, velocity_to=3.0, pieces=5),
+        asp.Step(hold=2.0, relative_normal_load=1.5),
     ]:
         assert eval(repr(rule), {"asperity": asp, **vars(asp)}) == rule
     assert THERMAL.temperature == asp.Temperature(0.05, 1.0)
@@ -132,6 +165,14 @@ def test_rules_are_described() -> None:
         (
             lambda: asp.Step(-1.0, duration=1.0),
             r"step\.velocity: expected a finite number, 0 or above, got -1",
+        ),
+        (
+            lambda: asp.Step(hold=1.0, relative_normal_load=0.0),
+            r"step\.relative_normal_load: expected a finite number above 0, got 0",
+        ),
+        (
+            lambda: asp.Transport(THERMAL).follow([asp.Step(hold=1.0, relative_normal_load=2.0)]),
+            r"steps\.0\.relative_normal_load: expected 1, or none, in the first step",
         ),
         (lambda: asp.Temperature(1.0, 1.0, barrier="high"), "barrier"),  # type: ignore[arg-type]
         (lambda: asp.Temperature(1.0, 1.0, hazard="none"), "hazard"),  # type: ignore[arg-type]

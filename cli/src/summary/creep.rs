@@ -3,7 +3,7 @@
 use asperity::record::Quantity;
 use asperity::task::summary::{CreepAtForce, Fitted, Summary};
 
-use super::{digits, fitted, with_unit};
+use super::{coarse, fitted, with_unit};
 
 /// Largest number of forces that are listed.
 const LISTED: usize = 20;
@@ -19,10 +19,7 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
 }
 
 fn text(summary: &Summary, at: &CreepAtForce) -> String {
-    let value = |number: f64, quantity| {
-        let rounded = format!("{number:.3e}").parse().unwrap_or(number);
-        with_unit(digits(rounded), number, &summary.units.label(quantity))
-    };
+    let value = |number: f64, quantity| with_unit(coarse(number), number, &summary.units.label(quantity));
     let force = value(at.force, Quantity::Force);
     let slip = value(at.final_position - at.loaded_position, Quantity::Length);
     let ends = match (at.failure_time, at.failure_time_error) {

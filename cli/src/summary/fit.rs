@@ -156,7 +156,7 @@ fn uncertain(value: &Uncertain, unit: &str) -> String {
 }
 
 /// A value and its error, with two digits of the error.
-fn rounded(value: f64, error: f64) -> (String, String) {
+pub(super) fn rounded(value: f64, error: f64) -> (String, String) {
     (like(value, error), like(error, error))
 }
 

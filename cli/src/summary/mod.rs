@@ -109,7 +109,8 @@ fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)>
 
 /// The motion of a driven slider.
 fn slid(summary: &Summary, sliding: &Sliding) -> Vec<(&'static str, String)> {
-    let value = |number: f64, quantity| with_unit(fine(number), number, &summary.units.label(quantity));
+    let text = if sliding.timed { coarse } else { fine };
+    let value = |number: f64, quantity| with_unit(text(number), number, &summary.units.label(quantity));
     let place = |place: &SliderState| {
         let at = (value(place.force, Quantity::Force), value(place.position, Quantity::Length));
         format!("F = {} at X = {}", at.0, at.1)
@@ -136,18 +137,19 @@ fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
     with_unit(with_error(fitted), fitted.value, &summary.units.label(quantity))
 }
 
-/// A fitted number and its error, with at most two digits of the error.
-fn with_error(fitted: Fitted) -> String {
-    let place = fitted.error.log10().floor() - 1.0;
-    let decimals = (-place).clamp(0.0, 12.0) as usize;
-    let coarse = |number: f64| {
-        if place > 0.0 { (number / 10f64.powf(place)).round() * 10f64.powf(place) } else { number }
-    };
-    format!("{:.decimals$} ± {:.decimals$}", coarse(fitted.value), coarse(fitted.error))
+/// A fitted number and its error, with two digits of the error.
+fn with_error(Fitted { value, error }: Fitted) -> String {
+    let (value, error) = fit::rounded(value, error);
+    format!("{value} ± {error}")
 }
 
 fn with_unit(text: String, number: f64, unit: &str) -> String {
     if unit == "1" || !number.is_finite() { text } else { format!("{text} {unit}") }
+}
+
+/// Four digits, those of motion in time that are right.
+fn coarse(number: f64) -> String {
+    digits(format!("{number:.3e}").parse().unwrap_or(number))
 }
 
 /// Seven decimals of a number of order 1, the same number of digits of others.

@@ -3,7 +3,7 @@
 use asperity::record::Quantity;
 use asperity::task::summary::{Fitted, SimulatedStickSlip, StickSlipNumbers, Summary};
 
-use super::{digits, fitted, with_unit};
+use super::{coarse, fitted, with_unit};
 
 /// Largest number of velocities that are listed.
 const LISTED: usize = 12;
@@ -20,8 +20,7 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
 
 /// A number with four digits.
 fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
-    let rounded = format!("{number:.3e}").parse().unwrap_or(number);
-    with_unit(digits(rounded), number, &summary.units.label(quantity))
+    with_unit(coarse(number), number, &summary.units.label(quantity))
 }
 
 fn one(summary: &Summary, found: &StickSlipNumbers) -> Vec<(&'static str, String)> {

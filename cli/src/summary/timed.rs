@@ -23,16 +23,17 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
         lines.push(("step", step_text(summary, step)));
         let forces = [("at the end", Some(step.force)), ("maximum", Some(step.peak.force))];
         let forces = forces.into_iter().chain([("kinetic", step.kinetic_friction)]);
-        lines.extend(coefficients(summary, "  coefficients", forces));
+        let load = summary.normal_load.map(|load| step.load() * load);
+        lines.extend(coefficients(load, "  coefficients", forces));
         if let Some(read) = &step.rate_state {
             lines.push(("  rate and state", read_as(summary, read)));
-            lines.extend(coefficients(summary, "", [("a =", Some(read.a)), ("b =", Some(read.b))]));
+            lines.extend(coefficients(load, "", [("a =", Some(read.a)), ("b =", Some(read.b))]));
         }
         let computed = step.rate_state_spring.iter();
-        lines.extend(computed.flat_map(|read| behind_spring(summary, "  rate and state", read)));
-        lines.extend(step.measured.iter().flat_map(|read| measured(summary, read)));
+        lines.extend(computed.flat_map(|read| behind_spring(summary, load, "  rate and state", read)));
+        lines.extend(step.measured.iter().flat_map(|read| measured(summary, load, read)));
         let compared = step.measured_spring.iter();
-        lines.extend(compared.flat_map(|read| behind_spring(summary, "  compared curve", read)));
+        lines.extend(compared.flat_map(|read| behind_spring(summary, load, "  compared curve", read)));
         lines.extend(
             step.not_read.iter().map(|why| ("  compared curve", format!("not read as a step: {why}"))),
         );
@@ -54,11 +55,11 @@ fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
 
 /// Forces divided by the normal load, each after its name, if there is one.
 fn coefficients<'a>(
-    summary: &Summary,
+    load: Option<f64>,
     name: &'static str,
     forces: impl IntoIterator<Item = (&'a str, Option<f64>)>,
 ) -> Option<(&'static str, String)> {
-    let load = summary.normal_load?;
+    let load = load?;
     let all = forces.into_iter().filter_map(|(name, force)| {
         let rounded = format!("{:.4e}", force? / load).parse().unwrap_or(f64::NAN);
         Some(format!("{name} {}", digits(rounded)))
@@ -78,7 +79,7 @@ fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> 
         ("slow sliding", format!("F_k → {}·v{at}", value(summary, viscosity, Quantity::Number)))
     }));
     let both = [("fast", Some(limits.fast)), ("slow", limits.slow)];
-    let coefficients = coefficients(summary, "friction coefficients", both);
+    let coefficients = coefficients(summary.normal_load, "friction coefficients", both);
     lines.extend(coefficients.map(|(name, text)| (name, format!("{text}{at}"))));
     lines
 }
@@ -111,11 +112,14 @@ fn step_text(summary: &Summary, step: &ProtocolStep) -> String {
         (None, _) if step.velocity == 0.0 => format!("hold of {time}"),
         (None, _) => format!("v = {} for {time}", velocity(step.velocity)),
     };
+    let load = step
+        .relative_normal_load
+        .map_or(String::new(), |load| format!(", normal load × {}", value(summary, load, Quantity::Number)));
     let peak = value(summary, step.peak.force, Quantity::Force);
     let steady = step
         .kinetic_friction
         .map_or(String::new(), |f| format!(", F_k = {}", value(summary, f, Quantity::Force)));
-    format!("{motion}: F = {force} at the end, maximum {peak}{steady}")
+    format!("{motion}{load}: F = {force} at the end, maximum {peak}{steady}")
 }
 
 fn read_as(summary: &Summary, read: &RateState) -> String {
@@ -128,6 +132,7 @@ fn read_as(summary: &Summary, read: &RateState) -> String {
 /// The misfit, and the parameters behind the spring of the machine.
 fn behind_spring(
     summary: &Summary,
+    load: Option<f64>,
     name: &'static str,
     read: &SpringRateState,
 ) -> Vec<(&'static str, String)> {
@@ -149,7 +154,7 @@ fn behind_spring(
         ("", format!("a = {a}, b = {b}, D_c = {distance}")),
     ];
     let forces = [("a =", Some(read.a))].into_iter().chain(read.b.iter().map(|b| ("b =", Some(*b))));
-    lines.extend(coefficients(summary, "", forces));
+    lines.extend(coefficients(load, "", forces));
     lines
 }
 
@@ -165,7 +170,7 @@ fn percent(fraction: f64) -> String {
 }
 
 /// The parameters of the compared curve, with their errors and what is left.
-fn measured(summary: &Summary, read: &MeasuredRateState) -> Vec<(&'static str, String)> {
+fn measured(summary: &Summary, load: Option<f64>, read: &MeasuredRateState) -> Vec<(&'static str, String)> {
     let with_error = |found: MeasuredValue, quantity| {
         fitted(summary, Fitted { value: found.value, error: found.error }, quantity)
     };
@@ -184,7 +189,7 @@ fn measured(summary: &Summary, read: &MeasuredRateState) -> Vec<(&'static str, S
             ),
         ),
     ];
-    lines.extend(summary.normal_load.map(|load| {
+    lines.extend(load.map(|load| {
         let of = |found: MeasuredValue| {
             let coefficient = Fitted { value: found.value / load, error: found.error / load };
             fitted(summary, coefficient, Quantity::Number)
@@ -217,6 +222,6 @@ fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)
     }
     let forces =
         [("kinetic", Some(curve.kinetic_friction)), ("healing per factor of ten", curve.healing_per_decade)];
-    lines.extend(coefficients(summary, "friction coefficients", forces));
+    lines.extend(coefficients(summary.normal_load, "friction coefficients", forces));
     lines
 }

@@ -142,6 +142,8 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("velocity_curve", "stability") if walk.is("contacts.ageing", "mean_field") => no,
         // Only the first step may have one.
         ("protocol", "start") => no,
+        // In the first step only 1.
+        ("protocol", "relative_normal_load") => no,
         ("protocol", "pieces") => Some(walk.given("protocol.velocity_to")),
         (_, "points") => Some(true),
         _ => None,

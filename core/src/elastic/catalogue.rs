@@ -65,7 +65,7 @@ impl FinishedSlide<'_> {
         // Flood fill with an explicit stack: linear in the number of cells, and no recursion over
         // clusters of millions.
         let mut cluster_of = vec![NONE; self.model.len()];
-        let mut clusters: Vec<Vec<Slipped>> = Vec::new();
+        let mut clusters: Vec<(f64, Vec<Slipped>)> = Vec::new();
         // In the order in which cells began to slip, which is then the order of the clusters.
         for first in slipped() {
             if cluster_of[first] != NONE {
@@ -83,14 +83,13 @@ impl FinishedSlide<'_> {
                     }
                 }
             }
-            clusters.push(Vec::with_capacity(size));
+            clusters.push((slide.starts[first], Vec::with_capacity(size)));
         }
-        let begin = slipped().next().map_or(0.0, |first| slide.starts[first]);
         for cell in slipped() {
-            let (start, slip) = (slide.starts[cell] - begin, self.slip(cell));
-            clusters[cluster_of[cell] as usize].push(Slipped { cell, start, slip });
+            let (begin, cluster) = &mut clusters[cluster_of[cell] as usize];
+            cluster.push(Slipped { cell, start: slide.starts[cell] - *begin, slip: self.slip(cell) });
         }
-        clusters
+        clusters.into_iter().map(|(_, cluster)| cluster).collect()
     }
 
     fn event(&self, slipped: &[Slipped]) -> Event {

@@ -11,7 +11,9 @@ use crate::record::{Quantity, Record};
 pub struct Event {
     /// Load-point displacement X_T, a length.
     pub drive: f64,
-    /// Time at which the first cell slipped; with time-independent contacts it counts slides only, and is NaN without viscosity.
+    /// Time at which the first cell slipped; with time-independent contacts it counts slides only, and is NaN without viscosity. A slide
+    /// begins where the balance is lost to the tolerance of the drive, and starts the more slowly the smaller that is: this time
+    /// depends on it, as the duration of a slide does.
     pub time: f64,
     /// Number of the cell that slipped first; cells are counted from 0, row by row.
     pub epicentre: usize,
@@ -52,8 +54,7 @@ pub struct Event {
 pub struct Slipped {
     /// Number of the cell, row by row.
     pub cell: usize,
-    /// When it began to slip, after the first cell of the slide, or of the event with time-dependent contacts: a time, or a
-    /// number of steps without viscosity.
+    /// When it began to slip, after the first cell of the event: a time, or a number of steps without viscosity.
     pub start: f64,
     /// Slip, a length.
     pub slip: f64,

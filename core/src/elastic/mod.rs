@@ -100,8 +100,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// The interface in balance: contacts keep the stretches of their populations, and the mean position of the cells, weighted by
-    /// their areas, is 0.
+    /// The interface in balance: contacts keep the stretches of their populations, and the mean position of the cells that the drive
+    /// pulls, weighted by their areas, is 0.
     ///
     /// # Errors
     /// Parameters that are not finite and above 0; another number of cells than that of the coupling; those of the cells.

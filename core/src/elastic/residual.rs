@@ -50,7 +50,7 @@ impl InterfaceModel {
         self.cells.len()
     }
 
-    /// The balance in which cells stand where their populations do, at a mean position of 0.
+    /// The balance in which cells stand where their populations do; those that the drive pulls are at a mean position of 0.
     ///
     /// # Errors
     /// Those of the cells; stopped by the monitor.

@@ -11,6 +11,7 @@
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use super::ASK;
 use super::attached::{AttachedContact, Segment, segments};
 use super::contact::TOGETHER;
 use crate::contacts::{Contacts, Stiffness, Temperature};
@@ -132,8 +133,6 @@ impl ThresholdDiffusion {
         thresholds: &mut Vec<f64>,
         watch: &Watch<'_>,
     ) -> f64 {
-        /// Steps after which the monitor is asked: a long hold may have millions.
-        const ASK: u32 = 1 << 14;
         let mut steps: u32 = 0;
         let until = marks[marks.len() - 1];
         // Otherwise steps, and hence the random paths, do not depend on the marks.
@@ -144,6 +143,7 @@ impl ThresholdDiffusion {
             while state.time < segment.end.min(until) {
                 steps = steps.wrapping_add(1);
                 if steps.is_multiple_of(ASK) && watch.stops() {
+                    thresholds.resize(marks.len(), state.threshold);
                     return f64::INFINITY;
                 }
                 let passed = marks[thresholds.len()..].iter().take_while(|mark| **mark <= state.time).count();
@@ -169,19 +169,25 @@ impl ThresholdDiffusion {
         self.temperature.is_some()
     }
 
-    /// The time at which a contact breaks on a segment, if it does. The work ∫½x² dk done by diffusion on a
-    /// contact that becomes stiffer is added to `strengthening`, with thresholds linear on each step.
+    /// The time at which a contact with the hazard `remaining_hazard` left breaks on a segment, if it does and the monitor does not
+    /// stop it before. The work ∫½x² dk done by diffusion on a contact that becomes stiffer is added to `strengthening`, with
+    /// thresholds linear on each step.
     pub(super) fn on(
         &self,
         held: &AttachedContact,
         state: &mut DiffusingThreshold,
         segment: &Segment,
-        remaining_hazard: &mut f64,
-        stream: &mut Stream,
+        (remaining_hazard, stream): (&mut f64, &mut Stream),
         strengthening: &mut f64,
+        watch: &Watch<'_>,
     ) -> Option<f64> {
         state.time = segment.start;
+        let mut steps: u32 = 0;
         while state.time < segment.end {
+            steps = steps.wrapping_add(1);
+            if steps.is_multiple_of(ASK) && watch.stops() {
+                return None;
+            }
             let DiffusingThreshold { time, threshold, .. } = *state;
             let path =
                 StretchPath { stretch: segment.position(time) - held.origin, velocity: segment.velocity };

@@ -35,6 +35,9 @@ use crate::contacts::{Ageing, Contacts, Initial};
 use crate::law::Law;
 use crate::{Error, Result};
 
+/// Steps or lives of one contact after which the monitor is asked: a long hold may have millions.
+const ASK: u32 = 1 << 14;
+
 /// Mass that no double-precision uniform random number ever hits.
 const NEGLIGIBLE: f64 = 1e-15;
 

@@ -4,11 +4,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::Ensemble;
 use super::attached::{AttachedContact, Segment};
 use super::diffusion::DiffusingThreshold;
 use super::lives::{ContactLife, Drawn, Lives};
 use super::passage::Passage;
+use super::{ASK, Ensemble};
 use crate::contacts::{FreeFriction, FreeTime, Stiffness};
 use crate::energy::ContactEnergies;
 use crate::monitor::{Monitor, Watch, fits, report};
@@ -226,37 +226,44 @@ impl EnsembleInTime {
         let mut contacts = std::mem::take(&mut self.contacts);
         // A chunk is locked once, by the thread that advances it, which copies it first where it is shared.
         let chunks: Vec<Mutex<&mut Arc<Vec<ContactInTime>>>> = contacts.iter_mut().map(Mutex::new).collect();
+        let watch = Watch::new(monitor);
         let chunk = |streams: &mut RandomStreams, number: usize| {
             let mut contacts = chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
             Arc::make_mut(&mut contacts).iter_mut().fold(
                 (SegmentTotals::default(), SumsInTime::default()),
                 |(totals, sums), contact| {
                     (
-                        totals.plus(self.live(contact, *segment, streams)),
+                        totals.plus(self.live(contact, *segment, streams, &watch)),
                         sums.plus(self.contribution(contact, segment)),
                     )
                 },
             )
         };
-        let gone = Watch::new(monitor).share(chunks.len(), || self.streams(), chunk);
+        let gone = watch.share(chunks.len(), || self.streams(), chunk);
         self.contacts = contacts;
         let gone = gone?;
+        watch.check()?;
         // Chunks have a fixed size and are summed in order: the same bits on any number of threads.
         self.now = gone.iter().fold(SumsInTime::default(), |sum, chunk| sum.plus(chunk.1));
         self.past = gone.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
         Ok(())
     }
 
-    /// Advances a contact by a segment, in as many lives as needed.
+    /// Advances a contact by a segment, in as many lives as needed. Once the monitor has stopped it, the contact is of no use.
     fn live(
         &self,
         contact: &mut ContactInTime,
         mut segment: Segment,
         streams: &mut RandomStreams,
+        watch: &Watch<'_>,
     ) -> SegmentTotals {
-        let (mut totals, mut freed) = (SegmentTotals::default(), segment.start);
+        let (mut totals, mut freed, mut lives) = (SegmentTotals::default(), segment.start, 0_u32);
         streams.take(contact);
         loop {
+            lives = lives.wrapping_add(1);
+            if lives.is_multiple_of(ASK) && watch.stops() {
+                return totals;
+            }
             if !contact.holds {
                 let formed = contact.held.birth.min(segment.end);
                 totals.slid += segment.velocity * (formed - freed).max(0.0);
@@ -267,7 +274,7 @@ impl EnsembleInTime {
                 self.form(contact, segment.position, streams);
                 totals.lost -= self.energy(contact, &segment, segment.start);
             }
-            let end = self.end(contact, &segment, streams, &mut totals.strengthening);
+            let end = self.end(contact, &segment, streams, (&mut totals.strengthening, watch));
             // The position in the stream belongs to the contact, so that copies draw the same numbers.
             contact.words[1] = streams.diffusion.taken();
             let Some(end) = end else { return totals };
@@ -298,7 +305,7 @@ impl EnsembleInTime {
         contact: &mut ContactInTime,
         segment: &Segment,
         streams: &mut RandomStreams,
-        strengthening: &mut f64,
+        (strengthening, watch): (&mut f64, &Watch<'_>),
     ) -> Option<f64> {
         // In a relaxed start some are above their thresholds.
         if contact.formed >= contact.held.fresh {
@@ -312,8 +319,8 @@ impl EnsembleInTime {
                 end
             }
             Passage::Diffusing(diffusion) => {
-                let stream = &mut streams.diffusion;
-                diffusion.on(held, wandering, segment, remaining_hazard, stream, strengthening)
+                let drawn = (remaining_hazard, &mut streams.diffusion);
+                diffusion.on(held, wandering, segment, drawn, strengthening, watch)
             }
         }
     }

@@ -12,7 +12,7 @@ use super::pull::EnsemblePull;
 use super::snapshots::{Snapshots, rising};
 use crate::contacts::{Contacts, Rules};
 use crate::error::positive;
-use crate::history::{History, Piece};
+use crate::history::{History, LoadStep, LoadedHistory, Piece};
 use crate::monitor::{Aside, Monitor, Watch, fits, report};
 use crate::numerics::order::sort_by_number;
 use crate::random::{Purpose, Stream};
@@ -43,6 +43,8 @@ pub struct EnsembleTrace {
     pub error: Vec<f64>,
     /// Fraction of free contacts.
     pub free: Vec<f64>,
+    /// Normal load relative to that at the start. Where it steps there are two results at one time, before and after the step.
+    pub relative_normal_load: Vec<f64>,
     /// Breaks up to the last time, those of a relaxed start included.
     pub breaks: u64,
 }
@@ -71,19 +73,34 @@ impl Ensemble {
         times: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<EnsembleTrace> {
-        rising("times", times)?;
-        let last = *times.last().ok_or_else(|| Error::invalid("times", "at least one", "none"))?;
-        if last > history.duration() {
-            let expected = format!("times up to the end of the history at {}", history.duration());
-            return Err(Error::invalid("times", expected, last));
-        }
+        check_times(history, times)?;
         let nothing = Snapshots::default();
         let follow = Follow::new(self, history, times, (&nothing, &[]), monitor)?;
         let total = follow.run(monitor)?;
-        let (force, error) = follow.forces(&total);
-        let free = total.sums.iter().map(|sums| sums.free / self.size as f64).collect();
-        let position = times.iter().map(|&time| history.position(time)).collect();
-        Ok(EnsembleTrace { time: times.to_vec(), position, force, error, free, breaks: total.breaks })
+        Ok(follow.trace(&total))
+    }
+
+    /// The same under a normal load that steps. The number of contacts is proportional to the load. Where the load rises by a factor
+    /// f, each contact, attached or free, is replaced with the probability 1 − 1/f by one that has just formed. Where it falls
+    /// contacts are lost at random: those that are simulated stand for fewer. At a time at which the load steps there are two results,
+    /// before and after the step. Breaks are those of the contacts that are simulated, up to the last of the times before each is
+    /// replaced.
+    ///
+    /// # Errors
+    /// As [`Self::follow`]; stopped by the monitor.
+    pub fn follow_under_load(
+        &self,
+        motion: &LoadedHistory,
+        times: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<EnsembleTrace> {
+        check_times(motion.history(), times)?;
+        let nothing = Snapshots::default();
+        let (times, loads): (Vec<f64>, Vec<f64>) = motion.readings(times).into_iter().unzip();
+        let follow = Follow::new(self, motion.history(), &times, (&nothing, &[]), monitor)?;
+        let follow = follow.under(motion, loads);
+        let total = follow.run(monitor)?;
+        Ok(follow.trace(&total))
     }
 
     /// The pull of [`Ensemble::pull`] at a velocity, for time-dependent contacts.
@@ -118,6 +135,27 @@ impl Ensemble {
         let TimedChunk { histograms, breaks, .. } = total;
         Ok(EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: self.size })
     }
+}
+
+/// Refuses times that do not rise, and those outside a history.
+fn check_times(history: &History, times: &[f64]) -> Result<()> {
+    rising("times", times)?;
+    let last = *times.last().ok_or_else(|| Error::invalid("times", "at least one", "none"))?;
+    if last > history.duration() {
+        let expected = format!("times up to the end of the history at {}", history.duration());
+        return Err(Error::invalid("times", expected, last));
+    }
+    Ok(())
+}
+
+/// A rise of the normal load, at which contacts form.
+#[derive(Debug, Clone, Copy)]
+struct Rise {
+    time: f64,
+    /// The first mark after it.
+    mark: usize,
+    /// The fraction of contacts that have just formed after it.
+    fresh: f64,
 }
 
 /// A time at which contacts are observed.
@@ -179,6 +217,9 @@ struct Follow<'a> {
     marks: Vec<ObservationTime>,
     /// Their times.
     times: Vec<f64>,
+    /// The normal load at each result, relative to that at the start; empty where it is constant.
+    loads: Vec<f64>,
+    rises: Vec<Rise>,
 }
 
 impl<'a> Follow<'a> {
@@ -196,7 +237,25 @@ impl<'a> Follow<'a> {
         let mut marks: Vec<ObservationTime> = forces.chain(stretches).collect();
         sort_by_number(&mut marks, |item| item.time);
         let times = marks.iter().map(|mark| mark.time).collect();
-        Ok(Self { ensemble, passage: Passage::of(ensemble, monitor)?, history, snapshots, marks, times })
+        let passage = Passage::of(ensemble, monitor)?;
+        let (loads, rises) = (Vec::new(), Vec::new());
+        Ok(Self { ensemble, passage, history, snapshots, marks, times, loads, rises })
+    }
+
+    /// The same with the loads at the results, of which there are two at a time at which the load steps.
+    fn under(self, motion: &LoadedHistory, loads: Vec<f64>) -> Self {
+        let rise = |step: LoadStep| {
+            let first = self.times.partition_point(|time| *time < step.time);
+            // If there are two, the first one is before the step.
+            let is_read = self.times.get(first) == Some(&step.time);
+            Rise {
+                time: step.time,
+                mark: first + usize::from(is_read),
+                fresh: 1.0 - step.before / step.after,
+            }
+        };
+        let rises = motion.steps().filter(|step| step.after > step.before).map(rise).collect();
+        Self { loads, rises, ..self }
     }
 
     fn run(&self, monitor: &mut dyn Monitor) -> Result<TimedChunk> {
@@ -255,7 +314,7 @@ impl<'a> Follow<'a> {
         chunk
     }
 
-    /// One contact from t = 0 to the last mark, unless the monitor asks to stop.
+    /// One contact from t = 0 to the last mark, and those that replace it as the load rises, unless the monitor asks to stop.
     fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut TimedChunk, watch: &Watch<'_>) {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
         let mut draws = TimedDraws {
@@ -263,33 +322,64 @@ impl<'a> Follow<'a> {
             diffusion: draws(Purpose::Diffusion),
             free: draws(Purpose::FreeTimes),
         };
-        // Alternating renewal process: attached until the break, free for the delay.
-        let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
+        let mut replaced = Stream::new(self.ensemble.seed, Purpose::Replacement, lives.number(index));
+        let mut rises = self.rises.iter().filter(|rise| replaced.uniform() < rise.fresh);
+        let mut rise = rises.next();
+        let end = |rise: Option<&Rise>| rise.map_or(self.marks.len(), |rise| rise.mark);
+        let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0..end(rise));
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
         if life.stretch >= life.threshold {
-            (birth, next) = self.wait(0.0, 0, &mut draws, chunk);
+            (birth, next.start) = self.wait(0.0, next.clone(), &mut draws, chunk);
             life = lives.next();
         }
-        while next < self.marks.len() {
+        while self.renewing((birth, life), next, lives, &mut draws, chunk, watch)
+            && let Some(now) = rise
+        {
+            rise = rises.next();
+            (life, birth, next) = (lives.next(), now.time, now.mark..end(rise));
+        }
+    }
+
+    /// One contact and its re-formations over the marks `next`; returns whether the monitor lets it go on.
+    fn renewing(
+        &self,
+        (mut birth, mut life): (f64, ContactLife),
+        mut next: Range<usize>,
+        lives: &mut Lives,
+        draws: &mut TimedDraws,
+        chunk: &mut TimedChunk,
+        watch: &Watch<'_>,
+    ) -> bool {
+        // Alternating renewal process: attached until the break, free for the delay.
+        while !next.is_empty() {
             let end;
-            (end, next) = self.hold(birth, life, next, &mut draws, chunk, watch);
-            let asks = chunk.breaks.is_multiple_of(PER_CHECK as u64);
-            if next == self.marks.len() || asks && watch.stops() {
-                return;
+            (end, next.start) = self.hold(birth, life, next.clone(), draws, chunk, watch);
+            if next.is_empty() {
+                break;
             }
-            (birth, next) = self.wait(end, next, &mut draws, chunk);
+            if chunk.breaks.is_multiple_of(PER_CHECK as u64) && watch.stops() {
+                return false;
+            }
+            (birth, next.start) = self.wait(end, next.clone(), draws, chunk);
             life = lives.next();
         }
+        true
     }
 
-    /// The marks from `next` on before an event, up to rounding.
-    fn before(&self, event: f64, next: usize) -> Range<usize> {
+    /// Those of the marks `next` that are before an event, up to rounding.
+    fn before(&self, event: f64, next: Range<usize>) -> Range<usize> {
         let reached = |time: &&f64| **time < event * (1.0 - TOGETHER);
-        next..next + self.times[next..].iter().take_while(reached).count()
+        next.start..next.start + self.times[next].iter().take_while(reached).count()
     }
 
-    /// A free contact: returns when it re-forms, and the next mark.
-    fn wait(&self, broken: f64, next: usize, draws: &mut TimedDraws, chunk: &mut TimedChunk) -> (f64, usize) {
+    /// A free contact, observed at the marks `next`: returns when it re-forms, and the next mark.
+    fn wait(
+        &self,
+        broken: f64,
+        next: Range<usize>,
+        draws: &mut TimedDraws,
+        chunk: &mut TimedChunk,
+    ) -> (f64, usize) {
         chunk.breaks += 1;
         let Rules { ref delay, free_friction, .. } = self.ensemble.contacts.rules;
         let unit = self.ensemble.contacts.stiffness.unit();
@@ -307,12 +397,12 @@ impl<'a> Follow<'a> {
         (birth, passed.end)
     }
 
-    /// An attached contact: returns when it breaks, and the next mark.
+    /// An attached contact, observed at the marks `next`: returns when it breaks, and the next mark.
     fn hold(
         &self,
         birth: f64,
         life: ContactLife,
-        next: usize,
+        next: Range<usize>,
         draws: &mut TimedDraws,
         chunk: &mut TimedChunk,
         watch: &Watch<'_>,
@@ -329,7 +419,7 @@ impl<'a> Follow<'a> {
             Some(_) => draws.breaking.exponential(),
             None => f64::INFINITY,
         };
-        let marks = &self.times[next..];
+        let marks = &self.times[next.clone()];
         let mut thresholds = Vec::new();
         let end = match &self.passage {
             Passage::KnownThreshold(known) => known.end(&held, self.history, marks, remaining_hazard),
@@ -354,6 +444,29 @@ impl<'a> Follow<'a> {
             }
         }
         (end, passed.end)
+    }
+
+    /// The results at all times.
+    fn trace(&self, total: &TimedChunk) -> EnsembleTrace {
+        let (mut force, mut error) = self.forces(total);
+        let loads = match self.loads.is_empty() {
+            true => vec![1.0; self.times.len()],
+            false => self.loads.clone(),
+        };
+        // The contacts that are simulated stand for more or fewer.
+        for values in [&mut force, &mut error] {
+            values.iter_mut().zip(&loads).for_each(|(value, load)| *value *= load);
+        }
+        let size = self.ensemble.size as f64;
+        EnsembleTrace {
+            time: self.times.clone(),
+            position: self.marks.iter().map(|mark| mark.position).collect(),
+            force,
+            error,
+            free: total.sums.iter().map(|sums| sums.free / size).collect(),
+            relative_normal_load: loads,
+            breaks: total.breaks,
+        }
     }
 
     /// Mean forces and their standard errors.

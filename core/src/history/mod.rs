@@ -1,8 +1,10 @@
 //! The motion of a slider in time: pieces of constant velocity.
 
+mod loaded;
 mod measured;
 mod segment;
 
+pub use loaded::{LoadStep, LoadedHistory};
 pub use measured::{MeasuredPiece, measured_pieces};
 pub use segment::LoadPointSegment;
 

@@ -424,10 +424,13 @@ impl BreakingModel for FokkerPlanckLife {
         let formed = DiffusingCohort { start, segments, onsets };
         let rough =
             DiffusingCohort { start, segments: self.segments(start, ROUGH, watch), onsets: Vec::new() };
-        let mean = self.maturing.fresh_law().mean();
-        let difference = formed.difference(&rough, mean, watch) / self.maturing.survival(start);
-        // Positive numbers are in the order of their bits.
-        self.largest_error.fetch_max(difference.to_bits(), Ordering::Relaxed);
+        let (mean, whole) = (self.maturing.fresh_law().mean(), self.maturing.survival(start));
+        // Beyond all thresholds there is no contact that could be off.
+        if whole > 0.0 {
+            let difference = formed.difference(&rough, mean, watch) / whole;
+            // Positive numbers are in the order of their bits.
+            self.largest_error.fetch_max(difference.to_bits(), Ordering::Relaxed);
+        }
         Arc::new(formed)
     }
 

@@ -76,9 +76,12 @@ impl Waits {
 
     /// Breakpoints of the convolution with a kernel that begins at 0.
     fn breakpoints(&self, kernel: &Kernel) -> Vec<Breakpoint> {
-        let begins = kernel.breakpoints().iter().any(|b| b.position == 0.0);
-        let start = if begins { Vec::new() } else { jumps(kernel.curve(), 0.0, ORDERS) };
-        let all: Vec<_> = kernel.breakpoints().iter().copied().chain(start).collect();
+        // A power that is not whole has no jumps; other breakpoints at 0 are among these.
+        let there = |b: &Breakpoint| b.position == 0.0 && !b.is_atom();
+        let steep = kernel.breakpoints().iter().any(|b| there(b) && b.is_steep());
+        let start = if steep { Vec::new() } else { jumps(kernel.curve(), 0.0, ORDERS) };
+        let others = kernel.breakpoints().iter().copied().filter(|b| steep || !there(b));
+        let all: Vec<_> = others.chain(start).collect();
         let pairs = self.breakpoints.iter().flat_map(|own| all.iter().map(|b| own.convolve(*b)));
         sorted(pairs.filter(|b| b.amplitude != 0.0).collect())
     }

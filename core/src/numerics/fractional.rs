@@ -3,6 +3,8 @@
 
 use std::f64::consts::PI;
 
+use crate::Result;
+use crate::monitor::{Monitor, Watch};
 use crate::parallel;
 
 /// Step of the trapezoidal rule in s.
@@ -26,8 +28,11 @@ const GROUP: usize = 4;
 /// The substitution t = exp(s − e^{−s}) (double-exponential quadrature) makes the integrand decay at both
 /// ends at least like e^{−|s|/2}; the trapezoidal rule then converges like e^{−c/step}. w is right to a
 /// relative 1e-13; at distances r ≫ 1 it tends to 1/2πr³.
-pub fn sqrt_laplacian(sides: [usize; 2]) -> Vec<f64> {
-    products(sides, |_, g| g.to_vec())
+///
+/// # Errors
+/// Stopped by the monitor.
+pub fn sqrt_laplacian(sides: [usize; 2], monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+    products(sides, |_, g| g.to_vec(), monitor)
 }
 
 /// The same of Δ_row/√Δ, Δ_row the part of Δ along rows, with eigenvalues 4 sin²(q_2/2): the part of √Δ that differences along rows
@@ -36,13 +41,20 @@ pub fn sqrt_laplacian(sides: [usize; 2]) -> Vec<f64> {
 /// w(m, n) = (1/√π) ∫₀^∞ t^{−1/2} g_m(t) g_n′(t) dt,
 ///
 /// right to some r² roundings of √Δ, tends to (1/2π)(3n²/r⁵ − 1/r³); with that of Δ_column/√Δ it adds up to that of √Δ.
-pub fn row_share_of_sqrt_laplacian(sides: [usize; 2]) -> Vec<f64> {
-    products(sides, |z, g| slope_of_scaled_bessel(z, g.len()))
+///
+/// # Errors
+/// Stopped by the monitor.
+pub fn row_share_of_sqrt_laplacian(sides: [usize; 2], monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+    products(sides, |z, g| slope_of_scaled_bessel(z, g.len()), monitor)
 }
 
 /// (1/2√π) ∫₀^∞ t^{−3/2} g_m(t) h_n(t) dt, with h(t) = `along`(2t, g(t)).
-fn products([rows, columns]: [usize; 2], along: impl Fn(f64, &[f64]) -> Vec<f64> + Sync) -> Vec<f64> {
-    let longest = rows.max(columns);
+fn products(
+    [rows, columns]: [usize; 2],
+    along: impl Fn(f64, &[f64]) -> Vec<f64> + Sync,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<f64>> {
+    let (longest, watch) = (rows.max(columns), Watch::new(monitor));
     let node = |_, (t, weight): (f64, f64)| {
         let down = scaled_bessel(2.0 * t, longest);
         let along = along(2.0 * t, &down);
@@ -52,6 +64,9 @@ fn products([rows, columns]: [usize; 2], along: impl Fn(f64, &[f64]) -> Vec<f64>
     let mut weights = vec![0.0; rows * columns];
     parallel::map(weights.chunks_mut(GROUP * columns).collect(), &|group, weights: &mut [f64]| {
         for (weight, down, along) in &nodes {
+            if watch.stops() {
+                return;
+            }
             for (m, row) in (GROUP * group..).zip(weights.chunks_mut(columns)) {
                 // The integrand is a product of functions of m and of n: each node adds an outer product.
                 let factor = weight * down[m];
@@ -59,8 +74,9 @@ fn products([rows, columns]: [usize; 2], along: impl Fn(f64, &[f64]) -> Vec<f64>
             }
         }
     });
+    watch.check()?;
     weights[0] = 0.0;
-    weights
+    Ok(weights)
 }
 
 /// Quadrature nodes t and their weights.
@@ -156,11 +172,28 @@ mod tests {
         (8.0 * on_torus(2048) - on_torus(1024)) / 7.0
     }
 
+    /// Weights of √Δ and of its part along rows.
+    fn shares(sides: [usize; 2]) -> [Vec<f64>; 2] {
+        [sqrt_laplacian(sides, &mut ()), row_share_of_sqrt_laplacian(sides, &mut ())].map(Result::unwrap)
+    }
+
+    #[test]
+    fn the_monitor_stops_the_sum_over_times() {
+        struct Stops;
+        impl Monitor for Stops {
+            fn progress(&mut self, _: f64) -> std::ops::ControlFlow<()> {
+                std::ops::ControlFlow::Break(())
+            }
+        }
+        assert_eq!(sqrt_laplacian([5, 5], &mut Stops), Err(crate::Error::Stopped));
+        assert_eq!(row_share_of_sqrt_laplacian([5, 5], &mut Stops), Err(crate::Error::Stopped));
+    }
+
     #[test]
     fn weights_are_those_of_the_inverse_transform() {
         let root = |down: f64, along: f64| (down + along).sqrt();
         let share = |down: f64, along: f64| if along > 0.0 { along / root(down, along) } else { 0.0 };
-        let [all, rows] = [sqrt_laplacian([5, 10]), row_share_of_sqrt_laplacian([5, 10])];
+        let [all, rows] = shares([5, 10]);
         for (m, n) in [(0, 1), (1, 0), (1, 1), (0, 2), (2, 4), (4, 3)] {
             for (found, expected) in
                 [(all[10 * m + n], on_tori(m, n, root)), (rows[10 * m + n], on_tori(m, n, share))]
@@ -176,7 +209,7 @@ mod tests {
     #[test]
     fn shares_of_both_directions_add_up() {
         let side = 1000;
-        let [all, rows] = [sqrt_laplacian([side; 2]), row_share_of_sqrt_laplacian([side; 2])];
+        let [all, rows] = shares([side; 2]);
         for (m, n) in [(0, 1), (3, 2), (0, 400), (999, 0), (999, 999), (700, 20)] {
             let [found, turned] = [(m, n), (n, m)].map(|(m, n)| rows[side * m + n]);
             let expected = all[side * m + n];
@@ -192,7 +225,7 @@ mod tests {
     /// √λ = q − q³(3 + cos 4φ)/96 + …, whose inverse transform is 1/2πr³ + (9 + 35 cos 4θ)/64πr⁵ + O(r⁻⁷).
     #[test]
     fn far_away_weights_fall_with_the_cube() {
-        let weights = sqrt_laplacian([2000, 1500]);
+        let [weights, _] = shares([2000, 1500]);
         for (m, n) in [(0, 1499), (1999, 0), (700, 900), (1200, 1200), (1999, 1499)] {
             let square = (m * m + n * n) as f64;
             let angle = (m as f64).atan2(n as f64);

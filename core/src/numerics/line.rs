@@ -1,20 +1,18 @@
 //! Fourier and cosine transforms of a line of numbers: the real eigenvectors of its second difference.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+use super::real_transform::RealTransform;
 
 /// The transform of a line of n numbers to the real eigenvectors of the second difference 2x_j − x_{j−1} −
 /// x_{j+1}.
 pub struct Line {
     length: usize,
     ends: Ends,
-    /// Real-to-complex transform of length n.
-    to: Arc<dyn RealToComplex<f64>>,
-    /// Its inverse, unnormalised.
-    back: Arc<dyn ComplexToReal<f64>>,
+    /// Of length n.
+    transform: RealTransform,
 }
 
 /// Boundary conditions.
@@ -54,8 +52,7 @@ impl Line {
     }
 
     fn new(length: usize, ends: Ends) -> Self {
-        let mut planner = RealFftPlanner::new();
-        Self { length, ends, to: planner.plan_fft_forward(length), back: planner.plan_fft_inverse(length) }
+        Self { length, ends, transform: RealTransform::new(length) }
     }
 
     /// Number of modes, n.
@@ -74,12 +71,10 @@ impl Line {
 
     /// The work space that [`Line::to_modes`] and [`Line::to_cells`] need.
     pub fn scratch(&self) -> Scratch {
-        let inner = self.to.get_scratch_len().max(self.back.get_scratch_len());
-        let zero = Complex64::ZERO;
         Scratch {
             real: vec![0.0; self.length],
-            complex: vec![zero; self.length / 2 + 1],
-            inner: vec![zero; inner],
+            complex: vec![Complex64::ZERO; self.length / 2 + 1],
+            inner: self.transform.scratch(),
         }
     }
 
@@ -90,13 +85,13 @@ impl Line {
         }
         match &self.ends {
             Ends::Periodic => {
-                self.transform(line, scratch);
+                self.transform.forward(line, &mut scratch.complex, &mut scratch.inner);
                 pack(&scratch.complex, line);
             }
             Ends::Free(phases) => {
                 let mut real = std::mem::take(&mut scratch.real);
                 fold(line, &mut real);
-                self.transform(&mut real, scratch);
+                self.transform.forward(&mut real, &mut scratch.complex, &mut scratch.inner);
                 scratch.real = real;
                 separate(&scratch.complex, phases, line);
             }
@@ -111,26 +106,16 @@ impl Line {
         match &self.ends {
             Ends::Periodic => {
                 unpack(line, &mut scratch.complex);
-                self.transform_back(scratch, line);
+                self.transform.inverse(&mut scratch.complex, line, &mut scratch.inner);
             }
             Ends::Free(phases) => {
                 combine(line, phases, &mut scratch.complex);
                 let mut real = std::mem::take(&mut scratch.real);
-                self.transform_back(scratch, &mut real);
+                self.transform.inverse(&mut scratch.complex, &mut real, &mut scratch.inner);
                 unfold(&real, line);
                 scratch.real = real;
             }
         }
-    }
-
-    fn transform(&self, line: &mut [f64], scratch: &mut Scratch) {
-        let done = self.to.process_with_scratch(line, &mut scratch.complex, &mut scratch.inner);
-        done.expect("lengths are those of the plan");
-    }
-
-    fn transform_back(&self, scratch: &mut Scratch, line: &mut [f64]) {
-        let done = self.back.process_with_scratch(&mut scratch.complex, line, &mut scratch.inner);
-        done.expect("lengths are those of the plan, and the ends of the spectrum are real");
     }
 }
 

@@ -5,7 +5,7 @@
 //! * Equations: `volterra` (convolution equations of the second kind), `diffusion` (Fokker–Planck equation on an axis), `motion`
 //!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent),
 //!   `zeros` (of analytic functions), `nelder_mead` (minima in several variables).
-//! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
+//! * Lattices: `real_transform` (discrete Fourier transforms), `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
 //! * Statistics and sums: `least_squares`, `student` (quantiles), `ljung_box` (a test of autocorrelation), `powerlaw`, `cutoff`, `omori`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
 //!   `accumulation` (the point at which an integral reaches a value), `sorting`, `dawson`, `incomplete` (integrals of exponentials from tables), `exponential` and `logarithm` (in loops), `wide` (AVX-512 and AVX2).
 //!
@@ -41,6 +41,7 @@ pub(crate) mod periodogram;
 pub(crate) mod piecewise;
 pub mod powerlaw;
 pub(crate) mod product;
+pub(crate) mod real_transform;
 mod rearrange;
 #[doc(hidden)]
 pub mod roots;

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use realfft::RealFftPlanner;
+use super::real_transform::RealTransform;
 
 /// An estimated spectrum S(q) = ∫c(u) e^{iqu} du.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,17 +20,16 @@ pub struct Periodogram {
 /// The spectrum of `values`, a distance `spacing` apart, in segments of `length` values that overlap by a half. The
 /// mean of each segment is subtracted. At least one segment must fit.
 pub fn welch(values: &[f64], spacing: f64, length: usize) -> Periodogram {
-    let transform = RealFftPlanner::new().plan_fft_forward(length);
+    let transform = RealTransform::new(length);
     let window: Vec<f64> =
         (0..length).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / length as f64).cos()).collect();
     let power: f64 = window.iter().map(|weight| weight * weight).sum();
     let (mut sums, mut segments) = (vec![0.0; length / 2], 0.0_f64);
     for segment in values.windows(length).step_by((length / 2).max(1)) {
         let mean = segment.iter().sum::<f64>() / length as f64;
-        let mut line: Vec<f64> =
+        let line: Vec<f64> =
             segment.iter().zip(&window).map(|(value, weight)| (value - mean) * weight).collect();
-        let mut modes = transform.make_output_vec();
-        transform.process(&mut line, &mut modes).expect("buffers of the length of the plan");
+        let modes = transform.spectrum(line);
         sums.iter_mut().zip(&modes[1..]).for_each(|(sum, mode)| *sum += mode.norm_sqr());
         segments += 1.0;
     }

@@ -29,9 +29,13 @@ pub struct PowerLawFit {
 }
 
 /// Fits integers, given as (number, count) by rising number. `None` if the window contains fewer than two
-/// different numbers, or more than can be counted. Sums over the distribution are right to 1e-7.
+/// different numbers, more than can be counted, or numbers of 2⁵² and more, which are not apart from their neighbours. Sums over the
+/// distribution are right to 1e-7.
 pub fn fit_counts(counts: &[(u64, u64)], low: u64, high: u64) -> Option<PowerLawFit> {
     let low = low.max(1);
+    if low >= 1 << 52 {
+        return None;
+    }
     let inside = counts.iter().filter(|count| (low..=high).contains(&count.0));
     let inside: Vec<_> = inside.map(|&(number, times)| (number as f64, times)).collect();
     let window = Window { low: low as f64, below: low as f64 - 1.0, high: high as f64 };
@@ -135,6 +139,12 @@ mod tests {
             assert!((fit.exponent - exponent).abs() < 1e-7, "{exponent}: {fit:?}");
             assert!(fit.distance < 1e-7);
         }
+    }
+
+    #[test]
+    fn numbers_that_are_not_apart_are_not_fitted() {
+        let far = 1 << 53;
+        assert_eq!(fit_counts(&[(far, 1), (far + 2, 1)], far, u64::MAX), None);
     }
 
     #[test]

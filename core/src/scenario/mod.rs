@@ -259,6 +259,7 @@ impl Scenario {
             initial,
             normal_load: self.contacts.normal_load,
             background: self.contacts.background().map_err(|e| e.under("contacts"))?,
+            background_of_load: self.contacts.background_coefficient.is_some(),
             block: self.block.clone(),
             interface: self.interface.clone(),
             master_equation: self.master_equation.clone(),

@@ -4,7 +4,7 @@ use super::{
     Block, CellLoading, Compare, Disorder, Drive, Ensemble, FitNoise, Interface, MasterEquation, PerCell,
     Pull, Stability, Task, VelocityCurve,
 };
-use crate::contacts::{Contacts, Initial};
+use crate::contacts::{Ageing, Contacts, Initial};
 use crate::monitor::{Aside, Monitor};
 use crate::{Error, Result};
 
@@ -21,6 +21,8 @@ pub struct Model {
     pub normal_load: Option<f64>,
     /// Background force B, in addition to that of the contacts and against the motion; 0 if there is none.
     pub background: f64,
+    /// Whether the background force is proportional to the normal load, as that of `contacts.background_coefficient`.
+    pub background_of_load: bool,
     /// The slider between its top and its base; `None` if it is rigid.
     pub block: Option<Block>,
     /// Cells of a slider that deforms; `None` if all contacts move together.
@@ -47,6 +49,7 @@ impl Model {
             steady: None,
             normal_load: None,
             background: 0.0,
+            background_of_load: false,
             block: None,
             interface: None,
             master_equation: MasterEquation::default(),
@@ -55,6 +58,11 @@ impl Model {
             keys: Vec::new(),
             warnings: Vec::new(),
         }
+    }
+
+    /// The background force at a normal load relative to that at the start.
+    pub(crate) fn background_at(&self, load: f64) -> f64 {
+        if self.background_of_load { load * self.background } else { self.background }
     }
 
     /// Upper limit of the bytes that its interface takes; `None` without one.
@@ -102,6 +110,7 @@ impl Task<'_> {
         self.check_block(model)?;
         self.check_interface(model)?;
         self.check_background(model)?;
+        self.check_load(model).map_err(|e| e.under("protocol"))?;
         let noise = match self {
             Task::Pull(Pull { covariance, .. }) => !covariance.is_empty(),
             Task::Fit(fit) => fit.velocity_curve.is_none() && fit.noise == FitNoise::Contacts,
@@ -163,6 +172,23 @@ impl Task<'_> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses steps of the normal load where they are not followed.
+    fn check_load(self, model: &Model) -> Result<()> {
+        let Task::Protocol(protocol) = self else { return Ok(()) };
+        let shared = matches!(model.contacts.rules.ageing, Some(Ageing::MeanField { .. }));
+        let refused = match (&model.block, &model.interface) {
+            (Some(_), _) => "with [block]: steps of the normal load are followed under a rigid slider only",
+            (_, Some(_)) => {
+                "with [interface]: steps of the normal load are followed under a rigid slider only"
+            }
+            _ if shared => {
+                "with contacts.ageing.mean_field: contacts that form later would share its thresholds"
+            }
+            _ => return Ok(()),
+        };
+        protocol.loads_constantly(refused)
     }
 
     fn check_block(self, model: &Model) -> Result<()> {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{TaskStart, not_negative, positive, size};
-use crate::history::{History, Piece};
+use crate::history::{History, LoadedHistory, Piece};
 use crate::{Error, Result};
 
 /// Successive steps, from X = 0 (with a block or an interface, from its equilibrium there) at t = 0.
@@ -55,8 +55,16 @@ pub struct Step {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 1, "default" = 64))]
     pub pieces: Option<usize>,
+    /// Normal load in the step relative to that at the start of the protocol; it changes at the beginning of the step. The number
+    /// of contacts is proportional to it. In the first step only 1, and only 1 with `[block]`, `[interface]` and
+    /// `contacts.ageing.mean_field`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "default" = 1.0, "x-dimension" = "1"))]
+    pub relative_normal_load: Option<f64>,
 }
 
+/// The key of the relative normal load.
+const LOAD: &str = "relative_normal_load";
 /// Default number of pieces of a ramp.
 const PIECES: usize = 64;
 /// Largest number of pieces of a ramp.
@@ -73,6 +81,7 @@ impl Default for Step {
             points: 201,
             start: None,
             pieces: None,
+            relative_normal_load: None,
         }
     }
 }
@@ -96,6 +105,11 @@ impl Step {
     pub fn velocities(&self) -> (f64, f64) {
         let first = self.velocity.unwrap_or(0.0);
         (first, self.velocity_to.unwrap_or(first))
+    }
+
+    /// The normal load in it, relative to that at the start of the protocol.
+    pub fn load(&self) -> f64 {
+        self.relative_normal_load.unwrap_or(1.0)
     }
 
     /// Its pieces of constant velocity; at the end of each piece of a ramp the position is that of the ramp.
@@ -150,7 +164,7 @@ impl Step {
         if self.points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
         }
-        Ok(())
+        self.relative_normal_load.map(|load| positive(LOAD, load)).transpose().map(drop)
     }
 
     /// Checks that a hold has no velocity.
@@ -205,6 +219,17 @@ impl Step {
         }
     }
 
+    /// Refuses another load in the first step than that at the start.
+    fn check_load(&self, first: bool) -> Result<()> {
+        match self.relative_normal_load {
+            Some(load) if first && load != 1.0 => {
+                let expected = "1, or none, in the first step: the load is relative to that at the start";
+                Err(Error::invalid(LOAD, expected, load))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Displacements from the beginning of the step at which forces are read in addition to the points of the trace: every 1/200
     /// of the `mean` threshold up to twice the mean, where contacts break for the first time after the step, then at distances
     /// that grow by 1 %. None is close to a point of the trace. Holds and ramps have none.
@@ -230,12 +255,47 @@ impl Step {
 }
 
 impl Protocol {
-    /// The motion of the slider.
+    /// The motion of the slider, under a constant normal load.
     ///
     /// # Errors
-    /// Those of [`History::new`].
+    /// Those of [`History::new`]; a normal load that steps.
     pub fn build(&self) -> Result<History> {
+        self.loads_constantly("where the solver has a constant normal load")?;
+        self.motion()
+    }
+
+    /// The motion of the slider with the normal load in each step.
+    ///
+    /// # Errors
+    /// Those of [`LoadedHistory::new`].
+    pub fn build_under_load(&self) -> Result<LoadedHistory> {
+        let loads = self.0.iter().flat_map(|step| vec![step.load(); step.number_of_pieces()]);
+        LoadedHistory::new(self.motion()?, loads.collect())
+    }
+
+    fn motion(&self) -> Result<History> {
         History::new(self.0.iter().flat_map(Step::pieces).collect())
+    }
+
+    /// Whether the normal load steps.
+    pub fn has_load_steps(&self) -> bool {
+        self.0.iter().any(|step| step.load() != 1.0)
+    }
+
+    /// Whether the normal load steps at the beginning of step `i`.
+    pub(crate) fn steps_load_at(&self, i: usize) -> bool {
+        i > 0 && self.0[i].load() != self.0[i - 1].load()
+    }
+
+    /// Refuses a normal load that steps, `where_refused`, with the key of the first such step.
+    pub(crate) fn loads_constantly(&self, where_refused: &str) -> Result<()> {
+        match self.0.iter().enumerate().find(|(_, step)| step.load() != 1.0) {
+            Some((i, step)) => {
+                let expected = format!("1, or none, {where_refused}");
+                Err(Error::invalid(format!("{i}.{LOAD}"), expected, step.load()))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The contacts at the start.
@@ -311,7 +371,10 @@ impl Protocol {
             return Err(Error::invalid("", "at least one step", "none"));
         }
         for (i, step) in self.0.iter().enumerate() {
-            step.check().and_then(|()| step.check_start(i == 0)).map_err(|e| e.under(&i.to_string()))?;
+            step.check()
+                .and_then(|()| step.check_start(i == 0))
+                .and_then(|()| step.check_load(i == 0))
+                .map_err(|e| e.under(&i.to_string()))?;
         }
         size::check_anywhere("0.points", self.points(), size::BYTES_PER_POINT)
     }

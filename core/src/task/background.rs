@@ -41,9 +41,27 @@ impl Model {
         add_coefficient("force", self.normal_load.map(|load| cells * load), record);
     }
 
+    /// The same as [`Self::add_background`] where values are at these normal loads, relative to that at the start.
+    pub(super) fn add_background_under(&self, columns: &[Column], loads: &[f64], record: &mut Record) {
+        let of_contacts = |name: &str| columns.iter().any(|column| column.name == name);
+        for variable in record.variables.iter_mut().filter(|variable| of_contacts(&variable.name)) {
+            let values = variable.values.iter_mut().zip(loads);
+            values.for_each(|(force, load)| *force += self.background_at(*load));
+        }
+    }
+
     /// Adds the friction coefficient of a force to a record, if there is a normal load.
     pub(super) fn add_coefficient(&self, force: &str, record: &mut Record) {
         add_coefficient(force, self.normal_load, record);
+    }
+
+    /// The same where values are at these normal loads, relative to that at the start.
+    pub(super) fn add_coefficient_under(&self, force: &str, loads: &[f64], record: &mut Record) {
+        self.add_coefficient(force, record);
+        if let Some(variable) = record.variables.iter_mut().find(|variable| variable.name == COEFFICIENT.name)
+        {
+            variable.values.iter_mut().zip(loads).for_each(|(coefficient, load)| *coefficient /= load);
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::{ensemble, fits, sliding};
 use crate::Result;
 use crate::block::{Block, Slide};
 use crate::contacts::{Contacts, Rules, Stiffness};
-use crate::history::{History, Piece};
+use crate::history::{LoadedHistory, Piece};
 use crate::master::{Tolerance, Trace, Transport};
 use crate::monitor::{Aside, Monitor, Part, Preparation};
 use crate::record::{Column, Quantity, Record};
@@ -31,10 +31,12 @@ const SPRING_FORCE: Column = of("spring_force", "force that pulls the slider", Q
 const BREAKING_FREQUENCY: Column =
     of("breaking_frequency", "fraction of contacts breaking per time", Quantity::PerTime);
 const FREE: Column = of("free", "fraction of contacts that are detached", Quantity::Number);
+const LOAD: Column =
+    of("relative_normal_load", "normal load relative to that at the start", Quantity::Number);
 const ENSEMBLE: [Column; 2] = ensemble::force_columns("friction force of the ensemble", &["point"]);
 
 /// The variables of a rigid slider.
-pub(super) const COLUMNS: [Column; 11] = [
+pub(super) const COLUMNS: [Column; 12] = [
     TIME,
     DRIVE,
     POSITION,
@@ -43,6 +45,7 @@ pub(super) const COLUMNS: [Column; 11] = [
     SPRING_FORCE,
     BREAKING_FREQUENCY,
     FREE,
+    LOAD,
     ENSEMBLE[0],
     ENSEMBLE[1],
     FRICTION_COEFFICIENT,
@@ -85,18 +88,29 @@ pub(super) fn rigid(
     let Model { contacts, initial, .. } = model;
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let (protocol, mut trace) = followed(model, motion, &mut Part::new(monitor, 0.0, master))?;
-    let (history, times) = (protocol.build()?, protocol.times());
-    let mut record = trace_record(&trace.at(&times), !contacts.rules.delay.is_none());
+    let times = protocol.times();
+    let shown = trace.at(&times);
+    let mut record = trace_record(&shown, !contacts.rules.delay.is_none());
+    if protocol.has_load_steps() {
+        record.add(LOAD, shown.relative_normal_load.clone());
+    }
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
-        let (history, times) = settled(model, (&history, &times), &mut Aside { fraction: master, monitor })?;
-        let run = drawn.follow_with(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
+        let aside = &mut Aside { fraction: master, monitor };
+        let (motion, times) = settled(model, (&protocol.build_under_load()?, &times), aside)?;
+        let part = &mut Part::new(monitor, master, 1.0 - master);
+        let run = if protocol.has_load_steps() {
+            drawn.follow_under_load(&motion, &times, part)?
+        } else {
+            drawn.follow_with(motion.history(), &times, part)?
+        };
         ensemble::add_force(&mut record, ENSEMBLE, run.force, run.error);
     }
     // A rigid slider that is held keeps the background force: nothing relaxes it.
-    trace.force.iter_mut().for_each(|force| *force += model.background);
-    model.add_background(&FORCES, &mut record);
-    model.add_coefficient(FORCE.name, &mut record);
+    let loads = trace.relative_normal_load.iter();
+    trace.force.iter_mut().zip(loads).for_each(|(force, load)| *force += model.background_at(*load));
+    model.add_background_under(&FORCES, &shown.relative_normal_load, &mut record);
+    model.add_coefficient_under(FORCE.name, &shown.relative_normal_load, &mut record);
     Ok((protocol, trace, record))
 }
 
@@ -113,9 +127,19 @@ fn followed(
     let required = model.master_equation.tolerance;
     let accuracy = (model.master_equation.tolerance_in_time(&model.contacts.rules), required);
     let follow = |protocol: &scenario::Protocol, part: &mut dyn Monitor| {
-        let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
-        let motion = (&protocol.build()?, &merged(protocol.times(), between)[..]);
-        let trace = Transport::follow_as_required(&mut build, motion, accuracy, part)?;
+        let times = merged(protocol.times(), between);
+        let trace = if protocol.has_load_steps() {
+            let build = |tolerance: f64, part: &mut dyn Monitor| {
+                let start = transport(model, tolerance, &mut Part::new(part, 0.0, 0.5))?;
+                let fresh = Transport::fresh(&model.contacts, tolerance, &mut Part::new(part, 0.5, 0.5))?;
+                Ok([start, fresh])
+            };
+            let motion = protocol.build_under_load()?;
+            Transport::follow_under_load_as_required(build, (&motion, &times), accuracy, part)?
+        } else {
+            let mut build = |tolerance: f64, part: &mut dyn Monitor| transport(model, tolerance, part);
+            Transport::follow_as_required(&mut build, (&protocol.build()?, &times), accuracy, part)?
+        };
         let error = trace.error;
         Ok((trace, error))
     };
@@ -185,23 +209,27 @@ fn transport(model: &Model, tolerance: f64, monitor: &mut dyn Monitor) -> Result
     }
 }
 
-/// The history and the times of single contacts. Those that are to start in steady sliding slide until they have forgotten
+/// The motion and the times of single contacts. Those that are to start in steady sliding slide until they have forgotten
 /// their initial state first; time-independent ones start with the stretches of steady sliding.
 fn settled(
     model: &Model,
-    (history, times): (&History, &[f64]),
+    (motion, times): (&LoadedHistory, &[f64]),
     monitor: &mut dyn Monitor,
-) -> Result<(History, Vec<f64>)> {
+) -> Result<(LoadedHistory, Vec<f64>)> {
     let contacts = &model.contacts;
     let Some(velocity) = model.steady.filter(|_| contacts.rules.are_time_dependent()) else {
-        return Ok((history.clone(), times.to_vec()));
+        return Ok((motion.clone(), times.to_vec()));
     };
     let steady = Steady::at(contacts, velocity, monitor)?;
     let duration = steady.distance / velocity;
-    let pieces = [Piece { velocity, duration }].into_iter().chain(history.pieces().iter().copied());
-    let whole = History::new(pieces.collect())?;
-    // The last time is the end of the history, whatever the rounding of sums.
-    let later = times.iter().map(|time| (duration + time).min(whole.duration())).collect();
+    let whole = motion.after(Piece { velocity, duration })?;
+    let later = |&time: &f64| match motion.steps().next() {
+        // Times at which the load steps remain such times.
+        Some(_) => motion.history().time_in(whole.history(), |piece| piece + 1, time),
+        // The last time is the end of the history, whatever the rounding of sums.
+        None => (duration + time).min(whole.history().duration()),
+    };
+    let later = times.iter().map(later).collect();
     Ok((whole, later))
 }
 

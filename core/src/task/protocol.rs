@@ -136,7 +136,8 @@ fn steps(
     let places = places(task, &trace.time);
     let mut steps = Vec::new();
     for (i, step) in task.0.iter().enumerate() {
-        let (first, last) = (places[i], places[i + 1]);
+        // Where the load steps, the step begins with the second of two readings.
+        let (first, last) = (places[i] + usize::from(task.steps_load_at(i)), places[i + 1]);
         let (position, force) = (&trace.position[first..=last], &trace.force[first..=last]);
         let velocity = step.velocities().1;
         let changed = changed_from(task, i);
@@ -151,6 +152,8 @@ fn steps(
             None if velocity > 0.0 => steady(model, velocity, &mut frictions, monitor)?,
             _ => None,
         };
+        let under_load = |friction: f64| step.load() * friction + model.background_at(step.load());
+        let kinetic_friction = kinetic_friction.map(under_load);
         steps.push(ProtocolStep {
             kinetic_friction,
             rate_state: changed.and_then(|v| read(v, velocity, position, force)),
@@ -175,6 +178,7 @@ fn moved(step: &scenario::Step, position: &[f64], force: &[f64]) -> ProtocolStep
     ProtocolStep {
         velocity: last,
         velocity_from: step.velocity_to.map(|_| first),
+        relative_normal_load: Some(step.load()).filter(|load| *load != 1.0),
         position: position[0],
         duration: step.duration(),
         pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
@@ -189,11 +193,12 @@ fn moved(step: &scenario::Step, position: &[f64], force: &[f64]) -> ProtocolStep
     }
 }
 
-/// The velocity before step `i`, if the velocity steps there from one above 0 to another one.
+/// The velocity before step `i`, if the velocity steps there from one above 0 to another one, and the normal load does not.
 fn changed_from(task: &scenario::Protocol, i: usize) -> Option<f64> {
     let before = task.0[i.checked_sub(1)?].velocities().1;
     let step = &task.0[i];
-    (step.velocity_to.is_none() && before > 0.0 && step.velocities().1 > 0.0).then_some(before)
+    (step.velocity_to.is_none() && !task.steps_load_at(i) && before > 0.0 && step.velocities().1 > 0.0)
+        .then_some(before)
 }
 
 /// The numbers of each step beside a block: the force of its spring against the displacement of the load point. Velocity steps
@@ -230,7 +235,7 @@ fn steps_behind(
     Ok(steps)
 }
 
-/// F_k at a velocity, from the cache `known` if it is there; `None` once [`SPEEDS`] velocities are cached.
+/// F_k of the contacts at the start at a velocity, from the cache `known` if it is there; `None` once [`SPEEDS`] velocities are cached.
 fn steady(
     model: &Model,
     velocity: f64,
@@ -244,7 +249,7 @@ fn steady(
         return Ok(None);
     }
     let equation = MasterEquation::reformed(model.contacts.clone(), Some(velocity), monitor)?;
-    let friction = equation.steady_state().kinetic_friction() + model.background;
+    let friction = equation.steady_state().kinetic_friction();
     known.push((velocity, friction));
     Ok(Some(friction))
 }

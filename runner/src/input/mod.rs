@@ -80,7 +80,7 @@ pub fn parse_with(
     for argument in overrides {
         overrides::apply(&mut document, argument)?;
     }
-    checked(document, Some(directory), monitor)
+    checked(read_document(document, Some(directory))?, monitor)
 }
 
 /// Reads a scenario from a text that holds all of it: keys that name files are refused.
@@ -88,7 +88,15 @@ pub fn parse_with(
 /// # Errors
 /// As [`parse`]; a key that names a file.
 pub fn parse_complete(text: &str, name: &str) -> Result<Input, Box<Diagnostic>> {
-    checked(Document::parse(name, text)?, None, &mut ())
+    checked(read_complete(text, name)?, &mut ())
+}
+
+/// The same without a check of the values, for which there is [`Input::check`].
+///
+/// # Errors
+/// A text that is no scenario; a key that names a file.
+pub fn read_complete(text: &str, name: &str) -> Result<Input, Box<Diagnostic>> {
+    read_document(Document::parse(name, text)?, None)
 }
 
 /// A text that holds all of a scenario: the given one, or where that names files, one with their tables and every value.
@@ -101,16 +109,12 @@ pub fn complete(text: &str, name: &str, directory: &Path) -> Result<String, Box<
     Ok(if names_files { to_text(&input.scenario) } else { text.to_owned() })
 }
 
-/// The scenario that a document describes, if its values are valid.
-fn checked(
-    document: Document,
-    directory: Option<&Path>,
-    monitor: &mut dyn Monitor,
-) -> Result<Input, Box<Diagnostic>> {
-    let mut input = read_document(document, directory)?;
-    let model = input.scenario.build_with(monitor).map_err(|error| input.diagnose(&error))?;
-    input.warnings = model.warnings;
-    Ok(input)
+/// What was read, if its values are valid.
+fn checked(mut input: Input, monitor: &mut dyn Monitor) -> Result<Input, Box<Diagnostic>> {
+    match input.check(monitor) {
+        Ok(()) => Ok(input),
+        Err(error) => Err(input.diagnose(&error)),
+    }
 }
 
 /// The scenario that a document describes, with its tables inlined.
@@ -123,6 +127,15 @@ fn read_document(document: Document, directory: Option<&Path>) -> Result<Input, 
 }
 
 impl Input {
+    /// Checks the values of the scenario, and keeps the warnings about them.
+    ///
+    /// # Errors
+    /// An invalid value; stopped by the monitor.
+    pub fn check(&mut self, monitor: &mut dyn Monitor) -> asperity::Result<()> {
+        self.warnings = self.scenario.build_with(monitor)?.warnings;
+        Ok(())
+    }
+
     /// The diagnostic for an error of the core.
     pub fn diagnose(&self, error: &asperity::Error) -> Box<Diagnostic> {
         self.document.draw(match error {
@@ -131,7 +144,8 @@ impl Input {
             }
             asperity::Error::TooLarge { key, what, needed, allowed } => {
                 let found = format!("{what}: {} or more", memory::words(*needed));
-                let expected = format!("what fits in the {} of memory available", memory::words(*allowed));
+                let expected =
+                    format!("what fits in the {} of memory that is allowed", memory::words(*allowed));
                 Fault::new(&expected, &found).under(key)
             }
             asperity::Error::Accuracy { key, what, reached, wanted } if !key.is_empty() => {

@@ -102,8 +102,16 @@ fn combinations() -> Vec<Value> {
             ]),
         ),
         refuses(
-            all([mean_field, any(["protocol", "protocol_file", "hold_curve", "interface"].map(key))]),
+            all([mean_field.clone(), any(["protocol", "protocol_file", "hold_curve", "interface"].map(key))]),
             any(["contacts.stiffness_per_threshold", "contacts.areas"].map(key)),
+        ),
+        // Where steps of the normal load are not followed.
+        refuses(
+            any([key("block"), key("interface"), mean_field]),
+            having(
+                "protocol",
+                json!({ "contains": having("relative_normal_load", not(json!({ "const": 1 }))) }),
+            ),
         ),
         // Contacts that do not break by their own thresholds have no state where the velocity varies.
         refuses(

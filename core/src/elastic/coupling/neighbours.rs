@@ -40,7 +40,7 @@ impl Neighbours {
     /// Springs of stiffness K_int between the cells of `shape`.
     ///
     /// # Errors
-    /// No cells, or fewer than three in a periodic direction; stiffness not above 0; more cells than fit in 16 GiB.
+    /// No cells, or fewer than three in a periodic direction; stiffness not above 0; more cells than fit in 1 TiB.
     pub fn new(shape: Shape, edges: Edges, stiffness: f64) -> Result<Self> {
         shape.check(edges)?;
         positive("stiffness", stiffness)?;

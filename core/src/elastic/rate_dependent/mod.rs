@@ -143,8 +143,9 @@ struct Stored {
 }
 
 impl RateDependentInterface {
-    /// The interface in balance with the present stretches of its contacts, at a mean position of 0 (weighted by area): at rest,
-    /// or, where contacts slide steadily, at their velocity, which must then be the same in all cells.
+    /// The interface in balance with the present stretches of its contacts, with a mean position of 0 (weighted by area) of the
+    /// cells that the drive pulls: at rest, or, where contacts slide steadily, at their velocity, which must then be the same in
+    /// all cells.
     ///
     /// # Errors
     /// Parameters that are not finite and above 0; a slip fraction outside [0, 1]; another number of cells than that of the

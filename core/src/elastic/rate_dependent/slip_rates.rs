@@ -32,7 +32,7 @@ impl SlipRates {
 
     /// The same record, continued with at most so many steps.
     pub(super) fn with_most(self, most: usize) -> Self {
-        Self { most, ..self }
+        Self { most: most.max(2), ..self }
     }
 
     /// Adds the next step, at this time and drive. If there are too many, every second one is left out, and from then on half
@@ -43,14 +43,14 @@ impl SlipRates {
         if !number.is_multiple_of(self.every) {
             return;
         }
-        if self.time.len() == self.most {
+        while self.time.len() >= self.most {
             self.every *= 2;
             thin(&mut self.time, 1);
             thin(&mut self.drive, 1);
             thin(&mut self.velocity, velocities.len());
-            if !number.is_multiple_of(self.every) {
-                return;
-            }
+        }
+        if !number.is_multiple_of(self.every) {
+            return;
         }
         self.time.push(time);
         self.drive.push(drive);
@@ -91,6 +91,20 @@ fn thin(values: &mut Vec<f64>, width: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_longer_record_is_continued_with_fewer_steps() {
+        let mut rates = SlipRates::new(100);
+        let add = |rates: &mut SlipRates, step: u32| {
+            rates.add(f64::from(step), 0.0, [f64::from(step)].into_iter());
+        };
+        (0..100).for_each(|step| add(&mut rates, step));
+        let mut rates = rates.with_most(5);
+        (100..200).for_each(|step| add(&mut rates, step));
+        let numbers: Vec<f64> = rates.steps().map(|number| number as f64).collect();
+        assert_eq!((rates.time(), rates.velocity()), (&*numbers, &*numbers));
+        assert!(numbers.len() <= 5, "{numbers:?}");
+    }
 
     #[test]
     fn steps_are_evenly_numbered_and_no_more_than_allowed() {

@@ -60,11 +60,12 @@ impl Lattice {
             self.unasked += ASK;
             return;
         }
-        self.end_generation(event);
+        self.end_generation(event, clocks);
     }
 
     /// Adds the sums of a generation to those of its avalanche. The contacts that follow are the next generation.
-    fn end_generation(&mut self, event: &mut OngoingAvalanche) {
+    fn end_generation(&mut self, event: &mut OngoingAvalanche, clocks: &mut impl Timekeeping) {
+        self.drop_unloaded(clocks);
         let OngoingGeneration { released, outward, .. } = std::mem::take(&mut event.generation);
         event.size += self.front.len() as u64;
         event.duration += 1;
@@ -75,6 +76,26 @@ impl Lattice {
         std::mem::swap(&mut self.front, &mut self.following);
         self.following.clear();
         self.released.clear();
+    }
+
+    /// Keeps of the contacts that follow those that are still at their thresholds, each once. A contact that re-forms with a larger
+    /// stretch than it broke with pulls its neighbours back, maybe after another neighbour has pushed them beyond their thresholds.
+    fn drop_unloaded(&mut self, clocks: &mut impl Timekeeping) {
+        if self.released.iter().all(|released| *released >= 0.0) {
+            return;
+        }
+        let limit = self.limit();
+        let Self { grid, births, born, ends, following, drive, .. } = self;
+        following.sort_unstable();
+        following.dedup();
+        following.retain(|&place| {
+            let place = place as usize;
+            let contact = || {
+                let number = grid.number(place);
+                (number, births.threshold(born, number))
+            };
+            ends[place] <= limit - clocks.jump(place, ends[place], *drive, contact)
+        });
     }
 
     /// Contacts of a part of the front break and re-form; returns the sum `all` plus the force that they release.
@@ -160,5 +181,43 @@ impl Lattice {
             }
         }
         self.minima.update(&self.ends);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::contacts::{Contacts, Initial};
+    use crate::ensemble::Disorder;
+    use crate::ensemble::lattice::clocks::Athermal;
+    use crate::ensemble::lattice::{Edges, LatticeCoupling, Shape};
+    use crate::law::Point;
+
+    /// One neighbour pushes a contact beyond its threshold, and another one pulls it back: in either order it does not break. A
+    /// third push that brings it there again lists it once.
+    #[test]
+    fn a_contact_that_is_pulled_back_does_not_follow() {
+        let contacts = Contacts::new(Arc::new(Point::new(1.0).unwrap()), Arc::new(Point::new(0.0).unwrap()));
+        let coupling = LatticeCoupling::with_alpha(Shape::Square([3, 3]), Edges::Open, 0.2);
+        for (released, follows) in [
+            ([0.3, -0.2, 0.0], false),
+            ([-0.2, 0.3, 0.0], false),
+            ([0.3, -0.2, 0.3], true),
+            ([-0.2, 0.3, 0.3], true),
+        ] {
+            let (contacts, initial) = (contacts.clone(), Initial::default());
+            let mut lattice = Lattice::new(contacts, initial, &coupling, 1, Disorder::Annealed).unwrap();
+            let middle = lattice.grid.place(4);
+            // Gains are 0.2 of what is released: 0.06, −0.04 and 0.06.
+            lattice.ends[middle] = lattice.drive + 0.05;
+            lattice.front = [1, 3, 5].map(|number| lattice.grid.place(number) as u32).to_vec();
+            lattice.released = released.to_vec();
+            lattice.distribute(0..3, 0.0, &mut Athermal);
+            lattice.drop_unloaded(&mut Athermal);
+            let expected = if follows { vec![middle as u32] } else { Vec::new() };
+            assert_eq!(lattice.following, expected, "{released:?}");
+        }
     }
 }

@@ -11,9 +11,9 @@ use crate::monitor::{Monitor, fits, report};
 use crate::shape::Shape;
 use crate::{Error, Result};
 
-/// Bytes per site beside those of a lattice without time: the clock of a contact, its next break, and the list of those that
-/// have changed.
-const BYTES: u64 = 72;
+/// Bytes per site beside those of a lattice without time: the clock of a contact and its next break, both twice while the velocity
+/// changes, and the list of those that have changed.
+const BYTES: u64 = 136;
 
 /// Contacts of which next breaks are computed between two questions to the monitor.
 const ASK: usize = 1 << 12;
@@ -76,8 +76,9 @@ impl Lattice {
                 clocks.draw(number);
             }
         }
+        lattice.schedule_all(&mut clocks, 0.0, monitor)?;
+        lattice.minima = Minima::new(&clocks.due);
         lattice.clocks = Some(Box::new(clocks));
-        lattice.schedule_all(monitor)?;
         Ok(lattice)
     }
 
@@ -125,25 +126,25 @@ impl Lattice {
     ///
     /// # Errors
     /// A velocity that is not a finite number, 0 or above; a lattice without time; one that was stopped within an avalanche; stopped by the
-    /// monitor, after which it is to be restored.
+    /// monitor, which leaves the velocity as it was.
     pub fn set_velocity_with(&mut self, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         not_negative("velocity", velocity)?;
         if self.ongoing.is_some() {
             return Err(Error::invalid("velocity", "none within an avalanche", velocity));
         }
-        let Some(clocks) = &mut self.clocks else { return Err(no_time("velocity", velocity)) };
+        let Some(mut clocks) = self.clocks.clone() else { return Err(no_time("velocity", velocity)) };
         for number in 0..self.grid.size() {
             if number % ASK == 0 {
                 report(monitor, 0.0)?;
             }
-            let place = self.grid.place(number) as u32;
-            clocks.count(site(&self.grid, &self.births, &self.born, &self.ends, place), self.drive);
+            clocks.count(self.site(number), self.drive);
         }
-        self.rebase();
-        if let Some(clocks) = &mut self.clocks {
-            clocks.set_velocity(velocity, self.drive);
-        }
-        self.schedule_all(monitor)
+        clocks.rebase(self.drive);
+        clocks.set_velocity(velocity, 0.0);
+        self.schedule_all(&mut clocks, self.drive, monitor)?;
+        self.clocks = Some(clocks);
+        self.rebase_drive();
+        Ok(())
     }
 
     /// The same without a monitor.
@@ -154,18 +155,21 @@ impl Lattice {
         self.set_velocity_with(velocity, &mut ())
     }
 
-    /// Computes the next breaks of all contacts.
-    fn schedule_all(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
-        let Some(clocks) = &mut self.clocks else { return Ok(()) };
+    /// Computes the next breaks of all contacts, with drives relative to `base`.
+    fn schedule_all(&self, clocks: &mut Clocks, base: f64, monitor: &mut dyn Monitor) -> Result<()> {
         for number in 0..self.grid.size() {
             if number % ASK == 0 {
                 report(monitor, 0.0)?;
             }
-            let place = self.grid.place(number) as u32;
-            clocks.schedule(site(&self.grid, &self.births, &self.born, &self.ends, place), self.drive);
+            let site = self.site(number);
+            clocks.schedule(Site { end: site.end - base, ..site }, self.drive - base);
         }
-        self.minima = Minima::new(&clocks.due);
         Ok(())
+    }
+
+    /// The site of a contact.
+    fn site(&self, number: usize) -> Site {
+        site(&self.grid, &self.births, &self.born, &self.ends, self.grid.place(number) as u32)
     }
 
     /// The numbers of which the least is the next break.

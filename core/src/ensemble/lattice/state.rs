@@ -125,11 +125,16 @@ impl Lattice {
     /// Moves the origin of the drive to the present one: otherwise stretches would lose digits as the drive
     /// grows.
     pub(super) fn rebase(&mut self) {
-        self.base += self.drive;
-        self.ends.iter_mut().for_each(|end| *end -= self.drive);
         if let Some(clocks) = &mut self.clocks {
             clocks.rebase(self.drive);
         }
+        self.rebase_drive();
+    }
+
+    /// The same where the clocks have it already.
+    pub(super) fn rebase_drive(&mut self) {
+        self.base += self.drive;
+        self.ends.iter_mut().for_each(|end| *end -= self.drive);
         self.drive = 0.0;
         self.minima = Minima::new(self.keys());
         self.stretch = self.sum();

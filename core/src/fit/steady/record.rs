@@ -1,9 +1,9 @@
 //! A record of the force in steady sliding, and its discrete Fourier transform.
 
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::error::{all_finite, as_many, positive};
+use crate::numerics::real_transform::RealTransform;
 use crate::{Error, Result};
 
 /// How far a position may be from its place in a record of equal spacing, in spacings: positions are written with few digits.
@@ -81,23 +81,20 @@ impl SteadyRecord {
 }
 
 /// Σ_j x_j e^{−2πijk/n} for k = 0 … n/2.
-pub(super) fn transform(mut values: Vec<f64>) -> Vec<Complex64> {
-    let plan = RealFftPlanner::new().plan_fft_forward(values.len());
-    let mut modes = plan.make_output_vec();
-    plan.process(&mut values, &mut modes).expect("buffers of the length of the plan");
-    modes
+pub(super) fn transform(values: Vec<f64>) -> Vec<Complex64> {
+    RealTransform::new(values.len()).spectrum(values)
 }
 
 /// The n real values whose [`transform`] is √n times `modes`.
 pub(super) fn inverse(mut modes: Vec<Complex64>, n: usize) -> Vec<f64> {
-    let plan = RealFftPlanner::new().plan_fft_inverse(n);
-    let mut values = plan.make_output_vec();
+    let plan = RealTransform::new(n);
+    let mut values = vec![0.0; n];
     // The first and, of an even number, the last are real.
     modes[0].im = 0.0;
     if n.is_multiple_of(2) {
         modes[n / 2].im = 0.0;
     }
-    plan.process(&mut modes, &mut values).expect("buffers of the length of the plan");
+    plan.inverse(&mut modes, &mut values, &mut plan.scratch());
     values.into_iter().map(|value| value / (n as f64).sqrt()).collect()
 }
 

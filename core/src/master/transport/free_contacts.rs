@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use crate::law::{Atom, SharedLaw};
+use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
 /// The distribution of free times.
@@ -118,23 +119,30 @@ impl FreeTimes {
         // D̄ is smooth in between, as seen from the start and from the end of the step.
         let edges = self.edges.iter().chain([&self.longest]);
         let mut cuts: Vec<f64> = edges.flat_map(|&edge| [edge, edge + now.duration]).collect();
+        // A long past, as that of steady sliding, is divided into the cells that resolve D̄.
+        let long = oldest - youngest > self.resolution;
+        if long {
+            cuts.extend(self.left.boundaries.iter().flat_map(|&edge| [edge, edge + now.duration]));
+        }
         // What breaks in the step itself is not there at its start.
         cuts.push(now.duration);
         cuts.retain(|&cut| cut > youngest && cut < oldest);
         cuts.extend([youngest, oldest]);
         cuts.sort_by(f64::total_cmp);
         for ends in cuts.windows(2).filter(|ends| ends[1] > ends[0]) {
-            let parts = ((ends[1] - ends[0]) / self.resolution).ceil().clamp(1.0, MOST_PARTS);
-            let part = (ends[1] - ends[0]) / parts;
-            for k in 0..parts as usize {
-                for (node, weight) in GAUSS_3 {
-                    let old = ends[0] + part * (k as f64 + 0.5 * (1.0 + node));
-                    let s = (now.duration - begun - old) / past.duration;
-                    let broken = 0.5 * part * weight * rate(s) / past.duration;
-                    let before = (old - now.duration).max(0.0);
-                    sum.end += broken * self.left.value(old);
-                    sum.integral += broken * (self.after.value(before) - self.after.value(old));
-                }
+            let part = ends[1] - ends[0];
+            let mut add = |node: f64, weight: f64| {
+                let old = ends[0] + part * (0.5 * (1.0 + node));
+                let s = (now.duration - begun - old) / past.duration;
+                let broken = 0.5 * part * weight * rate(s) / past.duration;
+                let before = (old - now.duration).max(0.0);
+                sum.end += broken * self.left.value(old);
+                sum.integral += broken * (self.after.value(before) - self.after.value(old));
+            };
+            if long {
+                RULE.nodes.iter().zip(&RULE.weights).for_each(|(node, weight)| add(*node, *weight));
+            } else {
+                GAUSS_3.iter().for_each(|&(node, weight)| add(node, weight));
             }
         }
         sum
@@ -152,6 +160,3 @@ impl FreeTimes {
 /// Nodes and weights of the Gauss rule with three points on [−1, 1].
 const GAUSS_3: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
-
-/// Parts of a past step in which D̄ varies: as many resolutions as a distribution has.
-const MOST_PARTS: f64 = 4096.0;

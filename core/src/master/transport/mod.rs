@@ -44,6 +44,7 @@ mod thermal;
 mod threshold_rule;
 mod trace;
 mod trial;
+mod under_load;
 
 use std::sync::Arc;
 
@@ -195,12 +196,7 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let mut transport = Self::empty(contacts, rule, tolerance, monitor)?;
-        let law = contacts.thresholds.as_ref();
-        let held = |x: f64| match initial.start {
-            Start::Conditional => 1.0,
-            Start::Relaxed => law.survival(x),
-        };
-        let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
+        let first = starting_seeds(contacts, initial, tolerance);
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
         transport.ages = transport.model.table().map(|_| ContactAges::fresh(held));
         transport.cohorts = Arc::new(transport.formed(&first, monitor)?);
@@ -645,14 +641,40 @@ fn tolerances(required: f64) -> Result<[f64; 2]> {
     Ok([fine, ROUGH * fine])
 }
 
+/// Error of a quadrature over stretches, in units of the tolerance.
+const PART: f64 = 0.01;
+
 /// The seeds of re-formed contacts. Results depend on the stretch of formation as on the time of formation
 /// within a step: smoothly, and where densities jump by as much as over half a step.
 fn reforming(contacts: &Contacts, tolerance: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
-    /// In units of the tolerance.
-    const PART: f64 = 0.01;
     let widest = widest(contacts).min(0.5 * step_control::coarsest(contacts, tolerance));
     let law = contacts.reforming.as_ref();
     seeds::fewest(law, contacts.highest_start(), widest, step_control::scale(contacts), PART * tolerance)
+}
+
+/// The seeds of the start, each weighted by the fraction of contacts that is left there. A conditional start has no contacts beyond
+/// the thresholds; in a relaxed one they break at once.
+fn starting_seeds(contacts: &Contacts, initial: &Initial, tolerance: f64) -> Vec<Seed> {
+    let (law, thresholds) = (initial.law.as_ref(), contacts.thresholds.as_ref());
+    let finest = 0.5 * step_control::coarsest(contacts, tolerance);
+    match initial.start {
+        Start::Conditional if finest < widest(contacts) => {
+            let (scale, error) = (step_control::scale(contacts), PART * tolerance);
+            let seeds = seeds::fewest(law, contacts.highest_start(), finest, scale, error);
+            seeds.into_iter().map(|(seed, _)| seed).collect()
+        }
+        Start::Conditional => seeds(law, contacts.highest_start(), (widest(contacts), &[]), |_| 1.0),
+        Start::Relaxed => {
+            // Where thresholds begin or end, or jump, the fraction that is left is not smooth.
+            let mut cuts: Vec<f64> = thresholds.breakpoints().iter().map(|b| b.position).collect();
+            cuts.extend(thresholds.atoms().iter().map(|atom| atom.position));
+            cuts.sort_by(f64::total_cmp);
+            let widest = (widest(contacts).min(finest), cuts.as_slice());
+            let highest = contacts.highest_start();
+            let left = |x: f64| if x < highest { thresholds.survival(x) } else { 0.0 };
+            seeds(law, f64::INFINITY, widest, left)
+        }
+    }
 }
 
 /// The widest cell of a distribution of stretches, limited by the scale of the thresholds.

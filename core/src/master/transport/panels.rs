@@ -30,6 +30,14 @@ impl LabelPanel {
         (0..count as u32).map(move |k| Self { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) })
     }
 
+    /// The panel in parts that end at the `cuts` inside it, which rise.
+    pub(super) fn cut(self, cuts: &[f64]) -> Vec<Self> {
+        let inside = cuts.iter().copied().filter(|cut| (self.low..self.high).contains(cut));
+        let edges: Vec<f64> = std::iter::once(self.low).chain(inside).chain([self.high]).collect();
+        let parts = edges.windows(2).filter(|ends| ends[0] < ends[1]);
+        parts.map(|ends| Self { low: ends[0], high: ends[1] }).collect()
+    }
+
     /// Gauss points with their weights.
     pub(super) fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));

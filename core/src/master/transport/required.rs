@@ -1,7 +1,7 @@
 //! Solutions to a required accuracy, repeated with smaller tolerances.
 
 use super::{Trace, Transport};
-use crate::history::History;
+use crate::history::{History, LoadedHistory};
 use crate::monitor::{Monitor, Part, Preparation};
 use crate::{Error, Result};
 
@@ -57,15 +57,50 @@ impl Transport {
         (tolerance, required): (f64, Option<f64>),
         monitor: &mut dyn Monitor,
     ) -> Result<Trace> {
-        let follow = |tolerance: f64, part: &mut Part<'_>| {
+        followed((tolerance, required), monitor, |tolerance, part| {
             let mut preparation = Preparation::new(part);
             let mut transport = build(tolerance, &mut preparation)?;
             let trace = transport.follow_with(history, times, &mut preparation.rest())?;
-            let excess = required.map_or(0.0, |required| trace.error / transport.unit() / required);
-            Ok(((trace, transport.unit()), excess))
-        };
-        let ((trace, unit), _) = as_required(tolerance, required.is_some(), monitor, follow)?;
-        trace.check(unit, required)?;
-        Ok(trace)
+            Ok((trace, transport.unit()))
+        })
     }
+
+    /// The same under a normal load that steps, as [`Transport::follow_under_load`]. `build` makes the contacts at the start, and
+    /// those that have just formed, which are followed from each rise of the load on.
+    ///
+    /// # Errors
+    /// Those of `build` and of [`Transport::follow_under_load`]; [`Error::Accuracy`] if the required accuracy is not reached.
+    pub fn follow_under_load_as_required(
+        mut build: impl FnMut(f64, &mut dyn Monitor) -> Result<[Self; 2]>,
+        (motion, times): (&LoadedHistory, &[f64]),
+        (tolerance, required): (f64, Option<f64>),
+        monitor: &mut dyn Monitor,
+    ) -> Result<Trace> {
+        followed((tolerance, required), monitor, |tolerance, part| {
+            let mut preparation = Preparation::new(part);
+            let [transport, fresh] = build(tolerance, &mut preparation)?;
+            let unit = transport.unit();
+            let trace = transport.follow_under_load(&fresh, motion, times, &mut preparation.rest())?;
+            Ok((trace, unit))
+        })
+    }
+}
+
+/// Repeats `follow`, which returns a trace and the unit of its force, until the trace is as accurate as required.
+///
+/// # Errors
+/// Those of `follow`; [`Error::Accuracy`] if the required accuracy is not reached.
+fn followed(
+    (tolerance, required): (f64, Option<f64>),
+    monitor: &mut dyn Monitor,
+    mut follow: impl FnMut(f64, &mut Part<'_>) -> Result<(Trace, f64)>,
+) -> Result<Trace> {
+    let solve = |tolerance: f64, part: &mut Part<'_>| {
+        let (trace, unit) = follow(tolerance, part)?;
+        let excess = required.map_or(0.0, |required| trace.error / unit / required);
+        Ok(((trace, unit), excess))
+    };
+    let ((trace, unit), _) = as_required(tolerance, required.is_some(), monitor, solve)?;
+    trace.check(unit, required)?;
+    Ok(trace)
 }

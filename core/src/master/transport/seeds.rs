@@ -21,16 +21,21 @@ pub(super) struct Seed {
 /// Fractions below this are dropped.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// The seeds of a distribution below `top`, on panels no wider than `widest`, each weighted by `held` at its
+/// The seeds of a distribution below `top`, on panels no wider than `widest` that end at the `cuts`, each weighted by `held` at its
 /// stretch: so many that they show the density.
 ///
 /// Cells of a panel end at the partial sums of the Gauss weights, between which the nodes lie (P. L.
 /// Chebyshev, A. A. Markov and T. J. Stieltjes).
-pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> f64) -> Vec<Seed> {
+pub(super) fn seeds(
+    law: &dyn Law,
+    top: f64,
+    (widest, cuts): (f64, &[f64]),
+    held: impl Fn(f64) -> f64,
+) -> Vec<Seed> {
     let point_mass =
         |a: Atom| Seed { stretch: a.position, weight: a.weight, below: 0.0, above: 0.0, number: None };
     let mut seeds: Vec<Seed> = law.atoms().into_iter().map(point_mass).collect();
-    for panel in panels(law, widest) {
+    for panel in panels(law, widest).into_iter().flat_map(|panel| panel.cut(cuts)) {
         let mut edge = panel.low;
         for (stretch, width) in panel.points() {
             let (below, above) = (stretch - edge, edge + width - stretch);
@@ -59,7 +64,7 @@ pub(super) fn fewest(
     length: f64,
     error: f64,
 ) -> Vec<(Seed, Vec<StretchInterval>)> {
-    let fine = seeds(law, top, widest, |_| 1.0);
+    let fine = seeds(law, top, (widest, &[]), |_| 1.0);
     let (points, spread): (Vec<Seed>, Vec<Seed>) =
         fine.into_iter().partition(|seed| seed.below + seed.above == 0.0);
     let mut seeds: Vec<_> = points.into_iter().map(|seed| (seed, Vec::new())).collect();
@@ -158,7 +163,7 @@ mod tests {
                     .into_iter()
                     .map(|(seed, _)| seed)
                     .collect();
-                let all = seeds(law.as_ref(), top, widest, |_| 1.0);
+                let all = seeds(law.as_ref(), top, (widest, &[]), |_| 1.0);
                 for centre in [0.0, 0.2, 0.5, 1.0, 2.0] {
                     let sum = |seeds: &[Seed]| -> f64 {
                         let term = |s: &Seed| s.weight * (-((s.stretch - centre) / length).powi(2)).exp();

@@ -21,6 +21,8 @@ pub struct Trace {
     pub breaking_rate: Vec<f64>,
     /// The fraction of free contacts.
     pub free: Vec<f64>,
+    /// Normal load relative to that at the start. Where it steps there are two readings at one time, before and after the step.
+    pub relative_normal_load: Vec<f64>,
     /// Estimate of the largest error of F, on the safe side: the difference to F at sixteen times the
     /// tolerance.
     pub error: f64,
@@ -29,8 +31,11 @@ pub struct Trace {
 impl Trace {
     /// The readings at these times, which are times of the trace.
     pub(crate) fn at(&self, times: &[f64]) -> Self {
-        let place = |time: &f64| self.time.partition_point(|t| t < time).min(self.time.len() - 1);
-        let places: Vec<usize> = times.iter().map(place).collect();
+        let places = |time: &f64| {
+            let first = self.time.partition_point(|t| t < time).min(self.time.len() - 1);
+            first..self.time.partition_point(|t| t <= time).max(first + 1)
+        };
+        let places: Vec<usize> = times.iter().flat_map(places).collect();
         let of = |values: &[f64]| places.iter().map(|&i| values[i]).collect();
         Self {
             time: of(&self.time),
@@ -39,6 +44,7 @@ impl Trace {
             force: of(&self.force),
             breaking_rate: of(&self.breaking_rate),
             free: of(&self.free),
+            relative_normal_load: of(&self.relative_normal_load),
             error: self.error,
         }
     }
@@ -67,5 +73,6 @@ impl Trace {
         self.force.push(stiffness * reading.force + reading.free * friction.at(velocity));
         self.breaking_rate.push(reading.rate);
         self.free.push(reading.free);
+        self.relative_normal_load.push(1.0);
     }
 }

@@ -415,7 +415,9 @@ impl March<'_> {
         let (middle, half) = self.mesh.cell(cell);
         let truncation = tail(&RULE.coefficients(values));
         let rounding = rounding(values, middle / half);
-        if truncation > self.accuracy.density.max(rounding) && truncation * half > self.accuracy.mass {
+        let resolved =
+            truncation <= self.accuracy.density.max(rounding) || truncation * half <= self.accuracy.mass;
+        if !resolved {
             return None;
         }
         // An error of the density on a narrow cell matters by its mass only.

@@ -11,6 +11,10 @@ use super::contacts::{BrokenContacts, DrivenContacts};
 use super::in_time::LoadPointMotion;
 use super::model::DrivenInterface;
 
+/// How far below the end of a piece its time may be, relative to it, when the drive has reached that end: a few roundings of
+/// products and quotients of the velocity.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Contacts coupled one by one on a lattice, in time.
 #[derive(Debug)]
 pub struct DrivenContactsInTime {
@@ -131,7 +135,8 @@ impl DrivenInterface for DrivenContactsInTime {
                 LoadPointMotion::History(history) => history,
             };
             let lattice = &mut self.contacts.lattice;
-            let piece = history.piece_at(lattice.time());
+            // A time that was reached along the drive is right to rounding.
+            let piece = history.piece_at(lattice.time() * (1.0 + ROUNDING));
             let end = history.knots()[piece + 1].0.min(to);
             let velocity = history.pieces()[piece].velocity;
             if lattice.velocity() != Some(velocity) {

@@ -423,6 +423,9 @@ pub struct Sliding {
     pub regime: SlidingKind,
     /// The reason for that classification, in words.
     pub reason: String,
+    /// Whether the slider moved in time. Its numbers are then right to some 1e-4, and to some 1e-10 otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub timed: bool,
     /// Number of slips.
     #[schemars(extend("x-dimension" = "1"))]
     pub slips: usize,
@@ -504,13 +507,15 @@ impl Sliding {
 
     /// The summary of a motion in time.
     pub fn in_time(run: &Slide) -> Self {
-        Self::of_regime(run.regime, run.slips.len(), run.slips.first().map(|slip| slip.before.point()))
+        let first = run.slips.first().map(|slip| slip.before.point());
+        Self { timed: true, ..Self::of_regime(run.regime, run.slips.len(), first) }
     }
 
     fn of_regime(regime: Regime, slips: usize, first: Option<Point>) -> Self {
         let mut sliding = Self {
             regime: SlidingKind::Undecided,
             reason: regime.to_string(),
+            timed: false,
             slips,
             period: None,
             mean_drop: None,

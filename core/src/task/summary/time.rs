@@ -18,6 +18,9 @@ pub struct ProtocolStep {
     /// Velocity at the beginning of a ramp.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_from: Option<f64>,
+    /// Normal load relative to that at the start of the protocol, if it is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_normal_load: Option<f64>,
     /// Position X at its start; of the load point beside a `[block]`.
     pub position: f64,
     /// Duration of the step.
@@ -189,6 +192,11 @@ pub struct HealingCurve {
 }
 
 impl ProtocolStep {
+    /// The normal load in it, relative to that at the start of the protocol.
+    pub fn load(&self) -> f64 {
+        self.relative_normal_load.unwrap_or(1.0)
+    }
+
     /// Whether the compared curve was read as a velocity step.
     pub fn is_measured(&self) -> bool {
         self.measured.is_some() || self.measured_spring.is_some()

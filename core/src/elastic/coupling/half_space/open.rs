@@ -35,12 +35,12 @@ impl OpenEdges {
         let sides = sides(shape);
         let mut weights = match shape {
             Shape::Chain(length) => (0..length).map(along_a_chain).collect(),
-            Shape::Square(sides) => sqrt_laplacian(sides),
+            Shape::Square(sides) => sqrt_laplacian(sides, monitor)?,
         };
         weights.iter_mut().for_each(|weight| *weight *= stiffness.columns);
         let excess = stiffness.excess();
         if matches!(shape, Shape::Square(_)) && excess != 0.0 {
-            let rows = row_share_of_sqrt_laplacian(sides);
+            let rows = row_share_of_sqrt_laplacian(sides, monitor)?;
             weights.iter_mut().zip(&rows).for_each(|(weight, row)| *weight += excess * row);
         }
         let pairs = Pairs::new(sides, &weights, monitor)?;
@@ -183,7 +183,9 @@ mod tests {
     #[test]
     fn poisson_ratios_end_where_the_third_cell_is_pulled_back() {
         const SIDE: usize = 100;
-        let [all, rows] = [sqrt_laplacian([SIDE; 2]), row_share_of_sqrt_laplacian([SIDE; 2])];
+        let sides = [SIDE; 2];
+        let weights = [sqrt_laplacian(sides, &mut ()), row_share_of_sqrt_laplacian(sides, &mut ())];
+        let [all, rows] = weights.map(Result::unwrap);
         let ends = |sign: f64| {
             let far = |place: &usize| sign * rows[*place] < 0.0;
             let bound = |place: usize| (all[place] / rows[place].abs(), place);
