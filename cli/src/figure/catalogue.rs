@@ -14,7 +14,6 @@ use super::grid::Grid;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
 /// Bins per decade.
 const PER_DECADE: f64 = 8.0;
 /// Largest number of slides for which the force before and after is shown.
@@ -50,7 +49,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     legend.extend(catalogue.law.map(|law| style::line(fitted_text(&law), BLUE, None)));
     if plots.len() > 2 {
-        legend.push(style::line("Poisson process", GREY, Some(DASHES)));
+        legend.push(style::line("Poisson process", GREY, Some(style::DASHES)));
     }
     let grid = Grid::new(rows, 2, (page.width / 2.0, page.height(300.0)))
         .with_structure([vec![vec![0, 1]], lower].concat())
@@ -158,7 +157,7 @@ fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> 
     let layout = logarithmic((0.7 * points[0].0, 1.5 * last), (0.4 * low, 2.5 * high.max(1.0)))
         .with_x_label("Interval to the next event / mean interval")
         .with_y_label("Probability density");
-    let mut plots = vec![line(chance, GREY, 1.4, Some(DASHES))];
+    let mut plots = vec![line(chance, GREY, 1.4, Some(style::DASHES))];
     plots.extend(counted(&points, 0.4 * low, ORANGE));
     Some((plots, layout))
 }

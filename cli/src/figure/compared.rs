@@ -11,8 +11,6 @@ use super::curve::{Point, curve, line};
 use super::style::{self, BLACK, BLUE, Page, RED};
 use super::{measured, velocity_step};
 
-const DASHES: &str = "8 5";
-
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     record.get("time")?;
@@ -41,9 +39,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     ];
     for (lines, color, words) in fits {
         if !lines.is_empty() {
-            legend.push(style::line(words, color, Some(DASHES)));
+            legend.push(style::line(words, color, Some(style::DASHES)));
         }
-        plots.extend(lines.into_iter().map(|points| -> Plot { line(points, color, 1.6, Some(DASHES)) }));
+        plots.extend(
+            lines.into_iter().map(|points| -> Plot { line(points, color, 1.6, Some(style::DASHES)) }),
+        );
     }
     Some(measured::placed(outcome, page, (plots, layout), "compared_position", legend))
 }

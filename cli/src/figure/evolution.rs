@@ -16,8 +16,6 @@ use super::{legend, ticks};
 const PANELS: usize = 24;
 /// Smallest fraction of contacts with a density that sets the scale of a panel.
 const SMOOTH: f64 = 0.02;
-/// Height of the label of the lowest axes.
-const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
 /// Left and right margins, so that the axes of a column begin and end together.
 const SIDES: (f64, f64) = (62.0, 18.0);
@@ -25,7 +23,7 @@ const SIDES: (f64, f64) = (62.0, 18.0);
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let snapshots = record.values("snapshot")?;
-    let shown = chosen(snapshots.len());
+    let shown = style::chosen(snapshots.len(), PANELS);
     let end = end(record)?;
     let (columns, rows) = grid(shown.len());
     let panels: Option<Vec<_>> = shown.iter().map(|&s| panel(outcome, s, end)).collect();
@@ -36,17 +34,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let title = page.heading_of_some(&outcome.summary.title, some, "snapshots");
     let grid = Grid::new(rows, columns, (page.width / columns as f64, height))
         .with_title(title)
-        .with_row_height(rows - 1, height + LABEL);
+        .with_row_height(rows - 1, height + style::LABEL_HEIGHT);
     let panels: Vec<usize> = (0..plots.len()).collect();
     Some(legend::placed(ticks::panels(grid, plots, layouts), &entries(outcome), &panels))
-}
-
-/// The snapshots that are drawn: all, or an even selection with the first and the last.
-fn chosen(count: usize) -> Vec<usize> {
-    if count <= PANELS {
-        return (0..count).collect();
-    }
-    (0..PANELS).map(|i| i * (count - 1) / (PANELS - 1)).collect()
 }
 
 fn grid(panels: usize) -> (usize, usize) {
@@ -118,7 +108,7 @@ fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<V
     let lowest = (layouts.len() - 1) / columns * columns;
     let label = |(i, layout): (usize, Layout)| {
         let layout = if i >= lowest {
-            layout.with_x_label(&x).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)
+            layout.with_x_label(&x).with_force_margins_y(MARGINS.0, MARGINS.1 + style::LABEL_HEIGHT)
         } else {
             layout
         };

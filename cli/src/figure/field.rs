@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use kuva::plot::{ColorMap, Heatmap};
-use kuva::render::layout::Layout;
+use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
-use super::{fitting::whole_step, style};
+use super::{fitting::whole_step, magnitude, style};
 
 /// Largest number of cells of a picture.
 const MOST: usize = 300_000;
+
+/// Font size of the numbers of a colour scale.
+const BAR_TICKS: u32 = 11;
 
 /// Size of a cell over its room. Cells of size 1 would overlap.
 const WHOLE: f64 = 1.0 - 1e-9;
@@ -90,23 +93,54 @@ pub fn bar(scale: (f64, f64), colours: &ColorMap, label: &str) -> (Vec<Plot>, La
     let plot = Plot::Heatmap(heatmap(data, scale, colours, (ACROSS, scale)));
     // No tick below it.
     let layout = axes(ACROSS, scale).with_x_tick_step(1.0);
-    (vec![plot], layout.with_y_label(label).with_tick_size(11).with_label_size(13))
+    (vec![plot], layout.with_y_label(label).with_tick_size(BAR_TICKS).with_label_size(13))
 }
 
-/// The range of all values, a little wider if they are equal.
+/// The range of all values, a wider one if they are equal but for rounding.
 pub fn scale(values: &[f64]) -> (f64, f64) {
+    /// Largest difference of equal values over the largest of them.
+    const ROUNDING: f64 = 1e-9;
     let (low, high) = style::range([values]);
-    if high > low { (low, high) } else { (low - 0.5, low + 0.5) }
+    let largest = low.abs().max(high.abs());
+    if high - low > ROUNDING * largest {
+        return (low, high);
+    }
+    // Of small values a part, which is seen in the numbers of the scale.
+    let half = if largest > 0.0 { 0.5 * largest.min(1.0) } else { 0.5 };
+    (low - half, low + half)
+}
+
+/// Room for the numbers along a vertical axis and for its label, in numbers of this size.
+pub fn room((low, high): (f64, f64), ticks: &TickFormat, size: f64) -> f64 {
+    /// Width of a digit, and of what stands beside the numbers.
+    const DIGIT: f64 = 0.64;
+    const BESIDE: f64 = 2.6;
+    // The largest power of ten below the distance of two ticks.
+    let step = 10f64.powf((0.2 * (high - low)).log10().floor());
+    let first = (low / step).round();
+    let places = (0..100).map(|i| (first + f64::from(i)) * step).take_while(|place| *place < high);
+    let TickFormat::Custom(text) = ticks else { return 0.0 };
+    let longest = places.map(|place| text(place).chars().count()).max().unwrap_or(0);
+    size * (BESIDE + DIGIT * longest as f64)
+}
+
+/// Width of the panel of a colour scale of these ends: at least this, and more where its numbers are long.
+pub fn bar_width(least: f64, ends: (f64, f64)) -> f64 {
+    /// Least width of the colours and of what is on their right.
+    const COLOURS: f64 = 26.0;
+    least.max(room(ends, &style::numbers(ends), f64::from(BAR_TICKS)) + COLOURS)
 }
 
 /// Draws rows upward. The plot library scales colours to the range of the values; this is undone, so that panels agree.
 fn heatmap(
-    data: Vec<Vec<f64>>,
+    mut data: Vec<Vec<f64>>,
     scale: (f64, f64),
     colours: &ColorMap,
     (x, y): ((f64, f64), (f64, f64)),
 ) -> Heatmap {
     let (low, high) = style::range(data.iter().map(Vec::as_slice));
+    let factor = magnitude::linear((low, high));
+    data.iter_mut().flatten().for_each(|value| *value *= factor);
     let colours = colours.clone();
     let colour = move |part: f64| {
         let value = low + part * (high - low);

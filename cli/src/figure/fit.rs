@@ -13,10 +13,9 @@ use super::grid::Grid;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-/// Heights of the panels, and of the label of the lowest axis.
+/// Heights of the panels.
 const HEIGHT: f64 = 340.0;
 const RESIDUALS: f64 = 150.0;
-const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (14.0, 24.0);
 /// Largest number of edges of the band.
 const EDGES: usize = 600;
@@ -51,7 +50,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let ends = style::range([position]);
     let heights = [low_edge.as_slice(), high_edge.as_slice()].into_iter().chain(measured);
     let (low, high) = style::range(heights);
-    let heights = if low < 0.0 { (1.08 * low, style::headroom(high)) } else { style::heights(low, high) };
+    let heights = style::heights(low, high);
     let above = panel(ends, heights).with_y_label(style::axis(
         outcome,
         "Friction force F",
@@ -83,13 +82,16 @@ pub fn stacked(
     legend: Vec<LegendEntry>,
 ) -> Option<Scene> {
     let (plots, lowest) = panels.pop()?;
-    panels.push((plots, lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)));
+    panels.push((
+        plots,
+        lowest.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + style::LABEL_HEIGHT),
+    ));
     let rows = panels.len();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
     let heights = [HEIGHT, RESIDUALS].map(|height| page.height(height));
     let grid = Grid::new(rows, 1, (page.width, heights[0]))
         .with_title(page.heading(&outcome.summary.title))
-        .with_row_height(rows - 1, heights[rows - 1] + LABEL)
+        .with_row_height(rows - 1, heights[rows - 1] + style::LABEL_HEIGHT)
         .with_spacing(4.0);
     Some(legend::placed(ticks::panels(grid, plots, layouts), &legend, &[0]))
 }
@@ -109,9 +111,5 @@ pub fn below(ends: (f64, f64), position: &[f64], whitened: &[f64]) -> (Plots, La
 
 /// One of the panels, between these ends.
 pub fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
-    style::layout(x, y)
-        .with_force_margins_y(MARGINS.0, MARGINS.1)
-        .with_force_margins(style::SIDES.0, style::SIDES.1)
-        .with_tick_size(11)
-        .with_label_size(13)
+    style::stacked(style::layout(x, y), MARGINS, style::SIDES)
 }

@@ -14,7 +14,6 @@ use super::{legend, ticks};
 const BINS: f64 = 24.0;
 /// Largest number of points of the line.
 const POINTS: usize = 3000;
-const DASHES: &str = "8 5";
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
@@ -40,8 +39,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     ];
     let ends = style::decades(q);
     if floor > bottom {
-        plots.push(line(curve(&[ends.0, ends.1], &[floor, floor]), GREY, 1.4, Some(DASHES)));
-        legend.push(style::line("error of a reading", GREY, Some(DASHES)));
+        plots.push(line(curve(&[ends.0, ends.1], &[floor, floor]), GREY, 1.4, Some(style::DASHES)));
+        legend.push(style::line("error of a reading", GREY, Some(style::DASHES)));
     }
     let heights = (bottom, 2.0 * high);
     let layout = style::layout(ends, heights).with_log_scale();

@@ -43,11 +43,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     ];
     let ends = style::decades(velocity);
     let logarithmic = |layout: Layout| layout.with_log_x().with_x_tick_format(style::powers(ends));
-    let heights = if heights.0 < 0.0 {
-        (1.08 * heights.0, style::headroom(heights.1))
-    } else {
-        style::heights(heights.0, heights.1)
-    };
+    let heights = style::heights(heights.0, heights.1);
     let above = panel(ends, heights).with_y_label(style::axis(
         outcome,
         "Kinetic friction F_k",

@@ -12,6 +12,8 @@ const BEYOND: f64 = 1.2;
 const LINE: f64 = 1.17;
 /// The smallest font size of labels.
 const SMALLEST: f64 = 8.0;
+/// What the plot library leaves free at the edge of a picture of several panels.
+const EDGE: f64 = 10.0;
 /// As many letters in a line as its own breaks leave.
 const UNBROKEN: usize = usize::MAX;
 
@@ -37,7 +39,21 @@ pub fn upright(mut layout: Layout) -> Layout {
     }
     let labels = [layout.y_label.as_deref(), layout.y2_label.as_deref()];
     layout.label_size = smaller(layout.label_size, labels, within(axis, margins));
-    Side::Left.with_labels_apart(layout, axis)
+    beside(Side::Left.with_labels_apart(layout, axis))
+}
+
+/// A layout whose label on the left is beside those of the ticks: the plot library leaves room for those of about five ticks, which
+/// may be shorter than others.
+fn beside(mut layout: Layout) -> Layout {
+    /// What the room for the labels of ticks may lack.
+    const LACKING: f64 = 8.0;
+    let drawn = ComputedLayout::from_layout(&layout);
+    let lacking = Side::Left.widest(&layout) - drawn.y_tick_label_px;
+    if lacking > LACKING && layout.force_margin_left.is_none() && layout.y_label.is_some() {
+        layout.force_margin_left = Some(drawn.margin_left + lacking);
+        layout.y_label_offset.0 -= lacking;
+    }
+    layout
 }
 
 /// A layout of known size with a label of two lines below a horizontal axis that is shorter, and ticks whose labels do not touch.
@@ -58,15 +74,30 @@ pub fn has_two_lines(label: Option<&str>) -> bool {
     label.is_some_and(|label| label.contains('\n'))
 }
 
-/// The left margin that a label of two lines needs; none where the label has one.
+/// The left margin that the label of the axis and those of its ticks need; none where there is room for one line, or no label.
 pub fn needed_on_the_left(layout: &Layout) -> Option<f64> {
     /// What the plot library leaves between the axis, its ticks, their labels and that of the axis, and at the edge.
     const BETWEEN: f64 = 16.0;
-    if !has_two_lines(layout.y_label.as_deref()) {
-        return None;
-    }
+    /// What it leaves at the edge at least, and the part of a line of letters that reaches from there to the axis.
+    const LEAST: f64 = 8.0;
+    const LETTERS: f64 = 0.74;
+    /// Least distance of the letters of both, and a better one.
+    const APART: (f64, f64) = (1.0, 4.0);
+    let label = layout.y_label.as_deref().filter(|label| !label.is_empty())?;
     let drawn = ComputedLayout::from_layout(layout);
-    Some(BETWEEN + drawn.y_tick_label_px + 2.0 * line(layout.label_size))
+    if has_two_lines(Some(label)) {
+        return Some(BETWEEN + drawn.y_tick_label_px + 2.0 * line(layout.label_size));
+    }
+    let letters = LEAST + LETTERS * f64::from(layout.label_size) + Side::Left.widest(layout);
+    let taken = letters + drawn.tick_label_margin;
+    (taken + APART.0 > drawn.margin_left).then_some(taken + APART.1)
+}
+
+/// The right margin that the last label below the axis needs; none where it ends within the margin.
+pub fn needed_on_the_right(layout: &Layout) -> Option<f64> {
+    let drawn = ComputedLayout::from_layout(layout);
+    let beyond = Side::Below.beyond(layout, drawn.plot_width());
+    (beyond > drawn.margin_right + EDGE).then_some(beyond)
 }
 
 /// The height of a line of letters of this size.
@@ -100,7 +131,7 @@ fn smaller(usual: u32, labels: [Option<&str>; 2], room: f64) -> u32 {
 
 /// A label that is longer than the room for it in two lines, the longer of which is as short as possible.
 fn broken(label: Option<&str>, size: f64, room: f64) -> Option<String> {
-    let label = label.filter(|label| letters::width(label, size) > room)?;
+    let label = label.filter(|label| !has_two_lines(Some(label)) && letters::width(label, size) > room)?;
     // A key of a scenario has no spaces: its first line ends with a dot.
     let has_spaces = label.contains(' ');
     let halves = label.match_indices(if has_spaces { ' ' } else { '.' });
@@ -152,6 +183,36 @@ mod tests {
         let upright =
             |size| fitted(axis((0.0, 1.0), 660.0).with_y_tick_step(0.1).with_tick_size(size)).y_tick_step;
         assert_eq!([8, 20].map(upright), [Some(0.1), Some(0.2)]);
+    }
+
+    #[test]
+    fn margins_are_wider_where_labels_are_long() {
+        let upright = |ends: (f64, f64)| {
+            let layout =
+                super::super::style::layout((0.0, 1.0), ends).with_y_label("Velocity").with_height(200.0);
+            needed_on_the_left(&layout.with_width(660.0).with_force_margins(82.0, 16.0))
+        };
+        assert_eq!(upright((0.0, 1.0)), None);
+        assert!(upright((0.0, 8e-13)).is_some_and(|margin| margin > 90.0));
+        let level = |end: f64| needed_on_the_right(&axis((0.0, end), 660.0).with_force_margins(82.0, 16.0));
+        assert_eq!(level(1.0), None);
+        // The last label is centred at the end of the axis.
+        let half = 0.5 * letters::width("2.5 × 10⁻¹⁰", 13.0);
+        assert!(level(2.5e-10).is_some_and(|margin| (margin - half).abs() < 1e-6));
+    }
+
+    #[test]
+    fn the_label_of_an_axis_is_beside_all_labels_of_ticks() {
+        let single = |ends: (f64, f64)| {
+            let layout = super::super::style::layout((0.0, 1.0), ends).with_y_label("Force");
+            let layout = fitted(layout.with_width(660.0).with_height(480.0));
+            let drawn = ComputedLayout::from_layout(&layout);
+            let room = drawn.margin_left - drawn.tick_label_margin - Side::Left.widest(&layout);
+            (room, layout.y_label_offset.0)
+        };
+        let (usual, long) = (single((0.0, 1.0)), single((5.1999998e-10, 5.2000002e-10)));
+        assert_eq!(usual.1, 0.0);
+        assert!(long.0 > usual.0 - 8.0, "{long:?} {usual:?}");
     }
 
     #[test]

@@ -15,7 +15,6 @@ use super::{legend, measured, ticks};
 
 /// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 160;
-const DASHES: &str = "8 5";
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
@@ -140,9 +139,9 @@ fn frictions(
     let Some(friction) = summary.numbers.friction() else { return };
     let ends = [position[0], position[position.len() - 1]];
     let kinetic = ends.map(|x| (x, friction.kinetic_friction)).to_vec();
-    plots.push(line(kinetic, GREY, 1.4, Some(DASHES)));
+    plots.push(line(kinetic, GREY, 1.4, Some(style::DASHES)));
     let label = format!("kinetic {}", style::with_unit(friction.kinetic_friction, &unit));
-    legend.push(style::line(label, GREY, Some(DASHES)));
+    legend.push(style::line(label, GREY, Some(style::DASHES)));
     if let StaticFriction::Reached { force, position } = friction.static_friction {
         let point = ScatterPlot::new()
             .with_data([(position, force + ABOVE * height)])

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use asperity::scenario::{Figure, FigureFormat};
 use krilla_svg::{SurfaceExt, SvgSettings};
 use kuva::backend::svg::SvgBackend;
-use kuva::render::render::Scene;
+use kuva::render::render::{Primitive, Scene};
 use usvg::{Tree, fontdb};
 
 use super::clip::cut;
@@ -59,15 +59,16 @@ pub fn check(style: &Figure) -> Result<(), String> {
 /// A picture without clip paths, and what is made of it.
 pub struct Picture<'a> {
     scene: Scene,
-    title: &'a str,
+    title: String,
     style: &'a Figure,
     svg: OnceLock<String>,
 }
 
 impl<'a> Picture<'a> {
     /// A picture with this title, which is not typeset.
-    pub fn new(scene: Scene, title: &'a str, style: &'a Figure) -> Self {
-        Self { scene: cut(scene), title, style, svg: OnceLock::new() }
+    pub fn new(scene: Scene, title: &str, style: &'a Figure) -> Self {
+        let scene = with_readable_texts(cut(scene));
+        Self { scene, title: readable(title), style, svg: OnceLock::new() }
     }
 
     /// The picture in a format.
@@ -88,7 +89,7 @@ impl<'a> Picture<'a> {
     }
 
     fn text(&self) -> String {
-        let Self { title, style, .. } = *self;
+        let Self { title, style, .. } = self;
         let scene = fields_as_images(&self.scene, style.grey);
         let drawn = typography::typeset(&SvgBackend::new().render_scene(&scene), title);
         let (width, height) = (scene.width, scene.height);
@@ -109,9 +110,29 @@ impl<'a> Picture<'a> {
             (None, None) => 1.0 / PER_INCH,
             (wide, _) => wide.unwrap_or(USUAL) / MM_PER_INCH / self.scene.width,
         };
-        let dots = Dots { scale: unit * dpi, dpi, grey, title: self.title };
+        let dots = Dots { scale: unit * dpi, dpi, grey, title: &self.title };
         dots::png(&self.scene, &dots).map_err(|error| error.to_string())
     }
+}
+
+/// The picture without the letters that no file can hold.
+fn with_readable_texts(mut scene: Scene) -> Scene {
+    for element in &mut scene.elements {
+        if let Primitive::Text { content, .. } = element {
+            *content = readable(content);
+        }
+    }
+    scene
+}
+
+/// A text without the control characters that XML does not allow.
+fn readable(text: &str) -> String {
+    let is_allowed = |c: &char| match c {
+        '\t' | '\n' | '\r' => true,
+        '\u{FFFE}' | '\u{FFFF}' => false,
+        c => !c.is_control(),
+    };
+    text.chars().filter(is_allowed).collect()
 }
 
 /// The picture with other attributes in the place of its width and height, which stand together in its first tag.

@@ -16,7 +16,6 @@ use super::style::{self, BLUE, ORANGE, Plots, RED};
 
 /// Points of the line of a front speed.
 const FINE: u32 = 200;
-const DASHES: &str = "8 5";
 
 /// The panel of the largest event, and what its lines are.
 pub struct Largest {
@@ -54,9 +53,11 @@ pub fn largest_event(outcome: &Outcome, along: &Advance<'_>, cells: usize) -> Op
             let places = (0..=FINE).map(|i| begin + (end - begin) * f64::from(i) / f64::from(FINE));
             let reached = places.map(|distance| (distance, middle.1 + (distance - middle.0) / speed));
             let reached = reached.filter(|point| point.1 >= first);
-            plots.extend(row.lines(epicentre, sign, reached).map(|part| line(part, RED, 1.6, Some(DASHES))));
+            plots.extend(
+                row.lines(epicentre, sign, reached).map(|part| line(part, RED, 1.6, Some(style::DASHES))),
+            );
             let words = format!("front to the {name}: {}", in_words(outcome, speed));
-            entries.push(style::line(words, RED, Some(DASHES)));
+            entries.push(style::line(words, RED, Some(style::DASHES)));
         }
     }
     if let Some(speed) = outcome.summary.numbers.catalogue()?.wave_speed {

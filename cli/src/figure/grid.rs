@@ -57,7 +57,8 @@ impl Grid {
         let mut layouts: Vec<Layout> = layouts.map(fitting::upright).collect();
         (0..self.widths.len()).for_each(|column| self.widen_left(column, &mut layouts));
         let before: Vec<f64> = layouts.iter().map(bottom).collect();
-        let mut layouts: Vec<Layout> = layouts.into_iter().map(fitting::level).collect();
+        let layouts = layouts.into_iter().map(fitting::level).collect();
+        let mut layouts = self.widened_right(layouts);
         (0..self.heights.len()).for_each(|row| self.widen_below(row, &before, &mut layouts));
         (self.figure(), layouts)
     }
@@ -89,7 +90,7 @@ impl Grid {
         layout.with_width(width).with_height(extent(&self.heights, &|cell| cell / columns))
     }
 
-    /// Gives the panels of a column, which begin together, room for two lines on the left, if one has them.
+    /// Gives the panels of a column, which begin together, room for the labels on the left.
     fn widen_left(&self, column: usize, layouts: &mut [Layout]) {
         let columns = self.widths.len();
         let begins =
@@ -101,6 +102,20 @@ impl Grid {
             let margin = &mut layouts[panel].force_margin_left;
             *margin = margin.map(|margin| margin.max(room));
         }
+    }
+
+    /// Gives the panels of the last column, which end together, room for the last label below, if it reaches beyond the picture.
+    fn widened_right(&self, mut layouts: Vec<Layout>) -> Vec<Layout> {
+        let columns = self.widths.len();
+        let ends = |panel: &usize| self.structure[*panel].iter().any(|cell| cell % columns == columns - 1);
+        let panels: Vec<usize> = (0..layouts.len()).filter(ends).collect();
+        let needed = |&panel: &usize| fitting::needed_on_the_right(&layouts[panel]);
+        let Some(room) = panels.iter().filter_map(needed).reduce(f64::max) else { return layouts };
+        for panel in panels {
+            let margin = &mut layouts[panel].force_margin_right;
+            *margin = margin.map(|margin| margin.max(room));
+        }
+        layouts.into_iter().map(fitting::level).collect()
     }
 
     /// Gives the panels of a row, which end together, room for two lines below, if one has them. Their frames keep their heights.

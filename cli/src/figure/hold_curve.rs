@@ -10,7 +10,6 @@ use super::measured;
 use super::smooth::along_logarithm;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 
-const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
@@ -57,13 +56,13 @@ fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<
         let force = |t: f64| at_one + slope * ((t + cutoff) / (1.0 + cutoff)).log10();
         let time = |k: u32| ends[0] * (ends[1] / ends[0]).powf(f64::from(k) / f64::from(POINTS));
         let fitted = (0..=POINTS).map(time).map(|t| (t, force(t))).collect();
-        plots.push(line(fitted, GREY, 1.4, Some(DASHES)));
+        plots.push(line(fitted, GREY, 1.4, Some(style::DASHES)));
         let time = outcome.summary.units.label(Quantity::Time);
         let from =
             read.healing_cutoff.map(|cutoff| format!(", cutoff time {}", style::with_unit(cutoff, &time)));
         let words =
             format!("healing {} per decade{}", style::with_unit(slope, &unit), from.unwrap_or_default());
-        legend.push(style::line(words, GREY, Some(DASHES)));
+        legend.push(style::line(words, GREY, Some(style::DASHES)));
     }
     plots.push(line(ends.map(|t| (t, read.kinetic_friction)).to_vec(), GREY, 1.4, Some(DOTS)));
     let words = format!("kinetic {}", style::with_unit(read.kinetic_friction, &unit));

@@ -9,7 +9,6 @@ use super::curve::{Point, computed, line};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
 /// Points of a fitted law.
 const POINTS: u32 = 200;
 
@@ -46,8 +45,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         return None;
     }
     let (x, y) = (ends(|point| point.0), ends(|point| point.1));
-    plots.push(line(vec![(x.0, 1.0), (x.1, 1.0)], GREY, 1.4, Some(DASHES)));
-    labels.push(style::line("mean rate", GREY, Some(DASHES)));
+    plots.push(line(vec![(x.0, 1.0), (x.1, 1.0)], GREY, 1.4, Some(style::DASHES)));
+    labels.push(style::line("mean rate", GREY, Some(style::DASHES)));
     let layout = style::layout(x, y)
         .with_log_scale()
         .with_x_tick_format(style::powers(x))

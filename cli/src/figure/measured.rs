@@ -11,10 +11,9 @@ use super::grid::Grid;
 use super::style::{self, GREEN, GREY, Page, Plots};
 use super::{legend, ticks};
 
-/// Heights of the panels, and of the label of the lower axis.
+/// Heights of the panels.
 const HEIGHT: f64 = 340.0;
 pub const RESIDUALS: f64 = 130.0;
-const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (14.0, 24.0);
 const DOTS: &str = "2 4";
 /// Size of points where there are few of them, and where there are many.
@@ -77,11 +76,12 @@ pub fn with_residuals(
     (lower.log_x, lower.x_tick_format) = (layout.log_x, layout.x_tick_format.clone());
     let grid = Grid::new(2, 1, (page.width, above))
         .with_title(page.heading(&outcome.summary.title))
-        .with_row_height(1, below + LABEL)
+        .with_row_height(1, below + style::LABEL_HEIGHT)
         .with_spacing(4.0);
-    let mut upper = panel(layout, sides, 0.0);
+    let mut upper = style::stacked(layout, MARGINS, sides);
     (upper.title, upper.x_label) = (None, None);
-    let lower = panel(lower.with_x_label(label), sides, LABEL);
+    let lower =
+        style::stacked(lower.with_x_label(label), (MARGINS.0, MARGINS.1 + style::LABEL_HEIGHT), sides);
     legend::placed(ticks::panels(grid, vec![plots, residuals], vec![upper, lower]), &legend, &[0])
 }
 
@@ -94,12 +94,4 @@ pub fn panel_of_residuals(outcome: &Outcome, ends: (f64, f64), residuals: Vec<Po
     // As many ticks as above: those of the positions are the same.
     let layout = style::layout(ends, (-top, top)).with_y_label(words.unwrap_or_default());
     (vec![zero, points(residuals)], layout)
-}
-
-fn panel(layout: Layout, sides: (f64, f64), label: f64) -> Layout {
-    layout
-        .with_force_margins_y(MARGINS.0, MARGINS.1 + label)
-        .with_force_margins(sides.0, sides.1)
-        .with_tick_size(11)
-        .with_label_size(13)
 }

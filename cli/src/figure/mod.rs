@@ -27,6 +27,7 @@ mod grid;
 mod hold_curve;
 mod legend;
 mod letters;
+mod magnitude;
 mod main_shocks;
 mod measured;
 mod png_file;

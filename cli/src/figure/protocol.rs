@@ -14,8 +14,6 @@ use super::{legend, ticks};
 /// Heights of the panels of velocity and force.
 const HEIGHTS: (f64, f64) = (150.0, 330.0);
 const MARGINS: (f64, f64) = (12.0, 24.0);
-/// Height of the label of the lower axis.
-const LABEL: f64 = 26.0;
 /// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 160;
 /// Ratio of the highest velocity to the lowest one above 0 from which on the axis is logarithmic, and the most that is shown.
@@ -33,7 +31,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (above, below) = (velocity(outcome)?, force(outcome)?);
     let grid = Grid::new(2, 1, (page.width, page.height(HEIGHTS.0)))
         .with_title(page.heading(&outcome.summary.title))
-        .with_row_height(1, page.height(HEIGHTS.1) + LABEL);
+        .with_row_height(1, page.height(HEIGHTS.1) + style::LABEL_HEIGHT);
     let scene = ticks::panels(grid, vec![above.0, below.0], vec![above.1, below.1]);
     Some(legend::placed(scene, &entries(outcome), &[1]))
 }
@@ -58,19 +56,14 @@ fn velocity(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let velocity: Vec<f64> = velocity.iter().map(shown).collect();
     let plots = vec![line(thinned(steps(time, &velocity)), GREEN, 1.8, None)];
     let (low, high) = style::range([velocity.as_slice()]);
-    let heights = axis.unwrap_or((1.08 * low.min(0.0), style::headroom(high)));
+    let heights = axis.unwrap_or_else(|| style::from_zero(low, high));
     let layout = style::layout((0.0, *time.last()?), heights);
     let layout = match axis {
         Some(ends) => layout.with_log_y().with_y_tick_format(style::some_powers(ends, LABELS)),
         None => layout.with_ticks(4),
     };
-    let layout = layout
-        .with_y_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
-        .with_force_margins_y(MARGINS.0, MARGINS.1)
-        .with_force_margins(style::SIDES.0, style::SIDES.1)
-        .with_tick_size(11)
-        .with_label_size(13);
-    Some((plots, layout))
+    let layout = layout.with_y_label(style::axis(outcome, "Velocity v", record.get("velocity")?));
+    Some((plots, style::stacked(layout, MARGINS, style::SIDES)))
 }
 
 /// The ends of a logarithmic axis, if velocities span decades. A slider at rest is below the lower one.
@@ -107,10 +100,6 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     }
     let layout = style::layout((0.0, *time.last()?), style::heights(low, high))
         .with_x_label(style::axis(outcome, "Time t", record.get("time")?))
-        .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?))
-        .with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)
-        .with_force_margins(style::SIDES.0, style::SIDES.1)
-        .with_tick_size(11)
-        .with_label_size(13);
-    Some((plots, layout))
+        .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?));
+    Some((plots, style::stacked(layout, (MARGINS.0, MARGINS.1 + style::LABEL_HEIGHT), style::SIDES)))
 }

@@ -8,7 +8,6 @@ use super::curve::{Counted, counted, line};
 use super::style::{self, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
 /// Fewest bins with events that are drawn.
 const FEWEST: usize = 3;
 /// Bins per decade.
@@ -31,11 +30,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (low, high) = (points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min), first.1);
     let guide = vec![(first.0, first.1), (last, first.1 * (last / first.0).powf(SWEPT))];
     let guide = clipped(guide, 0.5 * low);
-    let mut plots: Plots = vec![line(guide, GREY, 1.4, Some(DASHES))];
+    let mut plots: Plots = vec![line(guide, GREY, 1.4, Some(style::DASHES))];
     plots.extend(counted(&points, 0.5 * low, ORANGE));
     let legend = vec![
         style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle),
-        style::line("slope −5/2: mean field, integrated up to instability", GREY, Some(DASHES)),
+        style::line("slope −5/2: mean field, integrated up to instability", GREY, Some(style::DASHES)),
     ];
     let (widths, heights) = ((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high));
     let layout = style::layout(widths, heights).with_log_scale();

@@ -7,12 +7,12 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::advance::Advance;
-use super::field::{self, Field, bar, scale};
+use super::field::{self, Field, bar, bar_width, scale};
 use super::grid::Grid;
 use super::style::{self, Page, Plots};
 use super::{front_lines, legend, slipped, ticks};
 
-/// Width of the panel of the colour scale.
+/// Least width of the panel of the colour scale.
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
 
@@ -34,11 +34,12 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
         structure.push(vec![2]);
     }
     let rows = if structure.len() > 2 { 2 } else { 1 };
-    let grid = Grid::new(rows, 2, (page.width - BAR, page.height(260.0)))
+    let width = bar_width(BAR, ends);
+    let grid = Grid::new(rows, 2, (page.width - width, page.height(260.0)))
         .with_structure(structure)
         .with_title(page.heading(&outcome.summary.title))
         .with_row_height(0, page.height(HEIGHT))
-        .with_column_width(1, BAR);
+        .with_column_width(1, width);
     Some(legend::placed(ticks::panels(grid, plots, layouts), &entries, &[2]))
 }
 

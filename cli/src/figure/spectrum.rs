@@ -10,8 +10,9 @@ use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
+/// Most multiples of the wave number of breaks that are marked: of more none is, for they would cover all else.
+const MARKS: f64 = 100.0;
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (record, noise) = (&outcome.record, outcome.summary.numbers.noise()?);
@@ -22,8 +23,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let (bottom, top) = (low.min(tail(last)) / 2.0, high * 2.0);
     let mut plots = Plots::new();
     let breaks = std::f64::consts::TAU / noise.mean_life;
-    for multiple in (1..).map(f64::from).map(|k| k * breaks).take_while(|&mark| mark < last) {
-        plots.push(line(vec![(multiple, bottom), (multiple, top)], GREY, 1.0, Some(DOTS)));
+    let are_marked = last / breaks < MARKS;
+    if are_marked {
+        for mark in (1..).map(f64::from).map(|k| k * breaks).take_while(|&mark| mark < last) {
+            plots.push(line(vec![(mark, bottom), (mark, top)], GREY, 1.0, Some(DOTS)));
+        }
     }
     let mut legend = vec![style::line(format!("{} contacts, exact", style::digits(noise.size)), BLUE, None)];
     if let (Some(q), Some(found)) =
@@ -38,9 +42,11 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     plots.push(Plot::Scatter(at_zero.with_marker(MarkerShape::Diamond)));
     legend.push(style::marker(format!("S(0) = {}", style::digits(spectrum[0])), BLUE, MarkerShape::Diamond));
     let falling: Vec<_> = q.iter().map(|&q| (q, tail(q))).filter(|point| point.1 <= top).collect();
-    plots.push(line(falling, GREY, 1.4, Some(DASHES)));
-    legend.push(style::line("breaks of single contacts, 1/q²", GREY, Some(DASHES)));
-    legend.push(style::line("multiples of 2π per life of a contact", GREY, Some(DOTS)));
+    plots.push(line(falling, GREY, 1.4, Some(style::DASHES)));
+    legend.push(style::line("breaks of single contacts, 1/q²", GREY, Some(style::DASHES)));
+    if are_marked {
+        legend.push(style::line("multiples of 2π per life of a contact", GREY, Some(DOTS)));
+    }
     let layout = style::layout((0.0, last), (bottom, top))
         .with_log_y()
         .with_y_tick_format(style::powers((bottom, top)));

@@ -10,7 +10,6 @@ use super::curve::{Point, errors, line};
 use super::style::{self, BLACK, BLUE, GREY, ORANGE, Page, Plots, RED};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
 /// Values of `stick_slip`, their names and colours.
@@ -41,10 +40,10 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     let (low, high) = style::range([stiffnesses]);
     let air = (high / low).powf(0.06);
-    let ends = (low / air, high * air);
+    let ends = style::with_labels((low / air, high * air));
     for (name, words, color, dashes) in [
         ("persistent_stiffness", "end of persistent stick-slip", RED, None),
-        ("critical_stiffness", "K_c of the first pull", GREY, Some(DASHES)),
+        ("critical_stiffness", "K_c of the first pull", GREY, Some(style::DASHES)),
         ("critical_stiffness_sliding", "K_c of steady sliding", BLACK, Some(DOTS)),
     ] {
         let Some(values) = record.values(name) else { continue };

@@ -13,7 +13,6 @@ use super::curve::{Point, curve, line, spread};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
 /// Largest number of markers of the ensemble.
 const MARKERS: usize = 300;
 
@@ -66,8 +65,12 @@ fn traces(outcome: &Outcome, page: Page, names: (&str, &str), words: (&str, &str
         outcome.summary.numbers.friction().map(|f| f.kinetic_friction).filter(|k| *k < high)
     {
         let unit = outcome.summary.units.label(Quantity::Force);
-        plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));
-        legend.push(style::line(format!("kinetic {}", style::with_unit(kinetic, &unit)), GREY, Some(DASHES)));
+        plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(style::DASHES)));
+        legend.push(style::line(
+            format!("kinetic {}", style::with_unit(kinetic, &unit)),
+            GREY,
+            Some(style::DASHES),
+        ));
     }
     let layout = page
         .titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)

@@ -10,8 +10,6 @@ use super::curve::{Point, computed, line};
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots, RED};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
-
 /// The answers, their names and colours.
 const ANSWERS: [(&str, &str, &str); 3] = [
     ("ensemble_none", "no stick-slip", GREY),
@@ -79,7 +77,7 @@ fn limits(
     }
     if is_inside(found.persistent_stiffness) {
         let points = vec![(found.persistent_stiffness, 0.0), (found.persistent_stiffness, 1.0)];
-        plots.push(line(points, RED, 1.4, Some(DASHES)));
-        legend.push(style::line("end of persistence, N → ∞", RED, Some(DASHES)));
+        plots.push(line(points, RED, 1.4, Some(style::DASHES)));
+        legend.push(style::line("end of persistence, N → ∞", RED, Some(style::DASHES)));
     }
 }

@@ -6,7 +6,7 @@ use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
 use super::advance::Advance;
-use super::field::{self, Field, bar, scale};
+use super::field::{self, Field, bar, bar_width, scale};
 use super::fitting::whole_step;
 use super::grid::Grid;
 use super::style::{self, Page, Plots};
@@ -14,7 +14,7 @@ use super::ticks;
 
 /// Largest number of panels; if there are more maps, some are left out.
 const PANELS: usize = 6;
-/// Width of the panel of the colour scale, and its least height.
+/// Least width and height of the panel of the colour scale.
 const BAR: (f64, f64) = (95.0, 60.0);
 /// Margins of a panel: left and right, above and below.
 const SIDES: (f64, f64) = (56.0, 10.0);
@@ -31,11 +31,12 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let force = record.get("cell_force")?;
     let sides = [record.length("row")?, record.length("column")?];
     let along = Advance::of(record)?;
-    let shown = chosen(along.maps.len());
+    let shown = style::chosen(along.maps.len(), PANELS);
     let size = sides[0] * sides[1];
     let values = |map: usize| &force.values[map * size..][..size];
     let ends = scale(&shown.iter().flat_map(|&map| values(map)).copied().collect::<Vec<_>>());
-    let Arranged { columns, rows, map, air } = arranged(page, sides, shown.len());
+    let bar_width = bar_width(BAR.0, ends);
+    let Arranged { columns, rows, map, air } = arranged(page.width - bar_width, sides, shown.len());
     let panel = |&map: &usize| -> (Plots, Layout) {
         let field =
             Field { values: values(map), sides, x: (0.0, sides[1] as f64), y: (0.0, sides[0] as f64) };
@@ -56,7 +57,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let grid = Grid::new(rows, columns + 1, (map.0 + SIDES.0 + SIDES.1, map.1 + air + MARGINS.0 + MARGINS.1))
         .with_structure(structure(rows, columns))
         .with_title(page.heading_of_some(&outcome.summary.title, [shown.len(), along.maps.len()], "maps"))
-        .with_column_width(columns, BAR.0);
+        .with_column_width(columns, bar_width);
     Some(ticks::panels(grid, plots, layouts))
 }
 
@@ -86,10 +87,10 @@ struct Arranged {
     air: f64,
 }
 
-/// Maps of square cells in up to three columns, fewer where they would be small.
-fn arranged(page: Page, [rows, columns]: [usize; 2], maps: usize) -> Arranged {
+/// Maps of square cells in up to three columns of this width together, fewer where they would be small.
+fn arranged(width: f64, [rows, columns]: [usize; 2], maps: usize) -> Arranged {
     let square = rows as f64 / columns as f64;
-    let across = |columns: usize| (page.width - BAR.0) / columns as f64 - SIDES.0 - SIDES.1;
+    let across = |columns: usize| width / columns as f64 - SIDES.0 - SIDES.1;
     let is_large = |&columns: &usize| {
         let across = across(columns);
         across >= LEAST.0 && across * square >= LEAST.1
@@ -100,14 +101,6 @@ fn arranged(page: Page, [rows, columns]: [usize; 2], maps: usize) -> Arranged {
     let height = (across(columns) * square).min(TALLEST);
     let air = if rows == 1 { (BAR.1 - height).max(0.0) } else { 0.0 };
     Arranged { columns, rows, map: (height / square, height), air }
-}
-
-/// The maps that are drawn: all, or an even selection with the first and the last.
-fn chosen(count: usize) -> Vec<usize> {
-    if count <= PANELS {
-        return (0..count).collect();
-    }
-    (0..PANELS).map(|i| i * (count - 1) / (PANELS - 1)).collect()
 }
 
 /// Arranges panels row by row, with the colour scale next to the first row.

@@ -24,10 +24,15 @@ pub const WIDTH: f64 = 660.0;
 pub const HEIGHT: f64 = 480.0;
 /// Font size of the labels of axes, in units of the canvas.
 pub const LABELS: f64 = 15.0;
+/// Height of the label of the lowest of several panels.
+pub const LABEL_HEIGHT: f64 = 26.0;
 /// Left and right margins of panels above each other, so that their axes begin and end together.
 pub const SIDES: (f64, f64) = (82.0, 16.0);
 /// The same with an axis on the right.
 pub const TWO_SIDES: (f64, f64) = (82.0, 66.0);
+
+/// Dashes of lines.
+pub const DASHES: &str = "8 5";
 
 /// The canvas of a picture. Its unit is a fraction of the font size, so that large letters leave less room.
 #[derive(Debug, Clone, Copy)]
@@ -261,7 +266,7 @@ pub fn decades(values: &[f64]) -> (f64, f64) {
 }
 
 /// A logarithmic axis that contains two of 1, 2 and 5 times powers of ten, which have labels on a short one.
-fn with_labels((low, high): (f64, f64)) -> (f64, f64) {
+pub fn with_labels((low, high): (f64, f64)) -> (f64, f64) {
     // Others have no logarithms, or no powers of ten beside them.
     if !(low > 1e-300 && high < 1e300) {
         return (low, high);
@@ -283,11 +288,22 @@ const SMALL: f64 = 0.5;
 
 /// The range of a vertical axis: from 0, unless the curves would then look flat.
 pub fn heights(low: f64, high: f64) -> (f64, f64) {
+    if high <= 0.0 && low < 0.0 {
+        let (low, high) = heights(-high, -low);
+        // 0 less 0 has no sign.
+        return (-high, 0.0 - low);
+    }
     if low > SMALL * high {
         let air = 0.3 * (high - low);
         return (low - air, high + air);
     }
-    (1.08 * low.min(0.0), headroom(high))
+    from_zero(low, high)
+}
+
+/// The range of a vertical axis that 0 is on.
+pub fn from_zero(low: f64, high: f64) -> (f64, f64) {
+    let is_negative = high <= 0.0 && low < 0.0;
+    (1.08 * low.min(0.0), if is_negative { 0.0 } else { headroom(high) })
 }
 
 /// Ticks of a logarithmic axis: powers of ten; decimals on a short axis near 1, which has ticks between them.
@@ -318,6 +334,23 @@ pub fn power(exponent: f64) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
     format!("{exponent:.0}").chars().map(raise).fold("10".into(), |text, c| text + &c.to_string())
+}
+
+/// So many indices of a row of panels at most: all, or an even selection with the first and the last.
+pub fn chosen(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|i| i * (count - 1) / (most - 1)).collect()
+}
+
+/// One of several panels above each other with these upper and lower margins, whose axes begin and end together.
+pub fn stacked(layout: Layout, (above, below): (f64, f64), sides: (f64, f64)) -> Layout {
+    layout
+        .with_force_margins_y(above, below)
+        .with_force_margins(sides.0, sides.1)
+        .with_tick_size(11)
+        .with_label_size(13)
 }
 
 /// Plots in the order in which they are drawn.

@@ -9,7 +9,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 
 use super::curve::{curve, errors, line};
-use super::field::{self, Field, bar, scale};
+use super::field::{self, Field, bar, room, scale};
 use super::grid::Grid;
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Page, Plots, RED};
 use super::sweep_label::label;
@@ -188,20 +188,6 @@ fn powers(value: f64) -> String {
     let digits = short(value);
     let scientific = digits.parse().map_or(digits, |rounded: f64| format!("{rounded:e}"));
     style::typeset_number(&scientific).unwrap_or(scientific)
-}
-
-/// Room for the numbers along a vertical axis and for its label, in numbers of this size.
-fn room((low, high): (f64, f64), ticks: &TickFormat, size: f64) -> f64 {
-    /// Width of a digit, and of what stands beside the numbers.
-    const DIGIT: f64 = 0.64;
-    const BESIDE: f64 = 2.6;
-    // The largest power of ten below the distance of two ticks.
-    let step = 10f64.powf((0.2 * (high - low)).log10().floor());
-    let first = (low / step).round();
-    let places = (0..100).map(|i| (first + f64::from(i)) * step).take_while(|place| *place < high);
-    let TickFormat::Custom(text) = ticks else { return 0.0 };
-    let longest = places.map(|place| text(place).chars().count()).max().unwrap_or(0);
-    size * (BESIDE + DIGIT * longest as f64)
 }
 
 /// The values row by row, in rising order along both sides.

@@ -7,6 +7,7 @@ use asperity::task::summary::{
 };
 use asperity_runner::output::{Attachment, Outcome};
 
+mod extremes;
 mod interface;
 
 use interface::lattice;
@@ -541,6 +542,7 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
         duration: 20.0,
         pieces: None,
         velocity_from: None,
+        relative_normal_load: None,
         force: 0.45,
         peak: Peak { force: 0.5, position: 20.0 },
         kinetic_friction: Some(0.45),

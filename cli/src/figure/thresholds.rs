@@ -11,8 +11,6 @@ use super::smooth::smooth;
 use super::style::{self, BLUE, GREY, ORANGE, Page, Plots};
 use super::{legend, ticks};
 
-const DASHES: &str = "8 5";
-
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let record = &outcome.record;
     let found = outcome.summary.numbers.renormalisation()?;
@@ -21,8 +19,8 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let mean_field = record.values("mean_field_density");
     let curve =
         |density: &[f64]| smooth(&drive.iter().copied().zip(density.iter().copied()).collect::<Vec<Point>>());
-    let mut plots: Plots = vec![line(curve(free), GREY, 1.8, Some(DASHES))];
-    let mut legend = vec![style::line("thresholds, P_c", GREY, Some(DASHES))];
+    let mut plots: Plots = vec![line(curve(free), GREY, 1.8, Some(style::DASHES))];
+    let mut legend = vec![style::line("thresholds, P_c", GREY, Some(style::DASHES))];
     if let Some(density) = mean_field {
         plots.push(line(curve(density), BLUE, 2.0, None));
         legend.push(style::line(format!("mean field, κ = {}", style::digits(found.coupling)), BLUE, None));

@@ -22,13 +22,9 @@ pub enum Side {
 impl Side {
     /// A layout with as many ticks on an axis of this length as have room for their labels.
     pub fn with_labels_apart(self, layout: Layout, axis: f64) -> Layout {
-        let (ends, is_logarithmic) = match self {
-            Self::Below => (layout.x_axis_min.zip(layout.x_axis_max), layout.log_x),
-            Self::Left => (layout.y_axis_min.zip(layout.y_axis_max), layout.log_y),
-        };
-        match ends {
-            Some(ends) if is_logarithmic => self.sparse(layout, ends, axis),
-            Some(ends) => self.stepped(layout, ends, axis),
+        match self.ends(&layout) {
+            Some((ends, true)) => self.sparse(layout, ends, axis),
+            Some((ends, false)) => self.stepped(layout, ends, axis),
             None => layout,
         }
     }
@@ -63,6 +59,44 @@ impl Side {
             layout = self.with_format(layout, every_power(usual.clone(), every));
         }
         layout
+    }
+
+    /// The width of the widest label.
+    pub fn widest(self, layout: &Layout) -> f64 {
+        let labels = self.values(layout).into_iter().map(|value| self.format(layout).format(value));
+        labels.map(|label| letters::width(&label, f64::from(layout.tick_size))).fold(0.0, f64::max)
+    }
+
+    /// By how much the last label reaches beyond the end of an axis of this length.
+    pub fn beyond(self, layout: &Layout, axis: f64) -> f64 {
+        let Some(((low, high), is_logarithmic)) = self.ends(layout) else { return 0.0 };
+        let values = self.values(layout);
+        let mut labels = values.into_iter().map(|value| (value, self.format(layout).format(value)));
+        let Some((value, label)) = labels.rfind(|label| !label.1.is_empty()) else { return 0.0 };
+        let left = match is_logarithmic {
+            true => (high / value).log10() / (high / low).log10(),
+            false => (high - value) / (high - low),
+        };
+        0.5 * self.extent(&label, f64::from(layout.tick_size)) - axis * left
+    }
+
+    /// The values of the ticks.
+    fn values(self, layout: &Layout) -> Vec<f64> {
+        let Some(((low, high), is_logarithmic)) = self.ends(layout) else { return Vec::new() };
+        if is_logarithmic {
+            return generate_ticks_log(low, high);
+        }
+        let usual = || compute_tick_step(low, high, self.ticks(layout));
+        generate_ticks_with_step(low, high, self.step(layout).unwrap_or_else(usual))
+    }
+
+    /// The ends of the axis, and whether it is logarithmic.
+    fn ends(self, layout: &Layout) -> Option<((f64, f64), bool)> {
+        let (ends, is_logarithmic) = match self {
+            Self::Below => (layout.x_axis_min.zip(layout.x_axis_max), layout.log_x),
+            Self::Left => (layout.y_axis_min.zip(layout.y_axis_max), layout.log_y),
+        };
+        Some((ends?, is_logarithmic))
     }
 
     /// Whether the labels of ticks at these places touch each other.

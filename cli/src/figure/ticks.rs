@@ -11,6 +11,7 @@ use kuva::render::render::{Primitive, Scene, render_multiple, render_twin_y};
 
 use super::fitting::fitted;
 use super::grid::Grid;
+use super::magnitude::{drawable, drawable_twin};
 use super::style::Plots;
 
 /// Length of minor ticks over that of the others.
@@ -31,6 +32,7 @@ pub fn panel(plots: Plots, layout: Layout) -> Scene {
 
 /// The same where the coordinates along x or y may be decimal logarithms.
 pub fn panel_of_exponents(plots: Plots, layout: Layout, exponents: [bool; 2]) -> Scene {
+    let (plots, layout) = drawable(plots, layout);
     let layout = fitted(layout);
     let axes = [Axes::of(&layout).raised(exponents)];
     divided(render_multiple(plots, layout), &axes)
@@ -38,6 +40,7 @@ pub fn panel_of_exponents(plots: Plots, layout: Layout, exponents: [bool; 2]) ->
 
 /// A picture of one panel with two vertical axes.
 pub fn twin(left: Plots, right: Plots, layout: Layout) -> Scene {
+    let (left, right, layout) = drawable_twin(left, right, layout);
     let layout = fitted(layout);
     let axes = [Axes::of(&layout)];
     divided(render_twin_y(left, right, layout), &axes)
@@ -56,6 +59,8 @@ pub fn panels_of_exponents(
     layouts: Vec<Layout>,
     exponents: &[[bool; 2]],
 ) -> Scene {
+    let (plots, layouts): (Vec<Plots>, Vec<Layout>) =
+        plots.into_iter().zip(layouts).map(|(plots, layout)| drawable(plots, layout)).unzip();
     let (figure, layouts) = grid.fitted(layouts);
     let drawn = plots.iter().zip(layouts.iter().zip(exponents)).filter(|(plots, _)| !plots.is_empty());
     let axes: Vec<Axes> = drawn.map(|(_, (layout, exponents))| Axes::of(layout).raised(*exponents)).collect();

@@ -39,7 +39,8 @@ pub fn typeset(svg: &str, title: &str) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    let marks = [('&', "&amp;"), ('<', "&lt;"), ('>', "&gt;"), ('"', "&quot;"), ('\'', "&apos;")];
+    marks.into_iter().fold(text.to_owned(), |text, (mark, escaped)| text.replace(mark, escaped))
 }
 
 fn font_size(tag: &str) -> f64 {
@@ -211,6 +212,13 @@ mod tests {
         ] {
             assert_eq!(numbers(text), expected);
         }
+    }
+
+    /// The plot library writes quotation marks as entities, too.
+    #[test]
+    fn a_title_with_quotation_marks_stays_as_it_is() {
+        let svg = "<text font-size=\"15\">&quot;X&quot; &amp; F&apos;</text>";
+        assert_eq!(typeset(svg, "\"X\" & F'"), svg);
     }
 
     #[test]

@@ -10,7 +10,6 @@ use super::measured;
 use super::smooth::along_logarithm;
 use super::style::{self, GREY, ORANGE, Page, Plots};
 
-const DASHES: &str = "8 5";
 const DOTS: &str = "2 4";
 
 pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
@@ -35,7 +34,7 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     }
     plateaus(outcome, velocity, (low, high), &mut plots, &mut legend);
     for (name, dashes, words) in [
-        ("creep_friction", DASHES, "slow creep, closed form"),
+        ("creep_friction", style::DASHES, "slow creep, closed form"),
         ("viscous_friction", DOTS, "viscous flow, closed form"),
     ] {
         if forms.contains(&name) {
@@ -65,7 +64,7 @@ fn draw(
     let record = &outcome.record;
     let mut forms = Vec::new();
     let color: &str = &style::colours(outcome.summary.numbers.limits().len())[row];
-    for (name, dashes) in [("creep_friction", DASHES), ("viscous_friction", DOTS)] {
+    for (name, dashes) in [("creep_friction", style::DASHES), ("viscous_friction", DOTS)] {
         let Some(values) = part(record, name, velocity.len(), row) else { continue };
         for piece in below(&along_logarithm(velocity, values), top) {
             if piece.iter().any(|point| point.1 > bottom) {

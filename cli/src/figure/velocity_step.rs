@@ -14,13 +14,11 @@ use super::{legend, measured, ticks};
 
 /// Largest number of steps.
 const STEPS: usize = 4;
-/// Height of a panel, and of the label of the lowest axis.
+/// Height of a panel.
 const HEIGHT: f64 = 240.0;
-const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
 /// Upper margin of a panel without a title.
 const UNTITLED: f64 = 10.0;
-const DASHES: &str = "8 5";
 /// Displacement shown before a step, as a fraction of that after it.
 const BEFORE: f64 = 0.1;
 
@@ -32,9 +30,9 @@ pub fn scene(outcome: &Outcome, page: Page) -> Option<Scene> {
     let label = style::axis(outcome, "Displacement since the step", outcome.record.get("position")?);
     let lowest = layouts.pop()?;
     let (top, bottom) = (lowest.force_margin_top?, lowest.force_margin_bottom?);
-    layouts.push(lowest.with_x_label(label).with_force_margins_y(top, bottom + LABEL));
+    layouts.push(lowest.with_x_label(label).with_force_margins_y(top, bottom + style::LABEL_HEIGHT));
     let mut heights: Vec<f64> = layouts.iter().map(|layout| page.height(height(layout))).collect();
-    *heights.last_mut()? += LABEL;
+    *heights.last_mut()? += style::LABEL_HEIGHT;
     let forces: Vec<usize> = (0..layouts.len()).filter(|&panel| layouts[panel].title.is_some()).collect();
     let grid = Grid::new(layouts.len(), 1, (page.width, page.height(HEIGHT)))
         .with_title(page.heading(&outcome.summary.title));
@@ -51,13 +49,13 @@ fn height(layout: &Layout) -> f64 {
 fn entries(outcome: &Outcome) -> Vec<LegendEntry> {
     let mut entries = vec![
         style::line("master equation", BLUE, None),
-        style::line("rate-and-state fit", RED, Some(DASHES)),
+        style::line("rate-and-state fit", RED, Some(style::DASHES)),
     ];
     if outcome.record.get("compared_force").is_some() {
         entries.push(measured::entry());
     }
     if outcome.summary.numbers.steps().iter().any(ProtocolStep::is_measured) {
-        entries.push(style::line("fit of measured", BLACK, Some(DASHES)));
+        entries.push(style::line("fit of measured", BLACK, Some(style::DASHES)));
     }
     entries
 }
@@ -91,9 +89,9 @@ fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Ve
     let air = 0.1 * (high - low);
     let plots = vec![
         measured::points(compared),
-        line(compared_fit, BLACK, 1.6, Some(DASHES)),
+        line(compared_fit, BLACK, 1.6, Some(style::DASHES)),
         line(computed, BLUE, 2.0, None),
-        line(fitted, RED, 1.6, Some(DASHES)),
+        line(fitted, RED, 1.6, Some(style::DASHES)),
     ];
     let speed =
         |v: f64| style::with_unit(v, &outcome.summary.units.label(asperity::record::Quantity::Velocity));
@@ -102,21 +100,12 @@ fn panels(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<Ve
         .with_title_size(12)
         .with_y_label(style::axis(outcome, "Friction force F", outcome.record.get("force")?))
         .with_ticks(4);
-    Some([(plots, placed(layout, MARGINS.0))].into_iter().chain(residuals).collect())
+    Some([(plots, style::stacked(layout, MARGINS, style::SIDES))].into_iter().chain(residuals).collect())
 }
 
 fn panel_of_residuals(outcome: &Outcome, ends: (f64, f64), residuals: Vec<Point>) -> (Plots, Layout) {
     let (plots, layout) = measured::panel_of_residuals(outcome, ends, thinned(residuals));
-    (plots, placed(layout.with_ticks(4), UNTITLED))
-}
-
-/// A panel with this margin at its top.
-fn placed(layout: Layout, top: f64) -> Layout {
-    layout
-        .with_force_margins_y(top, MARGINS.1)
-        .with_force_margins(style::SIDES.0, style::SIDES.1)
-        .with_tick_size(11)
-        .with_label_size(13)
+    (plots, style::stacked(layout.with_ticks(4), (UNTITLED, MARGINS.1), style::SIDES))
 }
 
 /// The fitted force at a displacement from the peak.
