@@ -1,5 +1,4 @@
-// The explorer: the text of a scenario is its state. Controls, dragged points and the text itself change it, the engine answers,
-// and says what is shown.
+// The explorer: the text of a scenario is its state, which controls and dragged points change; the engine says what is shown.
 "use strict";
 
 const state = {
@@ -13,7 +12,7 @@ const state = {
   measured: null,
   /** What the readings are, until something changes. */
   readings: "",
-  /** What is wrong with the link by which the page was opened. */
+  /** What is wrong with the link by which the page was opened, or with a change that was refused. */
   note: "",
 };
 
@@ -25,6 +24,9 @@ const distance = () => state.shown.force?.position.at(-1) ?? 12;
 
 /** What an answer has at a path, such as `force.position`. @param {string} path @returns {(number | null)[]} */
 const found = (path) => path.split(".").reduce((part, name) => part?.[name], /** @type {any} */ (state.shown)) ?? [];
+
+/** Says what is shown. @param {string} words */
+const say = (words) => void (byId("status").textContent = words);
 
 /** Says what is wrong with the scenario, or with the last file. @param {string} message @param {"scenario" | "file"} [of] */
 const fail = (message, of = "scenario") => void (byId(`wrong-${of}`).textContent = message);
@@ -40,6 +42,7 @@ function update(preview = true, /** @type {Part[]} */ parts = ["force", "stretch
 function put(change, x = "", y = "") {
   state.changes.set(change, JSON.parse(change.replace(/\$x/g, x).replace(/\$y/g, y)));
   state.note = state.readings = "";
+  chosen.selectedIndex = 0;
   update();
 }
 
@@ -59,25 +62,25 @@ function progressed(fraction, milliseconds) {
 /** @param {Answer} answer @param {EngineRequest} request @param {number} milliseconds */
 function receive(answer, request, milliseconds) {
   const { invalid } = answer;
-  const where = invalid?.line ? `line ${invalid.line}: ` : "";
-  fail([state.note, invalid && where + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n"));
+  const wrong = [invalid && (invalid.line ? `line ${invalid.line}: ` : "") + invalid.message, invalid?.help, ...(answer.failures ?? [])].filter(Boolean).join("\n");
   for (const [what, change] of state.changes) if ([change].flat().every((one) => request.changes.includes(one))) state.changes.delete(what);
+  const current = request.text === state.text;
+  if (request.changes.length && !answer.view) {
+    // A value that was refused leaves its field, and the text stays as it was.
+    if (current && state.changes.size === 0) state.note = wrong;
+    if (state.shown.view) showControls(state.shown.view.controls);
+    return update();
+  }
+  fail([...new Set([state.note, wrong])].filter(Boolean).join("\n"));
   // The answer to a request that could not be read has no text.
-  const current = request.text === state.text && answer.text !== "";
-  if (current) {
+  if (current && answer.text !== "") {
     state.text = answer.text;
     if (area.value !== answer.text && (request.changes.length || document.activeElement !== area)) area.value = answer.text;
   }
-  if (invalid) byId("status").textContent = "not valid: the last valid scenario is shown";
-  if (invalid || !answer.view) {
-    // A value that was refused leaves its field.
-    if (request.changes.length && state.shown.view) showControls(state.shown.view.controls);
-    return;
-  }
+  if (!answer.view) return say(`${invalid ? "not valid" : "no answer"}: the last valid scenario is shown`);
   show(answer, request);
   if (current) texts[answer.view.sheet] = state.text;
-  const cost = `${milliseconds.toFixed(0)} ms`;
-  byId("status").textContent = state.readings || (request.preview ? `preview, ${cost} …` : `full accuracy, ${cost}`);
+  say(state.readings || `${request.preview ? "preview" : "full accuracy"}, ${milliseconds.toFixed(0)} ms${request.preview ? " …" : ""}`);
   if (request.preview && !engine.waiting) update(false, ["force", "stretches", ...answer.view.details]);
 }
 
@@ -105,8 +108,10 @@ function show(answer, { preview, position }) {
   byId("at").textContent = `X = ${rounded(state.position)}${length}`;
 }
 
-/** Takes another text. @param {string} text @param {string} [note] what is wrong with its link */
-function take(text, note = "") {
+/** Takes another text. @param {string} text @param {number} [example] its number, if it is one @param {string} [note] what is wrong with its link */
+function take(text, example = -1, note = "") {
+  chosen.selectedIndex = example + 1;
+  say("computing …");
   state.text = text;
   state.changes.clear();
   [state.note, state.readings] = [note, ""];
@@ -118,20 +123,18 @@ scrubber.oninput = () => scrub((Number(scrubber.value) / 1000) * distance());
 /** Pictures have the width of the page. */
 let drawn = plots.clientWidth;
 new ResizeObserver(() => {
-  if (plots.clientWidth !== drawn) update();
-  drawn = plots.clientWidth;
+  if (drawn !== (drawn = plots.clientWidth)) update();
 }).observe(plots);
 
-/** @type {number | undefined} */
-let playing;
+let playing = 0;
 /** @param {boolean} plays */
 function play(plays) {
   clearInterval(playing);
-  playing = plays ? setInterval(() => scrub(state.position >= distance() ? 0 : state.position + distance() / 300), 40) : undefined;
-  byId("play").setAttribute("aria-pressed", String(playing !== undefined));
-  byId("play").textContent = playing === undefined ? "Play" : "Stop";
+  playing = plays ? setInterval(() => scrub(state.position >= distance() ? 0 : state.position + distance() / 300), 40) : 0;
+  byId("play").setAttribute("aria-pressed", String(playing !== 0));
+  byId("play").textContent = playing ? "Stop" : "Play";
 }
-byId("play").onclick = () => play(playing === undefined);
+byId("play").onclick = () => play(playing === 0);
 
 /** The scenarios to begin with, the first of each sheet first. */
 const examples = [.../** @type {NodeListOf<HTMLScriptElement>} */ (document.querySelectorAll("script.example"))];
@@ -142,9 +145,8 @@ chosen.append(Object.assign(new Option("Examples"), { disabled: true }), ...exam
 /** Replaces the scenario. @param {string} text @param {number} [example] its number, if it is one @param {string} [note] what is wrong with its link */
 function begin(text, example = -1, note = "") {
   play(false);
-  chosen.selectedIndex = example + 1;
   area.value = text.trimStart();
-  take(area.value, note);
+  take(area.value, example, note);
 }
 chosen.onchange = () => begin(examples[chosen.selectedIndex - 1].text, chosen.selectedIndex - 1);
 
@@ -165,13 +167,13 @@ for (const sheet of sheets) {
 const forEditors = (text) => (text.startsWith("#:schema") ? text : `#:schema asperity.schema.json\n${text}`);
 byId("save").onclick = () => download(new Blob([forEditors(state.text)], { type: "application/toml" }), "scenario.toml");
 /** @param {string} text @param {string} what */
-const copy = (text, what) => navigator.clipboard.writeText(text).then(() => (byId("status").textContent = `${what} copied`), () => prompt(`Copy the ${what}:`, text));
+const copy = (text, what) => navigator.clipboard.writeText(text).then(() => say(`${what} copied`), () => prompt(`Copy the ${what}:`, text));
 byId("link").onclick = () => {
   location.hash = encodeURIComponent(state.text);
   copy(location.href, "link");
 };
 /** A text within three quotation marks of Python. @param {string} text */
-const quoted = (text) => text.replace(/\\|'''/g, (found) => found.replace(/./g, "\\$&"));
+const quoted = (text) => text.replace(/\\|'''|'$/g, (found) => found.replace(/./g, "\\$&"));
 byId("python").onclick = () => copy(`import asperity as asp\n\nresult = asp.run('''\n${quoted(state.text)}''')\nprint(result)\nresult.plot()\n`, "Python");
 
 /** Shows readings, or none. @param {typeof state.measured} readings */
@@ -222,6 +224,7 @@ byId("link").hidden = settings.engine !== "browser";
 
 /** The text of the link, if it has one. */
 function linked() {
+  state.note = "";
   try {
     return decodeURIComponent(location.hash.slice(1)) || FIRST;
   } catch {
@@ -232,12 +235,13 @@ function linked() {
 
 addEventListener("hashchange", () => {
   const text = linked();
-  if (text !== state.text) begin(text, -1, state.note);
+  if (text !== state.text || state.note) begin(text, -1, state.note);
 });
 
 /** @type {Requests} */
 let engine;
 Promise.resolve({ browser: browserEngine, command: commandEngine, notebook: notebookEngine }[settings.engine]()).then((found) => {
-  engine = new Requests(found, { received: receive, failed: fail, progressed });
+  const failed = (/** @type {string} */ message) => { fail(message); say("no answer: the last valid scenario is shown"); };
+  engine = new Requests(found, { received: receive, failed, progressed });
   begin(linked(), location.hash.length > 1 || settings.scenario ? -1 : 0, state.note);
 }, (error) => fail(`The engine did not start: ${error}`));

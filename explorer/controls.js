@@ -16,10 +16,7 @@ function slider(item) {
     const place = Number(element.value);
     put(item.change, toml(rounded(item.logarithmic ? 10 ** place : place)));
   };
-  const show = (/** @type {Item} */ { ends: [min, max], value }) => {
-    if (document.activeElement !== element) Object.assign(element, { min, max, value });
-  };
-  return { element, show };
+  return { element, show: ({ ends: [min, max], value }) => void (document.activeElement === element || Object.assign(element, { min, max, value })) };
 }
 
 /** A field of a number. What is typed stays until it is entered; then the scenario may have another number. @param {Item} item @returns {Control} */

@@ -25,8 +25,8 @@ async function browserEngine() {
     new Promise((resolve, reject) => {
       signal.throwIfAborted();
       const begun = performance.now();
-      /** @type {number | undefined} */
-      let end;
+      let end = 0;
+      const done = () => { signal.onabort = null; clearTimeout(end); };
       signal.onabort = () => {
         end = setTimeout(() => {
           worker.terminate();
@@ -36,11 +36,11 @@ async function browserEngine() {
       };
       worker.onmessage = ({ data: { fraction, answer, failure } }) => {
         if (fraction !== undefined) return progress(fraction);
-        clearTimeout(end);
+        done();
         if (answer) resolve(answer);
         else reject(new Error(failure));
       };
-      worker.onerror = (event) => reject(new Error(event.message));
+      worker.onerror = (event) => { done(); reject(new Error(event.message)); };
       worker.postMessage({ request });
     });
   /** @type {Promise<any>} */
@@ -129,16 +129,15 @@ class Requests {
     this.giveUp = new AbortController();
     const begun = (this.begun = performance.now());
     const own = () => this.working === request;
+    // What hears of the answer may ask for more, which is no reason to give this up.
+    const ends = () => own() && !(this.working = null);
+    const failed = (/** @type {unknown} */ error) => this.page.failed(error instanceof Error ? error.message : String(error));
     this.page.progressed(null, 0);
-    try {
-      const answer = await this.engine.compute(request, this.giveUp.signal, (fraction) => own() && this.page.progressed(fraction, performance.now() - begun));
-      if (own()) this.page.received(answer, request, performance.now() - begun);
-    } catch (error) {
-      if (own()) this.page.failed(error instanceof Error ? error.message : String(error));
-    }
-    if (!own()) return;
-    this.working = null;
-    this.page.progressed(null, 0);
+    await this.engine.compute(request, this.giveUp.signal, (fraction) => own() && this.page.progressed(fraction, performance.now() - begun)).then(
+      (answer) => ends() && this.page.received(answer, request, performance.now() - begun),
+      (error) => ends() && failed(error),
+    ).catch(failed);
+    if (!this.working) this.page.progressed(null, 0);
     this.next();
   }
 }

@@ -631,6 +631,67 @@ test("the text is the state: mistakes are located, and nothing is lost", () =>
     await agrees(tab);
   }));
 
+test("a change that is refused leaves its field, and the text stays as it was", () =>
+  inBrowser(async (tab) => {
+    const [own, errors] = [await text(tab), () => tab.textContent("#errors")];
+    const idle = () => tab.waitForFunction(() => !engine.working && !engine.waiting && state.changes.size === 0);
+    const enter = async (id, value) => {
+      await tab.fill(`[id="${id}"]`, value);
+      await tab.press(`[id="${id}"]`, "Enter");
+      await idle();
+      return tab.inputValue(`[id="${id}"]`);
+    };
+    assert.deepEqual([await enter("contacts.thresholds.gaussian.std", "-1"), await text(tab)], ["0.15", own]);
+    assert.match(await errors(), /^line 6: contacts\.thresholds\.gaussian\.std: expected/);
+    await settled(tab);
+    await tab.locator("#thresholds select").selectOption("gamma");
+    await settled(tab);
+    assert.match(await text(tab), /gamma = /);
+    assert.equal(await errors(), "");
+    // Beside a mistake in the text a change is refused, too, and what was written stays.
+    const wrong = own.replace("std = 0.15", "std = -2");
+    await tab.fill("#text", wrong);
+    await status(tab, "not valid");
+    const stiffness = await tab.inputValue('[id="block.stiffness"]');
+    assert.deepEqual([await enter("block.stiffness", "7"), await text(tab)], [stiffness, wrong]);
+    assert.match(await errors(), /^line 6: [^\n]*$/);
+  }));
+
+test("full accuracy follows a preview of more than a second", () =>
+  inBrowser(async (tab) => {
+    await tab.evaluate(() => {
+      const post = Worker.prototype.postMessage;
+      Worker.prototype.postMessage = function (message) {
+        if (message.request?.preview) setTimeout(() => post.call(this, message), 1.3 * LONG);
+        else post.call(this, message);
+      };
+    });
+    await tab.fill("#text", (await text(tab)).replace("std = 0.15", "std = 0.2"));
+    assert.equal(await tab.textContent("#status"), "computing …");
+    await settled(tab);
+    await agrees(tab);
+  }));
+
+test("a text of one's own is no example, which can be chosen again", () =>
+  inBrowser(async (tab) => {
+    const own = await text(tab);
+    const chosen = () => tab.$eval("#examples", (select) => select.selectedIndex);
+    assert.equal(await chosen(), 1);
+    await tab.fill("#text", own.replace("std = 0.15", "std = 0.2"));
+    assert.equal(await chosen(), 0);
+    await tab.selectOption("#examples", { index: 1 });
+    await settled(tab);
+    assert.deepEqual([await text(tab), await chosen()], [own, 1]);
+  }));
+
+test("a text in Python is that of the scenario, whatever it ends with", () =>
+  inBrowser(async (tab) => {
+    const texts = ["title = 'a'", "# it''", "# \\ '''", "# ''''", "a\n"];
+    const literals = await tab.evaluate((texts) => texts.map((text) => `'''${quoted(text)}'''`), texts);
+    const printed = execFileSync("python3", ["-c", `import json; print(json.dumps([${literals.join(", ")}]))`]);
+    assert.deepEqual(JSON.parse(printed), texts);
+  }));
+
 /** Two hundred moves in two seconds end at the last state. */
 async function moves(tab) {
   const last = await tab.evaluate(async () => {
@@ -1021,6 +1082,12 @@ test("a link holds the scenario, and a broken one is reported", async () => {
   await inBrowser(async (tab) => {
     assert.match(await text(tab), /# Contacts that stretch/);
     assert.match(await tab.textContent("#errors"), /link is damaged/);
+    await tab.evaluate((text) => (location.hash = encodeURIComponent(text)), scenario);
+    await tab.waitForFunction((text) => state.text === text, scenario);
+    await settled(tab);
+    assert.equal(await tab.textContent("#errors"), "");
+    await tab.evaluate(() => (location.hash = "%E0%A4%A"));
+    await tab.waitForFunction(() => document.getElementById("errors").textContent.includes("link is damaged"));
   }, "#%E0%A4%A");
 });
 

@@ -12,30 +12,10 @@ type EngineRequest = { text: string; changes: Change[]; parts: Part[]; position:
 /** Widths of a picture, and of one that is as wide as all of them; whether readings are shown. */
 type View = { width: number; whole: number; readings: boolean };
 
-/** A number, or a word such as "infinite". */
-type Extended = number | string;
-type Place = { position: number; value: number };
-type Density = { values: number[]; at: number[]; weights: number[] };
-type Computed = { summary: Sliding; record: { variables: Variable[] } };
-type Variable = { name: string; long_name: string; quantity: string; values: number[] };
-type Sliding = {
-  regime: string; reason: string; slips: number; period?: number; mean_drop?: number;
-  catalogue?: { events: number; largest?: { cells: number } };
-  first_instability?: { drive: number; position: number; force: number };
-};
-type ForceCurve = {
-  position: number[]; force: number[]; force_std?: number[]; static_friction?: Place; kinetic_friction: number;
-  relaxation_length: Extended; critical_stiffness: Extended; accuracy: number;
-};
-type StretchDistributions = {
-  stretch: number[]; law_stretch: number[]; position: number;
-  density: Density; steady: Density; thresholds: Density; reforming: Density; initial: Density;
-};
+/** What scripts read of an answer; columns of numbers have the paths of the rest. */
 type Answer = {
-  text: string; scenario?: any; view?: Shown; failures?: string[];
-  invalid?: { key: string; message: string; help: string | null; line: number | null };
-  force?: ForceCurve; stretches?: StretchDistributions; block?: Computed; task?: Computed;
-  critical_stiffness?: { width: number[]; critical_stiffness: Extended[] };
+  text: string; view?: Shown; failures?: string[]; invalid?: { message: string; help: string | null; line: number | null };
+  force?: { position: number[] }; stretches?: { position: number };
 };
 
 /** What the page shows: `details` can be asked for; rows of numbers are in HTML; `length` is the unit. */

@@ -36,7 +36,10 @@ struct Explorer {
 
 impl Explorer {
     fn start(folder: &Folder, arguments: &[&str]) -> Self {
-        let mut command = folder.asperity(&[&["explore", "--no-open"], arguments].concat());
+        Self::of(&mut folder.asperity(&[&["explore", "--no-open"], arguments].concat()))
+    }
+
+    fn of(command: &mut Command) -> Self {
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut output = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
@@ -400,6 +403,37 @@ fn the_progress_of_long_work_is_reported() {
     }
     assert!(reported.is_sorted() && reported[3] < 1.0, "{reported:?}");
     assert_eq!(progress("another"), 0.0);
+    // Nothing is done of what has ended.
+    assert_eq!(explorer.answer("b", &body(QUICK, &["task"])).status, 200);
+    assert_eq!(progress("b"), 0.0);
+}
+
+/// Others on this machine can read the command line of the browser.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_address_that_is_opened_leads_to_the_page_once() {
+    let folder = Folder::new();
+    folder.write("xdg-open", "#!/bin/sh\ncd \"${0%/*}\" && echo \"$1\" > part && mv part opened\n");
+    let opener = folder.path().join("xdg-open");
+    assert!(Command::new("chmod").arg("+x").arg(&opener).status().unwrap().success());
+    let path = format!("{}:/usr/bin:/bin", folder.path().display());
+    let explorer = Explorer::of(folder.asperity(&["explore"]).env("PATH", path));
+    let found = folder.path().join("opened");
+    let started = Instant::now();
+    while !found.exists() {
+        assert!(started.elapsed() < LONGEST);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let opened = std::fs::read_to_string(found).unwrap();
+    assert!(!opened.contains(&explorer.token), "{opened}");
+    let path = opened.trim().strip_prefix(&format!("http://{}", explorer.host)).unwrap();
+    let ticket = path.trim_matches('/');
+    assert_eq!(explorer.get(&format!("/{ticket}/"), "host: evil.example\r\n").status, 403);
+    let own = format!("host: {}\r\n", explorer.host);
+    let reply = explorer.get(path, &own);
+    let page = format!("location: http://{}/{}/\r\n", explorer.host, explorer.token);
+    assert!(reply.status == 303 && reply.head.contains(&page), "{}", reply.head);
+    assert_eq!(explorer.get(path, &own).status, 404);
 }
 
 #[test]
@@ -430,6 +464,15 @@ fn what_cannot_be_served_is_reported() {
     let output = folder.run(&["explore", "--no-open", "wrong.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(errors(&output).contains("contacts.thresholds.gaussian.std"), "{}", errors(&output));
+    // Each quotation mark takes two bytes in a request.
+    folder.write("quoted.toml", &format!("{QUICK}# {}\n", "\"".repeat(600_000)));
+    let output = folder.run(&["explore", "--no-open", "quoted.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        errors(&output).contains("takes up to 990000 bytes of JSON with all tables, got 1200"),
+        "{}",
+        errors(&output)
+    );
     let explorer = Explorer::start(&folder, &[]);
     let port = explorer.host.split_once(':').unwrap().1;
     let output = folder.run(&["explore", "--no-open", "--port", port]);

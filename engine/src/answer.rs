@@ -87,6 +87,9 @@ impl From<&Diagnostic> for Invalid {
 /// F(X) of a rigid slider.
 #[derive(Debug, Serialize)]
 pub struct ForceCurve {
+    /// The velocity at which time-dependent contacts are pulled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
     /// Positions X of the slider's base, a length.
     pub position: Vec<f64>,
     /// Friction force at these positions.

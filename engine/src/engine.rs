@@ -1,10 +1,10 @@
 //! Answers to requests, with what the last ones have solved.
 
-use asperity::monitor::{Monitor, Part as Share};
+use asperity::monitor::{Aside, Monitor, Part as Share};
 use asperity::record::Quantity;
 use asperity::scenario::{Drive, Scenario};
 use asperity::{Error, Result, task};
-use asperity_runner::input;
+use asperity_runner::input::{self, Diagnostic, Input};
 
 use crate::answer::{Answer, Computed, WidthCurve};
 use crate::edit::changed;
@@ -13,7 +13,7 @@ use crate::panels::{self, Known};
 use crate::picture::Labels;
 use crate::request::{Part, Request, View};
 use crate::shown::Shown;
-use crate::solved::Solved;
+use crate::solved::{Solved, has_pull};
 use crate::{controls, numbers, sheet, width_curve};
 
 /// Points of the trace of a block.
@@ -50,15 +50,12 @@ impl Engine {
             Ok(text) => text,
             Err(message) => return Answer::failed(request.text.clone(), message),
         };
-        let input = match input::parse_complete(&text, "scenario") {
-            Ok(input) => input,
-            Err(error) => return Answer { invalid: Some(error.as_ref().into()), text, ..Answer::default() },
-        };
-        if let Some(Err(error)) = self.limits.map(|limits| limits.check(&input.scenario)) {
-            let invalid = Some(input.diagnose(&error).as_ref().into());
-            return Answer { invalid, text, ..Answer::default() };
-        }
         let mut answer = Answer { text, ..Answer::default() };
+        let input = match self.read(&answer.text, monitor) {
+            Ok(Some(input)) => input,
+            Ok(None) => return Answer { stopped: true, ..answer },
+            Err(error) => return Answer { invalid: Some(error.as_ref().into()), ..answer },
+        };
         // Progress is that of the parts that take long, each of which counts the same.
         let share = 1.0 / request.parts.iter().filter(|part| part.is_long()).count().max(1) as f64;
         let mut done = 0.0;
@@ -72,8 +69,8 @@ impl Engine {
                     answer.stopped = true;
                     break;
                 }
-                // Under constant forces there is no velocity at which contacts would be pulled.
-                Err(_) if input.scenario.creep.is_some() && !part.is_long() => {}
+                // The error would be of a pull that the scenario does not have.
+                Err(_) if !part.is_long() && !has_pull(&input.scenario) => {}
                 Err(error) => answer.failures.push(sentence(part, &error)),
             }
         }
@@ -82,6 +79,21 @@ impl Engine {
         }
         answer.scenario = Some(Box::new(input.scenario));
         answer
+    }
+
+    /// A valid scenario within the limits; none where the monitor stopped the check.
+    fn read(
+        &self,
+        text: &str,
+        monitor: &mut dyn Monitor,
+    ) -> std::result::Result<Option<Input>, Box<Diagnostic>> {
+        let mut input = input::read_complete(text, "scenario")?;
+        let allowed = self.limits.map_or(Ok(()), |limits| limits.check(&input.scenario));
+        match allowed.and_then(|()| input.check(&mut Aside { fraction: 0.0, monitor })) {
+            Ok(()) => Ok(Some(input)),
+            Err(Error::Stopped) => Ok(None),
+            Err(error) => Err(input.diagnose(&error)),
+        }
     }
 
     /// What a page shows of an answer, and of what was computed last until the new is there.

@@ -5,14 +5,14 @@ use asperity::scenario::Scenario;
 use asperity::task::summary::SlidingKind;
 
 use crate::answer::{Computed, ForceCurve};
-use crate::digits::precise;
+use crate::digits::{brief, precise, rounded};
 use crate::picture::{Labels, escaped};
 use crate::shown::NumberRow;
 
 /// Relative error of the forces of a preview.
 const PREVIEW: f64 = 3e-4;
-/// Relative error of the period and the drops of a motion.
-const MOTION: f64 = 1e-6;
+/// Relative error of the period and the drops of a motion: without time, and in time.
+const MOTION: [f64; 2] = [1e-6, 1e-4];
 /// Least relative error: the digits that are shown at most.
 const LEAST: f64 = 1e-12;
 
@@ -52,14 +52,19 @@ pub fn rows(
             number(stiffness, 10.0 * error, Quantity::Stiffness),
         ),
     ];
+    if let Some(velocity) = force.and_then(|force| force.velocity) {
+        let value = brief(rounded(velocity, 10)) + &escaped(&labels.unit(Quantity::Velocity));
+        rows.push(NumberRow("at the velocity <i>v</i>", value));
+    }
     let numbers = motion.map(|motion| &motion.summary.numbers);
     if let Some(sliding) = numbers.and_then(|numbers| numbers.sliding()).filter(|_| scenario.block.is_some())
     {
+        let error = MOTION[usize::from(sliding.timed)];
         rows.extend([
             NumberRow("sliding", kind(sliding.regime).to_owned()),
             NumberRow("slips", sliding.slips.to_string()),
-            NumberRow("period", number(sliding.period, MOTION, Quantity::Length)),
-            NumberRow("mean force drop", number(sliding.mean_drop, MOTION, Quantity::Force)),
+            NumberRow("period", number(sliding.period, error, Quantity::Length)),
+            NumberRow("mean force drop", number(sliding.mean_drop, error, Quantity::Force)),
         ]);
     }
     if let Some(catalogue) = numbers.and_then(|numbers| numbers.catalogue()) {

@@ -1,7 +1,7 @@
 //! The solution of the master equation for a scenario, and what follows from it without solving again.
 
 use asperity::Result;
-use asperity::contacts::{Contacts, Initial};
+use asperity::contacts::{AgeingRule, Contacts, Initial};
 use asperity::law::Law;
 use asperity::master::{MasterEquation, Pull, Stretches, Tolerance};
 use asperity::monitor::Monitor;
@@ -22,9 +22,21 @@ pub struct Solved {
     description: String,
     sample: Option<f64>,
     background: f64,
+    /// That at which time-dependent contacts are pulled.
+    velocity: Option<f64>,
     equation: MasterEquation,
     initial: Initial,
     pull: Pull,
+}
+
+/// Whether there is a pull that belongs to `scenario`: none under constant forces, none by a closure of mean field, and none of
+/// time-dependent contacts that rest for the whole protocol.
+pub fn has_pull(scenario: &Scenario) -> bool {
+    let contacts = &scenario.contacts;
+    let closure = matches!(contacts.ageing, Some(AgeingRule::MeanField { .. }));
+    let timed = contacts.temperature.is_some() || contacts.ageing.is_some() || contacts.delay.is_some();
+    let rests = timed && scenario.protocol.is_some() && velocity(scenario).is_none();
+    scenario.creep.is_none() && !closure && !rests
 }
 
 /// The scenario of a pull over as much of the contacts as `scenario` needs.
@@ -50,10 +62,11 @@ pub fn pulled(scenario: &Scenario) -> Scenario {
 }
 
 /// A velocity of the task of `scenario`, at which time-dependent contacts are pulled: that of its slider, of the first step of a
-/// protocol, or the one in the middle of a curve.
+/// protocol that moves, or the one in the middle of a curve.
 fn velocity(scenario: &Scenario) -> Option<f64> {
     let of_drive = scenario.drive.as_ref().and_then(|drive| drive.velocity);
-    let of_protocol = || scenario.protocol.as_ref()?.0.iter().find_map(|step| step.velocity);
+    let of_protocol =
+        || scenario.protocol.as_ref()?.0.iter().find_map(|step| step.velocity.filter(|&v| v > 0.0));
     let of_curve = || {
         let velocities = scenario.velocity_curve.as_ref()?.velocities();
         Some((velocities.first()? * velocities.last()?).sqrt())
@@ -97,9 +110,10 @@ impl Solved {
         let Model { contacts, initial, background, .. } = model;
         let pull = scenario.pull.clone().unwrap_or_default();
         let equation = equation(contacts, &initial, pull.velocity, monitor)?;
+        let velocity = pull.velocity.filter(|_| equation.contacts().rules.are_time_dependent());
         let tolerance = Tolerance::from(scenario.master_equation.tolerance);
         let pull = equation.pull_with(pull.distance, tolerance, monitor)?;
-        Ok(Self { description, sample, background, equation, initial, pull })
+        Ok(Self { description, sample, background, velocity, equation, initial, pull })
     }
 
     /// F(X) and its numbers. A preview has no X* of thresholds without a closed Laplace transform, whose poles take longer than all
@@ -115,6 +129,7 @@ impl Solved {
         let is_slow = preview && !self.equation.contacts().thresholds.laplace_is_closed();
         let relaxation_length = if is_slow { f64::NAN } else { self.equation.relaxation()?.length() };
         Ok(ForceCurve {
+            velocity: self.velocity,
             force: position.iter().map(|&x| self.pull.force(x) + self.background).collect(),
             force_std: std.map(|std| position.iter().map(|&x| std(x)).collect()),
             static_friction: self.pull.static_friction().map(|mut peak| {

@@ -194,11 +194,30 @@ fn contacts_in_time_are_pulled_at_a_velocity_of_their_task() {
     for task in [
         "[drive]\nvelocity = 0.1\n[block]\nstiffness = 0.5\nslip.damped = { damping = 0.1 }\n",
         "[[protocol]]\nvelocity = 0.1\ndistance = 5.0\n[[protocol]]\nhold = 3.0\n",
+        "[[protocol]]\nhold = 3.0\n[[protocol]]\nvelocity = 0.1\ndistance = 5.0\n",
+        "[[protocol]]\nvelocity = 0.0\nduration = 3.0\n[[protocol]]\nvelocity = 0.1\ndistance = 5.0\n",
         "[velocity_curve]\nfrom = 0.01\nto = 1.0\n",
         "[hold_curve]\nfrom = 1.0\nto = 10.0\nvelocity = 0.1\n",
     ] {
         // The middle of a curve is 0.1 but for rounding.
         assert!((force(task) - expected).abs() < 1e-12, "{task}");
+    }
+}
+
+/// A pull that a scenario does not have is no mistake in it.
+#[test]
+fn scenarios_without_a_pull_have_no_failures() {
+    let contacts = "[contacts]\nthresholds.gaussian = { mean = 0.6, std = 0.15 }\n";
+    let closure = "ageing.mean_field = { mature.gaussian = { mean = 1.0, std = 0.2 }, diffusion = 0.04 }\n";
+    let aged = "ageing.logarithmic = { growth = 0.02, time = 1.0 }\n";
+    for task in [
+        format!("{closure}[velocity_curve]\nfrom = 0.01\nto = 1.0\n"),
+        format!("{closure}[[protocol]]\nvelocity = 0.1\ndistance = 1.0\n"),
+        format!("{aged}[[protocol]]\nhold = 3.0\n"),
+    ] {
+        let text = format!("{contacts}{task}");
+        let found = answer(&Request { text, ..request(&[Part::Force, Part::Stretches]) });
+        assert!(found.force.is_none() && found.stretches.is_none(), "{task}");
     }
 }
 

@@ -87,6 +87,47 @@ fn what_is_dragged_goes_where_it_is_dragged() {
 }
 
 #[test]
+fn what_is_over_another_handle_can_be_taken() {
+    let view = shown(TEXT);
+    let laws = view.panels.iter().find(|panel| panel.id == "laws").unwrap();
+    let [reforming, initial] = [2, 3].map(|i| laws.handles[i].at);
+    assert_eq!([initial[0] - reforming[0], initial[1] - reforming[1]], [0.0, 12.0]);
+    assert!(laws.svg.contains("weight 1 is 0.9 of the axis"), "{}", laws.svg);
+}
+
+#[test]
+fn sliders_from_0_go_to_twice_the_mean_threshold() {
+    let text = TEXT.replace("mean = 1.0, std = 0.2", "mean = 3e-6, std = 6e-7");
+    let rows = serde_json::to_value(&shown(&text).controls).unwrap();
+    let row = rows.as_array().unwrap().iter().find(|row| row["id"] == "initial.point.at").unwrap();
+    assert_eq!(row["items"][0]["ends"], serde_json::json!([0.0, 6e-6]));
+}
+
+#[test]
+fn the_velocity_of_a_pull_is_named() {
+    let text = "[contacts]
+thresholds.gaussian = { mean = 1.0, std = 0.2 }
+ageing.logarithmic = { growth = 0.02, time = 1.0 }
+[[protocol]]
+hold = 10.0
+[[protocol]]
+velocity = 0.1
+distance = 5.0
+[units]
+length = \"µm\"
+time = \"s\"
+";
+    let view = shown(text);
+    let force = view.panels.iter().find(|panel| panel.id == "force").unwrap();
+    assert_eq!(force.title, "Friction force at <i>v</i> = 0.1 µm/s");
+    let named =
+        |view: &Shown| view.numbers.iter().find(|row| row.0.contains("velocity")).map(|row| row.1.clone());
+    assert_eq!(named(&view).unwrap(), "0.1 µm/s");
+    // Contacts that know no time have the same force at every velocity.
+    assert_eq!(named(&shown(&TEXT.replace("distance = 8.0", "distance = 8.0\nvelocity = 0.01"))), None);
+}
+
+#[test]
 fn a_picture_has_the_places_of_the_numbers() {
     let found = answer(TEXT, vec![]);
     let (view, force) = (found.view.unwrap(), found.force.unwrap());

@@ -9,12 +9,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use asperity_runner::input;
+use serde_json::json;
 use tokio::net::TcpListener;
 
 use super::arguments::Explore;
 use super::interrupt::Interrupts;
 use super::{Failure, print, run, threads};
 use server::{LARGEST, Server};
+
+/// Bytes of a request beside the text of its scenario.
+const REST: usize = 10_000;
 
 /// Time between two checks for Ctrl-C.
 const CHECK: Duration = Duration::from_millis(20);
@@ -34,10 +38,10 @@ fn serve(arguments: &Explore, scenario: Option<String>, interrupts: &Interrupts)
         let listener = listener(arguments.port).await?;
         let address = listener.local_addr().map_err(Failure::run)?;
         let server = Server::new(address.port(), scenario, arguments.max_time).map_err(Failure::run)?;
-        let url = server.url();
+        let (url, opened) = (server.url(), server.url_once());
         print(&format!("the explorer is at {url}\nCtrl-C ends it\n"))?;
         tokio::spawn(server.serve(listener));
-        if !arguments.no_open && open::that_detached(&url).is_err() {
+        if !arguments.no_open && open::that_detached(&opened).is_err() {
             run::say("no browser was found; open this address in one");
         }
         while interrupts.reason().is_none() {
@@ -63,10 +67,16 @@ fn complete_text(path: &Path) -> Result<String, Failure> {
     let text = std::fs::read_to_string(path).map_err(Failure::run)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let text = input::complete(&text, &path.display().to_string(), folder)?;
-    if text.len() >= LARGEST {
-        let words =
-            format!("error: {}: the explorer takes up to {LARGEST} bytes with all tables", path.display());
-        return Err(Failure::Input(format!("{words}, got {}\n", text.len())));
-    }
+    check_size(path, &text)?;
     Ok(text)
+}
+
+/// The page sends the text as JSON, in which quotation marks and ends of lines take two bytes.
+fn check_size(path: &Path, text: &str) -> Result<(), Failure> {
+    let (size, most) = (json!(text).to_string().len(), LARGEST - REST);
+    if size <= most {
+        return Ok(());
+    }
+    let words = format!("the explorer takes up to {most} bytes of JSON with all tables, got {size}");
+    Err(Failure::Input(format!("error: {}: {words}\n", path.display())))
 }

@@ -6,6 +6,7 @@
 
 use std::convert::Infallible;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use asperity_engine::page::{self, page, policy};
@@ -13,7 +14,7 @@ use http_body_util::{BodyExt as _, Full, LengthLimitError, Limited};
 use hyper::body::{Bytes, Incoming};
 use hyper::header::{
     ALLOW, CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, HeaderMap, HeaderName, HeaderValue,
-    ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,
+    LOCATION, ORIGIN, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS,
 };
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
@@ -41,6 +42,9 @@ const PROGRESS: &str = "/progress";
 pub struct Server {
     port: u16,
     token: String,
+    /// Leads to the page once.
+    ticket: String,
+    is_used: AtomicBool,
     scenario: Option<String>,
     sessions: Sessions,
 }
@@ -51,12 +55,18 @@ impl Server {
     /// # Errors
     /// The system gives no random numbers.
     pub fn new(port: u16, scenario: Option<String>, longest: Duration) -> Result<Self, getrandom::Error> {
-        Ok(Self { port, token: random()?, scenario, sessions: Sessions::new(longest) })
+        let (token, ticket, is_used) = (random()?, random()?, AtomicBool::new(false));
+        Ok(Self { port, token, ticket, is_used, scenario, sessions: Sessions::new(longest) })
     }
 
     /// The address of the page.
     pub fn url(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
+    }
+
+    /// An address that leads to the page once, for a command line, which others on this machine can read.
+    pub fn url_once(&self) -> String {
+        format!("http://127.0.0.1:{}/{}/", self.port, self.ticket)
     }
 
     /// Serves for ever.
@@ -99,6 +109,10 @@ impl Server {
         let of_page = path.strip_prefix('/').and_then(|path| path.strip_suffix('/'));
         if of_page.is_some_and(|token| same(token, &self.token)) {
             return if request.method() == Method::GET { self.page() } else { Ok(only("GET")) };
+        }
+        let is_ticket = of_page.is_some_and(|ticket| same(ticket, &self.ticket));
+        if is_ticket && request.method() == Method::GET && !self.is_used.swap(true, Ordering::SeqCst) {
+            return Ok(elsewhere(&self.url()));
         }
         require(
             [COMPUTE, PROGRESS].contains(&path),
@@ -199,6 +213,14 @@ fn only(method: &'static str) -> Response<Full<Bytes>> {
     let mut refused = plain(StatusCode::METHOD_NOT_ALLOWED, format!("expected {method}"));
     refused.headers_mut().insert(ALLOW, HeaderValue::from_static(method));
     refused
+}
+
+/// The response that leads to another address.
+fn elsewhere(address: &str) -> Response<Full<Bytes>> {
+    let mut moved = plain(StatusCode::SEE_OTHER, "the page is elsewhere".to_owned());
+    let address = HeaderValue::from_str(address).expect("an address is of letters and digits");
+    moved.headers_mut().insert(LOCATION, address);
+    moved
 }
 
 fn plain(status: StatusCode, words: String) -> Response<Full<Bytes>> {

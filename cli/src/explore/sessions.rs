@@ -66,7 +66,7 @@ impl Sessions {
         tokio::task::spawn_blocking(work).await.map_err(failed)?
     }
 
-    /// The fraction that is done of what the page `name` has asked for; 0 where nothing is at work.
+    /// The fraction that is done of what is computed for the page `name`; 0 where nothing is.
     pub fn progress(&self, name: &str) -> f64 {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let session = kept.iter().find(|session| session.name == name);
@@ -108,6 +108,7 @@ fn answered(
     longest: Duration,
 ) -> Result<Vec<u8>, Refusal> {
     let mut answer: Answer = engine.answer(request, &mut monitor);
+    monitor.session.done.store(0, Ordering::Relaxed);
     if monitor.is_given_up() {
         return Err(newer());
     }

@@ -25,9 +25,6 @@ const FAMILIES: [&str; 9] = [
 ];
 /// Digits of the places of nodes, as in the text.
 const DIGITS: usize = 5;
-/// The largest value of a slider that begins at 0.
-const FROM_ZERO: f64 = 2.0;
-
 /// Where a distribution stands.
 #[derive(Debug, Clone)]
 pub struct Place {
@@ -39,6 +36,8 @@ pub struct Place {
     pub of: String,
     /// Whether it is a part of a mixture.
     pub part: bool,
+    /// The largest value of a slider that begins at 0.
+    pub most: f64,
 }
 
 impl Place {
@@ -83,7 +82,7 @@ fn add_parameters(rows: &mut Vec<Row>, place: &Place, law: &Law) {
     for (name, value) in parameters {
         let Some(value) = value.as_float() else { continue };
         let key = format!("{}.{}.{name}", place.key, law.name());
-        let most = matches!(name, "at" | "min").then_some(FROM_ZERO);
+        let most = matches!(name, "at" | "min").then_some(place.most);
         let row = number_row(place.group, &key, name, value, most);
         rows.push(Row { class: place.class("row part", "row"), ..row });
     }

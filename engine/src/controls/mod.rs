@@ -4,9 +4,10 @@ mod item;
 mod law;
 mod slider;
 
-use asperity::scenario::Scenario;
+use asperity::scenario::{Law, Scenario};
 use serde::Serialize;
 
+use crate::digits::rounded;
 use item::Item;
 
 /// A row of controls.
@@ -27,14 +28,22 @@ pub struct Row {
 /// The controls of a scenario, from above.
 pub fn rows(scenario: &Scenario) -> Vec<Row> {
     let contacts = &scenario.contacts;
+    let most = largest(contacts.thresholds.as_ref());
     let mut rows = vec![];
     for (group, key, of, law) in [
         ("thresholds", "contacts.thresholds", "Thresholds Pc", contacts.thresholds.as_ref()),
         ("reforming", "contacts.reforming", "Re-formed contacts R", Some(&contacts.reforming)),
         ("initial", "initial", "First stretches Qini", Some(&scenario.initial)),
     ] {
-        law::add(&mut rows, law::Place { group, key: key.to_owned(), of: of.to_owned(), part: false }, law);
+        let (key, of) = (key.to_owned(), of.to_owned());
+        law::add(&mut rows, law::Place { group, key, of, part: false, most }, law);
     }
     slider::add(&mut rows, scenario);
     rows
+}
+
+/// The largest stretch of a slider that begins at 0: twice the mean threshold.
+fn largest(thresholds: Option<&Law>) -> f64 {
+    let mean = thresholds.and_then(|law| Some(law.build().ok()?.mean()));
+    rounded(2.0 * mean.filter(|&mean| mean > 0.0).unwrap_or(1.0), 3)
 }

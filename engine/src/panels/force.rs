@@ -5,7 +5,8 @@ use asperity::task::summary::SliderState;
 
 use super::Known;
 use crate::answer::ForceCurve;
-use crate::picture::{Column, Curve, Form, Key, Panel, Pen, Series, Stroke};
+use crate::digits::{brief, rounded};
+use crate::picture::{Column, Curve, Form, Key, Panel, Pen, Series, Stroke, escaped};
 
 pub fn panel(known: &Known<'_>, force: &ForceCurve) -> Panel {
     let x = Series::of("force.position", &force.position);
@@ -42,10 +43,16 @@ pub fn panel(known: &Known<'_>, force: &ForceCurve) -> Panel {
         let ends = [[x, pen.y.min], [x, pen.y.max]];
         pen.line(&mut ends.into_iter(), Stroke::line("quiet", "1", ""));
     }
-    let mut panel = pen.panel("Friction force", &keys, vec![]);
+    let mut panel = pen.panel(&title(known, force), &keys, vec![]);
     panel.columns.extend(columns(known, force, spring.map(|(first, _)| first)));
     panel.scrub = true;
     panel
+}
+
+fn title(known: &Known<'_>, force: &ForceCurve) -> String {
+    let unit = escaped(&known.labels().unit(Quantity::Velocity));
+    let at = |velocity| format!(" at <i>v</i> = {}{unit}", brief(rounded(velocity, 4)));
+    "Friction force".to_owned() + &force.velocity.map_or(String::new(), at)
 }
 
 /// The slider at its first instability, and the stiffness of the spring.

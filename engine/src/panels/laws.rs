@@ -8,6 +8,9 @@ use crate::handles;
 use crate::picture::{Curve, Form, Handle, Key, Panel, Pen, Series};
 use crate::template;
 
+/// Between two handles of one place, in pixels.
+const APART: f64 = 12.0;
+
 pub fn panel(known: &Known<'_>, found: &StretchDistributions) -> Panel {
     let laws: [(&str, &'static str, &str, &Density); 3] = [
         ("<i>P</i><sub>c</sub>", "blue", "thresholds", &found.thresholds),
@@ -27,11 +30,28 @@ pub fn panel(known: &Known<'_>, found: &StretchDistributions) -> Panel {
     }
     let all = handles::of_scenario(known.scenario);
     let add = all.iter().find(|handle| handle.node).map(|drawn| template::law(&drawn.key, "add", "$x"));
-    let handles = all.iter().map(|handle| draggable(&pen, handle)).collect();
-    let mut panel = pen.panel("Distributions", &[], handles);
+    let handles = apart(&pen, &all);
+    let stems = Known::stems(&laws.map(|(_, _, _, density)| density));
+    let mut panel = pen.panel("Distributions", &stems, handles);
     panel.columns.extend(laws.iter().flat_map(|(label, _, _, density)| known.masses(label, density)));
     panel.add = add.unwrap_or_default();
     panel
+}
+
+/// All handles. One that is over another stands below it, where its vertical place has no meaning, so that both can be taken.
+fn apart(pen: &Pen<'_>, all: &[handles::LawHandle]) -> Vec<Handle> {
+    let mut placed: Vec<Handle> = vec![];
+    for of in all {
+        let mut handle = draggable(pen, of);
+        let covered = |at: [f64; 2]| {
+            placed.iter().any(|other| (other.at[0] - at[0]).hypot(other.at[1] - at[1]) < APART / 2.0)
+        };
+        while !of.node && covered(handle.at) {
+            handle.at[1] += APART;
+        }
+        placed.push(handle);
+    }
+    placed
 }
 
 /// A handle at its place on the curve, or at the top of its point mass.

@@ -13,7 +13,7 @@ use asperity::record::{Quantity, Record};
 use asperity::scenario::Scenario;
 
 use crate::answer::{Answer, Computed, Density, WidthCurve};
-use crate::picture::{Column, Curve, Frame, Labels, Panel, Series, plain};
+use crate::picture::{Column, Curve, Form, Frame, Key, Labels, Panel, Series, plain};
 use crate::request::View;
 
 /// Height of a picture in pixels.
@@ -87,6 +87,13 @@ impl Known<'_> {
     /// A column of values that are no curve.
     fn column(&self, words: &str, quantity: Quantity, values: Vec<f64>) -> Column {
         Series::own(values).column(self.labels().with_unit(words, quantity))
+    }
+
+    /// The entry of point masses in a legend, where there are some.
+    fn stems(densities: &[&Density]) -> Vec<Key> {
+        let there = densities.iter().any(|density| !density.at.is_empty());
+        let words = "point masses: weight 1 is 0.9 of the axis";
+        there.then(|| Key::new(words, "quiet", Form::Dots)).into_iter().collect()
     }
 
     /// Point masses as numbers.

@@ -18,7 +18,7 @@ pub fn panel(known: &Known<'_>, found: &StretchDistributions) -> Panel {
     let words = [("stretch x", Quantity::Length), ("probability density", Quantity::PerLength)];
     let mut pen = Pen::new(known.frame("stretches", words, curves));
     pen.stems(&found.density.at, &found.density.weights, "blue");
-    let mut panel = pen.panel("Stretches at <i>X</i>", &[], vec![]);
+    let mut panel = pen.panel("Stretches at <i>X</i>", &Known::stems(&[&found.density]), vec![]);
     panel.columns.push(known.column("position X", Quantity::Length, vec![found.position]));
     panel.columns.extend(known.masses("<i>Q</i>", &found.density));
     panel

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::digits::{brief, rounded};
+
 /// Powers of ten at an axis, at most.
 const DECADES: usize = 7;
 
@@ -34,6 +36,9 @@ impl Axis {
         if min > max {
             (min, max) = if logarithmic { (0.1, 10.0) } else { (0.0, 1.0) };
         }
+        if min == 0.0 && max == 0.0 {
+            max = 1.0;
+        }
         match (logarithmic, span) {
             (true, Span::Exact) if max > min => {}
             (true, _) => {
@@ -42,7 +47,7 @@ impl Axis {
             }
             (false, Span::Exact) if max > min => {}
             (false, _) => {
-                let size = if max > min { max - min } else { max.abs().max(1e-9) };
+                let size = if max > min { max - min } else { max.abs() };
                 let low = min - 0.1 * size;
                 min = if min >= 0.0 { low.max(0.0) } else { low };
                 max += 0.1 * size;
@@ -79,6 +84,15 @@ impl Axis {
         }
         let between = self.multiples(&[1.0, 2.0, 5.0]);
         if between.len() > 1 { between } else { self.linear_ticks(most) }
+    }
+
+    /// The number at a tick, with the digits by which it differs from its neighbours.
+    pub fn label(&self, tick: f64) -> String {
+        let times = self.min.abs().max(self.max.abs()) / (self.max - self.min);
+        let digits = if self.logarithmic { 0.0 } else { times.log10().ceil() + 5.0 };
+        let value = rounded(tick, digits.clamp(6.0, 15.0) as usize);
+        // Exponents would make many digits longer.
+        if digits > 6.0 && (1e-3..1e15).contains(&value.abs()) { value.to_string() } else { brief(value) }
     }
 
     /// Lines between the numbers of a logarithmic axis of few decades.
@@ -130,12 +144,30 @@ mod tests {
     }
 
     #[test]
+    fn neighbours_have_different_numbers() {
+        for (min, max) in [(0.0, 1.1), (1e6, 1e6 + 1.1), (-1e9 - 0.3, -1e9), (0.3, 0.3 + 1e-9)] {
+            let axis = Axis { min, max, logarithmic: false };
+            for most in [2, 7, 200] {
+                let ticks = axis.ticks(most);
+                let labels: Vec<String> = ticks.iter().map(|&tick| axis.label(tick)).collect();
+                assert!(labels.windows(2).all(|pair| pair[0] != pair[1]), "{labels:?}");
+                // Not the digits of rounding.
+                assert!(labels.iter().all(|label| label.len() <= 17), "{labels:?}");
+            }
+        }
+        let axis = Axis { min: 0.0, max: 0.7, logarithmic: false };
+        assert_eq!(axis.ticks(7).into_iter().map(|tick| axis.label(tick)).next_back().unwrap(), "0.7");
+    }
+
+    #[test]
     fn an_axis_has_a_place_for_each_value() {
         let axis = Axis::of(&mut [0.0, 2.0, f64::NAN].into_iter(), Span::Wider, false);
         assert_eq!((axis.min, axis.max), (0.0, 2.2));
         let axis = Axis::of(&mut [0.0, 1e-3, 1.0].into_iter(), Span::Exact, true);
         assert_eq!((axis.min, axis.max), (1e-3, 1.0));
         assert!(!axis.share(0.0).is_finite() && (axis.share(1.0) - 1.0).abs() < 1e-12);
+        let axis = Axis::of(&mut [0.0, 0.0].into_iter(), Span::Wider, false);
+        assert_eq!((axis.min, axis.max), (0.0, 1.1));
         for same in [0.0, 3.0, -2.0] {
             let axis = Axis::of(&mut [same].into_iter(), Span::Exact, false);
             assert!(axis.max > axis.min && (0.0..=1.0).contains(&axis.share(same)), "{axis:?}");

@@ -8,6 +8,8 @@ const COLORS: [[f64; 3]; 5] =
     [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
 /// Columns of the picture.
 const COLUMNS: usize = 600;
+/// Rows of the picture, at most.
+const ROWS: usize = 600;
 /// Steps of the scale of colours.
 const STEPS: usize = 64;
 
@@ -36,9 +38,9 @@ impl Field<'_> {
         let [low, high] = range;
         let size = if high > low { high - low } else { 1.0 };
         let rows: Vec<usize> = (0..COLUMNS).map(|column| self.row(column)).collect();
-        let share =
-            |x: usize, y: usize| (self.values[rows[x] * self.cells + self.cells - 1 - y] - low) / size;
-        picture(svg, &pixels(COLUMNS, self.cells, &share), [left, top, width, height]);
+        let count = self.cells.min(ROWS);
+        let share = |x: usize, y: usize| (self.mean(rows[x], count - 1 - y, count) - low) / size;
+        picture(svg, &pixels(COLUMNS, count, &share), [left, top, width, height]);
         let [right, bottom] = [left + width, top + height];
         let step = |_: usize, y: usize| 1.0 - y as f64 / (STEPS - 1) as f64;
         picture(svg, &pixels(1, STEPS, &step), [right + 10.0, top, 10.0, height]);
@@ -46,6 +48,12 @@ impl Field<'_> {
         svg.text(At::start(right + 24.0, top + 8.0), &crate::digits::precise(high, 3));
         let middle = top + 0.5 * height;
         svg.text(At { anchor: "middle", upward: true, ..At::start(right + 34.0, middle) }, &self.words);
+    }
+
+    /// The mean over a block of cells, one of so many of the same size.
+    fn mean(&self, row: usize, block: usize, blocks: usize) -> f64 {
+        let [first, end] = [block, block + 1].map(|edge| row * self.cells + edge * self.cells / blocks);
+        self.values[first..end].iter().sum::<f64>() / (end - first) as f64
     }
 
     /// The last row that begins before the middle of a column of pixels.
@@ -83,4 +91,31 @@ fn picture(svg: &mut Svg, address: &str, [left, top, width, height]: [f64; 4]) {
     svg.raw(" href=\"");
     svg.raw(address);
     svg.raw("\"/>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_cells_have_few_rows() {
+        let cells = 1500;
+        let values: Vec<f64> = (0..2 * cells).map(|i| i as f64).collect();
+        let field = Field {
+            at: &[0.0, 1.0],
+            cells,
+            values: &values,
+            ends: [[0.0, 2.0], [0.0, 1500.0]],
+            words: String::new(),
+        };
+        // Blocks of two and three cells.
+        assert_eq!((field.mean(0, 0, ROWS), field.mean(1, 1, ROWS)), (0.5, 1503.0));
+        let means: f64 = (0..ROWS / 2)
+            .map(|pair| field.mean(0, 2 * pair, ROWS) * 2.0 + field.mean(0, 2 * pair + 1, ROWS) * 3.0)
+            .sum();
+        assert_eq!(means, values[..cells].iter().sum::<f64>());
+        let mut svg = Svg::default();
+        field.draw(&mut svg, [0.0, 0.0, 100.0, 100.0]);
+        assert!(svg.0.len() < 2 * COLUMNS * ROWS, "{}", svg.0.len());
+    }
 }

@@ -2,8 +2,6 @@
 
 use std::borrow::Cow;
 
-use crate::digits::{brief, rounded};
-
 use super::axis::{Axis, Span};
 use super::field::Field;
 use super::legend::{self, Form, Key};
@@ -95,7 +93,7 @@ impl<'a> Pen<'a> {
         let [width, height] = frame.size;
         let bottom = height - BOTTOM;
         let rows = y.ticks(((bottom - TOP) / 28.0) as usize);
-        let longest = rows.iter().map(|&value| tick(value).len()).max().unwrap_or(0);
+        let longest = rows.iter().map(|&value| y.label(value).len()).max().unwrap_or(0);
         let left = (34.0 + LETTER * longest as f64).max(66.0);
         let right = width - if frame.field.is_some() { SCALE } else { RIGHT };
         let plot = [left, TOP, (right - left).max(10.0), bottom - TOP];
@@ -124,11 +122,11 @@ impl<'a> Pen<'a> {
         }
         for x in columns {
             let at = At { anchor: "middle", ..At::start(self.left(x), bottom + 16.0) };
-            self.svg.text(at, &tick(x));
+            self.svg.text(at, &self.x.label(x));
         }
         for &y in rows {
             let at = At { anchor: "end", ..At::start(left - 6.0, self.top(y) + 4.0) };
-            self.svg.text(at, &tick(y));
+            self.svg.text(at, &self.y.label(y));
         }
         let middle = left + 0.5 * width;
         let room = 2.0 * middle.min(self.frame.size[0] - middle);
@@ -316,10 +314,4 @@ fn axis<'a>(frame: &'a Frame<'a>, of: fn(&'a Curve<'a>) -> &'a [f64], span: Span
 
 fn points<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + 'a {
     x.iter().zip(y).map(|(&x, &y)| [x, y])
-}
-
-/// The number at a tick.
-fn tick(value: f64) -> String {
-    // The digits that a step of an axis has.
-    brief(rounded(value, 6))
 }
