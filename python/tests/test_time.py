@@ -168,7 +168,7 @@ def test_rules_are_described() -> None:
         ),
         (
             lambda: asp.Step(hold=1.0, relative_normal_load=0.0),
-            r"step\.relative_normal_load: expected a finite number above 0, got 0",
+            r"step\.relative_normal_load: expected a number above 0, got 0",
         ),
         (
             lambda: asp.Transport(THERMAL).follow([asp.Step(hold=1.0, relative_normal_load=2.0)]),
