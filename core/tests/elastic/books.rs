@@ -130,6 +130,23 @@ fn the_same_cells_slip_however_closely_drives_are_found() {
     assert!(drives.windows(2).all(|pair| pair[1] > pair[0]), "{drives:?}");
 }
 
+/// Slips begin with the first cell of their event, also where several events have the same drive.
+#[test]
+fn slips_count_from_the_beginning_of_their_event() {
+    let slider = neighbours(Shape::Chain(60), Edges::Open, 0.3).unwrap();
+    let setting = InterfaceParameters { viscosity: Some(1.0), ..setting(0.3, CellSlip::Overdamped, 1e-2) };
+    let mut chain = interface(&gaussian(0.05), Some(scales(60, 0.1)), slider, setting);
+    let (mut drives, mut starts) = (Vec::new(), Vec::new());
+    chain
+        .run(6.0, &mut |event, slipped| {
+            drives.push(event.drive);
+            starts.push(slipped.iter().map(|cell| cell.start).fold(f64::INFINITY, f64::min));
+        })
+        .unwrap();
+    assert!(drives.windows(2).any(|pair| pair[0] == pair[1]), "{drives:?}");
+    assert!(starts.iter().all(|start| *start == 0.0), "{starts:?}");
+}
+
 /// Stiffer than K_c nothing slips, and the work of the drive is an integral that Simpson's rule knows to its fourth
 /// order, here 1e-7.
 #[test]

@@ -3,15 +3,14 @@
 //! A comparison within 4 standard errors fails a right program once in 16 000 for a fresh seed; there are some 120 here, so
 //! once in 130 for the whole file. Seeds are fixed.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use crate::common::sliders::Impatient;
 use crate::common::{gaussian, lognormal, point, rectangular};
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::ensemble::{Disorder, Ensemble, EnsembleTrace, Snapshots};
 use asperity::history::{History, Piece};
 use asperity::law::{Exponential, Gamma, Mixture, SharedLaw};
-use asperity::monitor::Monitor;
 use asperity::rate_dependent::RateDependentContacts;
 use asperity::{Error, Result};
 
@@ -509,16 +508,6 @@ fn times_do_not_change_contacts() {
     assert_eq!([few.force[0], few.force[1]], [many.force[1], many.force[3]]);
 }
 
-/// Stops at the first question after some.
-struct StopsAfter(u32);
-
-impl Monitor for StopsAfter {
-    fn progress(&mut self, _: f64) -> ControlFlow<()> {
-        self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 /// A threshold that diffuses takes some 10¹⁰ steps in this hold, within one life of a contact.
 #[test]
 fn a_long_hold_of_a_diffusing_threshold_can_be_stopped() {
@@ -527,10 +516,10 @@ fn a_long_hold_of_a_diffusing_threshold_can_be_stopped() {
     case.size = 2;
     let (ensemble, hold) = (case.build().unwrap(), pieces(&[(0.0, 1e10)]));
     for question in 1..=6 {
-        let stopped = ensemble.follow_with(&hold, &[1e9, 1e10], &mut StopsAfter(question));
+        let stopped = ensemble.follow_with(&hold, &[1e9, 1e10], &mut Impatient(question));
         assert_eq!(stopped.map(drop), Err(Error::Stopped));
         let mut contacts = ensemble.in_time().unwrap();
-        assert_eq!(contacts.step(0.0, 1e10, &mut StopsAfter(question)), Err(Error::Stopped));
+        assert_eq!(contacts.step(0.0, 1e10, &mut Impatient(question)), Err(Error::Stopped));
     }
 }
 

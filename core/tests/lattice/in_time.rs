@@ -1,8 +1,7 @@
 //! The lattice at a velocity: uncoupled against the ensemble in time and the renewal equation, coupled against plain
 //! programs that go on in small steps, and against the lattice without time.
 
-use std::ops::ControlFlow;
-
+use crate::common::sliders::Impatient;
 use crate::common::{gaussian, initial, lognormal, point, rectangular};
 use asperity::Error;
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Start, Temperature, ThresholdEvolution};
@@ -11,7 +10,6 @@ use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
 use asperity::master::MasterEquation;
-use asperity::monitor::Monitor;
 use asperity::random::{Purpose, Stream};
 use asperity::task::interface::{DrivenContacts, DrivenContactsInTime, DrivenInterface, LoadPointMotion};
 
@@ -520,16 +518,6 @@ fn what_cannot_be_followed_is_refused() {
     assert!(still.restore(timeless(plain).unwrap().state()).is_err());
 }
 
-/// Stops at the first question after some.
-struct StopsAfter(u32);
-
-impl Monitor for StopsAfter {
-    fn progress(&mut self, _: f64) -> ControlFlow<()> {
-        self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 /// In a hold contacts break whose thresholds fall below their stretches, however much more slowly than those at the edges of fresh
 /// thresholds change at first: a distribution with jumps, and one that broadens.
 #[test]
@@ -574,7 +562,7 @@ fn a_stopped_hold_is_left_behind() {
     let mut driven = DrivenContactsInTime::new(driven, LoadPointMotion::Velocity(velocity));
     assert!(driven.advance(1.0, u64::MAX, &mut (), &mut |_| ()).unwrap());
     // The first two questions are those of the change of the velocity, the third is that of the first event.
-    assert_eq!(driven.hold_with(1e6, &mut StopsAfter(3)), Err(Error::Stopped));
+    assert_eq!(driven.hold_with(1e6, &mut Impatient(3)), Err(Error::Stopped));
     let begun = driven.time();
     assert!(driven.advance(to, u64::MAX, &mut (), &mut |_| ()).unwrap());
     assert_eq!(driven.drive(), to);
@@ -596,7 +584,7 @@ fn a_change_of_velocity_that_is_stopped_changes_nothing() {
         let (mut whole, mut stopped) = (started(), started());
         // One question before hazards are counted, and one before the next breaks are computed.
         for question in 1..=2 {
-            let outcome = stopped.set_velocity_with(0.02, &mut StopsAfter(question));
+            let outcome = stopped.set_velocity_with(0.02, &mut Impatient(question));
             assert_eq!((outcome, stopped.velocity()), (Err(Error::Stopped), Some(0.1)));
         }
         whole.set_velocity(0.02).unwrap();
